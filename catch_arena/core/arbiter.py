@@ -15,7 +15,7 @@ from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import entry, outlined, phase, rule
 from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
-from catch_arena.core.vectors import floor, sqrt
+from catch_arena.core.vectors import floor, select, sqrt
 from catch_arena.verdicts import Verdict
 
 RequestTable = NDArray[np.int64]
@@ -37,7 +37,8 @@ FIRST_COME: Final = 1
 CAPSTONE: Final = 2
 POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 
-_ELIGIBLE: Final = 0
+ELIGIBLE: Final = 0
+"""Instead of a verdict: R5.2 does not stand in the way."""
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
 _MALFORMED: Final = int(Verdict.MALFORMED)
 _HUNTER_INACTIVE: Final = int(Verdict.HUNTER_INACTIVE)
@@ -45,7 +46,7 @@ _DUPLICATE: Final = int(Verdict.DUPLICATE)
 _UNKNOWN_TARGET: Final = int(Verdict.UNKNOWN_TARGET)
 _ALREADY_CAUGHT: Final = int(Verdict.ALREADY_CAUGHT)
 _SERVICE_DOWN: Final = int(Verdict.SERVICE_DOWN)
-_OUT_OF_REACH: Final = int(Verdict.OUT_OF_REACH)
+OUT_OF_REACH: Final = int(Verdict.OUT_OF_REACH)
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 _KILL_FAILED: Final = int(Verdict.KILL_FAILED)
 _GRANTED: Final = int(Verdict.GRANTED)
@@ -70,20 +71,16 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 
 
 @rule
-def common_checks(target: int, inactive: bool, over: bool) -> int:
-    """R5.2, R9.1: the first test that a request fails of those that all policies share; 0 where none."""
-    if over:
-        return _MATCH_OVER
-    if target == MALFORMED_REQUEST:
-        return _MALFORMED
-    if inactive:
-        return _HUNTER_INACTIVE
-    return _ELIGIBLE
+def common_checks(target: int, inactive: bool, over: bool, otherwise: int) -> int:
+    """R5.2, R9.1: the first test that a request fails of those that all policies share; `otherwise` where none."""
+    active = select(inactive, _HUNTER_INACTIVE, otherwise)
+    well_formed = select(target == MALFORMED_REQUEST, _MALFORMED, active)
+    return select(over, _MATCH_OVER, well_formed)
 
 
 @rule
 def first_failed_test(
-    target: int, distance_um: int, reach_um: int, inactive: bool, duplicate: bool, over: bool, service_up: bool
+    target: int, distance_um: float, reach_um: float, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
     """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way.
 
@@ -96,31 +93,19 @@ def first_failed_test(
         over: whether the episode has ended.
         service_up: whether the kill service answers.
     """
-    failed = common_checks(target, inactive, over)
-    if failed != _ELIGIBLE:
-        return failed
-    if duplicate:
-        return _DUPLICATE
-    if target == NEVER_SPAWNED:
-        return _UNKNOWN_TARGET
-    if target == ALREADY_GONE:
-        return _ALREADY_CAUGHT
-    if not service_up:
-        return _SERVICE_DOWN
-    if not within_reach(distance_um, reach_um):
-        return _OUT_OF_REACH
-    return _ELIGIBLE
+    # without a branch, for several lanes at once: from the last test to the first, which has the last word
+    reach = select(within_reach(distance_um, reach_um), ELIGIBLE, OUT_OF_REACH)
+    service = select(service_up, reach, _SERVICE_DOWN)
+    alive = select(target == ALREADY_GONE, _ALREADY_CAUGHT, service)
+    known = select(target == NEVER_SPAWNED, _UNKNOWN_TARGET, alive)
+    first = select(duplicate, _DUPLICATE, known)
+    return common_checks(target, inactive, over, first)
 
 
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: the original's service says yes to everybody whom it can answer at all."""
-    failed = common_checks(target, inactive, over)
-    if failed != _ELIGIBLE:
-        return failed
-    if not service_up:
-        return _SERVICE_DOWN
-    return _GRANTED
+    return common_checks(target, inactive, over, select(service_up, _GRANTED, _SERVICE_DOWN))
 
 
 @rule
@@ -189,10 +174,10 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
             )
         requests[i, REQUEST_VERDICT] = verdict
         requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else -1
-        if verdict not in (_ELIGIBLE, _OUT_OF_REACH):
+        if verdict not in (ELIGIBLE, OUT_OF_REACH):
             requests[i, REQUEST_DISTANCE] = -1  # R5.6: reach was not tested
     for i in range(len(requests)):
-        if requests[i, REQUEST_VERDICT] == _ELIGIBLE:
+        if requests[i, REQUEST_VERDICT] == ELIGIBLE:
             decide_contest(requests, i, policy, seed, step)
 
 
@@ -201,7 +186,7 @@ def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uin
     """R5.4 to R5.7: the verdicts of all requests that may catch the same target as one of them.
 
     Args:
-        requests: the request table; those that may catch a target have the verdict _ELIGIBLE so far.
+        requests: the request table; those that may catch a target have the verdict ELIGIBLE so far.
         first: the row of the first request of this contest.
         policy: NEAREST or FIRST_COME (R5.9).
         seed: the arena's, from which lots are drawn (A.5).
@@ -210,7 +195,7 @@ def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uin
     best = first
     claimants = 0
     for i in range(len(requests)):
-        if requests[i, REQUEST_VERDICT] == _ELIGIBLE and requests[i, REQUEST_TARGET] == requests[first, REQUEST_TARGET]:
+        if requests[i, REQUEST_VERDICT] == ELIGIBLE and requests[i, REQUEST_TARGET] == requests[first, REQUEST_TARGET]:
             claimants += 1
             if i != best and is_preferred(
                 policy,
@@ -226,7 +211,7 @@ def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uin
     target = requests[first, REQUEST_TARGET]
     winner = requests[best, REQUEST_SEAT]
     for i in range(len(requests)):
-        if requests[i, REQUEST_VERDICT] == _ELIGIBLE and requests[i, REQUEST_TARGET] == target:
+        if requests[i, REQUEST_VERDICT] == ELIGIBLE and requests[i, REQUEST_TARGET] == target:
             requests[i, REQUEST_VERDICT] = _LOST_CONTEST
             requests[i, REQUEST_WINNER] = winner
     requests[best, REQUEST_VERDICT] = _KILL_FAILED if requests[best, REQUEST_KILL_REFUSED] != 0 else _GRANTED

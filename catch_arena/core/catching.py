@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import (
+    CAPSTONE,
+    ELIGIBLE,
+    OUT_OF_REACH,
     REQUEST_DISTANCE,
     REQUEST_INACTIVE,
     REQUEST_KILL_REFUSED,
@@ -16,6 +19,7 @@ from catch_arena.core.arbiter import (
     REQUEST_VERDICT,
     REQUEST_WINNER,
     RequestTable,
+    first_failed_test,
     judge,
     measure_um,
 )
@@ -54,7 +58,7 @@ from catch_arena.core.state import (
     span,
     winner_in,
 )
-from catch_arena.core.vectors import Width, group, select
+from catch_arena.core.vectors import Width, any_of, each, group, long, select, truncate
 from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
 from catch_arena.verdicts import Verdict
 
@@ -77,21 +81,78 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
 
 
 @phase
-def count_requests(s: Settings, width: Width, scratch: Scratch, counts: Block) -> None:
-    """How many requests each lane has: `counts`, one row, is the result."""
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        count = 0.0
-        for seat in range(s.hunters):
-            count = count + select(requested_slots_of(scratch, seat)[lane] == float(NO_TARGET), 0.0, 1.0)
-        counts[lane] = count
+def ask_service(block: Block, s: Settings, width: Width, service_up: Block) -> None:
+    """R8.3: whether the kill service answers in this step: `service_up`, one row of flags, is the result."""
+    for lane in range(span(width)):
+        service_up[lane] = 1.0
+    if s.kill_down_rate > 0.0:
+        for lane in range(span(width)):
+            seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+            if kill_service_down(seed, block[STEP + lane], s.kill_down_rate):
+                service_up[lane] = 0.0
 
 
 @phase
-def collect_requests(s: Settings, lane: int, scratch: Scratch) -> int:
-    """Who asks for which slot, in one lane.
+def refuse_requests(
+    block: Block,
+    s: Settings,
+    width: Width,
+    targets: Block,
+    limits: NDArray[np.float64],
+    scratch: Scratch,
+    service_up: Block,
+    counts: Block,
+) -> None:
+    """R5.2, several lanes at once: a request that fails a test by itself, whatever others ask for, is answered. Under
+    full control these are most.
 
     Args:
+        block: the block, without verdicts; they are written, and what stands beside them.
+        s: the settings; under `capstone` all requests stay open.
+        width: how many lanes a group has.
+        targets: the slots of the block.
+        limits: (H, 5): see `memory.Sections`.
+        scratch: see `workspace.Scratch`; its requested slots are read.
+        service_up: one row, flags: whether the kill service answers.
+        counts: the result, one row: how many requests are open in each lane.
+    """
+    for lane in range(span(width)):
+        counts[lane] = 0.0
+    for seat in range(s.hunters):
+        me, own, counters = seat_of(block, seat), limits_of(limits, seat), counters_of(block, seat, s)
+        requested = requested_slots_of(scratch, seat)
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            slot = requested[lane]
+            asks = slot != float(NO_TARGET)
+            if not any_of(asks):
+                continue
+            named = slot >= 0.0
+            at = long(truncate(select(named, slot, 0.0))) * s.slot_size + each(first, width)
+            distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+            inactive, over = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING
+            serves = service_up[lane] > 0.0
+            failed = first_failed_test(slot, distance_um, own.reach_um, inactive, False, over, serves)
+            refused = asks & (failed != float(ELIGIBLE)) & (s.policy != CAPSTONE)
+            counts[lane] = counts[lane] + select(refused, 0.0, select(asks, 1.0, 0.0))
+            if any_of(refused):
+                number = select(named, targets[NUMBER + at], 0.0)
+                evidence = evidence_of(select(failed == float(OUT_OF_REACH), distance_um, -1.0), -1.0)
+                me[VERDICT + lane] = select(refused, failed, 0.0)
+                me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
+                me[EVIDENCE + lane] = select(refused, evidence, me[EVIDENCE + lane])
+                for verdict in range(1, _LOST_CONTEST):
+                    happened = refused & (failed == float(verdict))
+                    if any_of(happened):
+                        count(counters, verdict, lane, happened, s)
+
+
+@phase
+def collect_requests(block: Block, s: Settings, lane: int, scratch: Scratch) -> int:
+    """Who asks for which slot, in one lane, and has no answer yet.
+
+    Args:
+        block: the block.
         s: the settings.
         lane: the lane.
         scratch: see `workspace.Scratch`; of its requests one row is written for each seat that asks, the seat and the
@@ -103,7 +164,7 @@ def collect_requests(s: Settings, lane: int, scratch: Scratch) -> int:
     number = 0
     for seat in range(s.hunters):
         slot = int(requested_slots_of(scratch, seat)[lane])
-        if slot != NO_TARGET:
+        if slot != NO_TARGET and seat_of(block, seat)[VERDICT + lane] == 0.0:
             scratch.requests[number, REQUEST_SEAT] = seat
             scratch.requests[number, REQUEST_TARGET] = slot
             number += 1
@@ -176,14 +237,14 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
         me[EVIDENCE + lane] = evidence_of(float(requests[i, REQUEST_DISTANCE]), float(requests[i, REQUEST_WINNER]))
         counters = counters_of(block, requests[i, REQUEST_SEAT], s)
-        count(counters, requests[i, REQUEST_VERDICT], lane, s)
+        count(counters, requests[i, REQUEST_VERDICT], lane, True, s)
         for j in range(len(requests) if contested else 0):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
                 and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
                 and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
             ):
-                count(counters, CONTESTS_WON, lane, s)
+                count(counters, CONTESTS_WON, lane, True, s)
                 break
 
 
@@ -256,15 +317,17 @@ def resolve_requests(
             seats and slots, or the codes instead of a slot; or none.
         scratch: see `workspace.Scratch`.
     """
-    counts = scratch.rows[:LANES]
+    service_up, counts = scratch.rows[:LANES], scratch.rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)
-    count_requests(s, width, scratch, counts)
+    if len(given_requests) == 0:
+        ask_service(block, s, width, service_up)
+        refuse_requests(block, s, width, targets, limits, scratch, service_up, counts)
     for lane in range(lanes):
         if len(given_requests) == 0 and counts[lane] == 0.0:
             continue
         requests = given_requests
         if len(given_requests) == 0:
-            requests = scratch.requests[: collect_requests(s, lane, scratch)]
+            requests = scratch.requests[: collect_requests(block, s, lane, scratch)]
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests)
         commit(block, s, lane, targets, limits, requests, scratch)

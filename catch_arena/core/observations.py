@@ -23,6 +23,7 @@ from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import (
     count_ranks,
     measure_rivals,
+    note_places,
     pack_order,
     rank_targets,
     resolve_ties,
@@ -422,9 +423,7 @@ def write(
     compute_time_left(block, s, width, scratch.rows)
     columns = SELF_WIDTH + s.targets_seen * target_width(s) + s.hunters_seen * rival_width(s)
     stride = s.hunters * columns
-    for first in range(0, span(width), len(width)):
-        if first >= lanes:
-            break
+    for first in range(0, lanes, len(width)):
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = scratch.staging if apart else out
         begin = 0 if apart else (arena + first) * stride
@@ -454,6 +453,43 @@ def block_after(blocks: NDArray[np.float64], first: int) -> Block:
 
 
 @phase
+def rank(
+    block: Block, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections, scratch: Scratch
+) -> None:
+    """R7.1: who sees whom in which order, in the lanes of one group: what is read of all hunters again and again stays
+    in the first cache.
+
+    Args:
+        block: the block.
+        s: the settings.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        lanes: how many lanes are arenas.
+        slots: how many slots are in use in any lane.
+        sections: see `memory.Sections`.
+        scratch: see `workspace.Scratch`; the rivals' orders are the result.
+    """
+    keys, teams, targets = scratch.keys, sections.teams, targets_of(block, s)
+    if s.hunters_seen > 0:
+        note_places(block, first, width, s, scratch.places)
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
+        rank_targets(block, me, targets, first, width, slots, s, reach_limit_m2, keys)
+        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
+        if s.hunters_seen > 0:
+            order = rival_order_of(scratch, seat)
+            measure_rivals(block, seat, first, width, s, reach_limit_m2, scratch.places, keys)
+            if s.hunters <= RANKS_PER_WORD:
+                count_ranks(block, seat, first, width, s, teams, keys, scratch.rows, order)
+            else:
+                # one rank more than is seen: a tie at the edge of the view has to be noticed
+                sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
+                resolve_ties(block, seat, first, width, lanes, s, teams, keys, scratch.rows[:LANES])
+                pack_order(keys, s.hunters, s.hunters_seen, first, width, order)
+
+
+@phase
 def observe(
     block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections, scratch: Scratch
 ) -> None:
@@ -479,21 +515,8 @@ def observe(
     if s.targets_move:
         for slot in range(slots):
             update_heading(body_of(targets, slot, s), width)
-    for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
-        rank_targets(block, me, targets, width, slots, s, reach_limit_m2, scratch.keys)
-        pack_order(scratch.keys, slots, s.targets_seen, width, target_order_of(block, seat, s))
-        if s.hunters_seen > 0:
-            order = rival_order_of(scratch, seat)
-            measure_rivals(block, seat, width, s, reach_limit_m2, scratch.keys)
-            if s.hunters <= RANKS_PER_WORD:
-                count_ranks(block, seat, width, s, sections.teams, scratch.keys, scratch.rows, order)
-            else:
-                # one rank more than is seen: a tie at the edge of the view has to be noticed
-                sort_keys(scratch.keys, s.hunters, s.hunters_seen + 1, width)
-                resolve_ties(block, seat, width, lanes, s, sections.teams, scratch.keys)
-                pack_order(scratch.keys, s.hunters, s.hunters_seen, width, order)
+    for group_first in range(0, lanes, len(width)):
+        rank(block, s, group_first, width, lanes, slots, sections, scratch)
     observations, ahead = flat(sections.observations), block_after(sections.blocks, first)
     write(block, s, width, lanes, slots, sections.teams, scratch, observations, first, ahead)
     write_masks(block, s, lanes, sections.masks[first:last])

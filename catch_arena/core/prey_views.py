@@ -43,12 +43,11 @@ from catch_arena.core.state import (
     Y,
     prey_of,
     seat_at,
-    span,
     targets_of,
 )
 from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
 from catch_arena.core.transfers import Place, put_rows, take_tile
-from catch_arena.core.vectors import Width, group, long, select
+from catch_arena.core.vectors import Width, any_of, group, long, select
 from catch_arena.core.workspace import GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
@@ -130,32 +129,34 @@ def body_in(bodies: Bodies, item: int) -> Block:
 
 
 @phase
-def rank_bodies(me: Block, bodies: Bodies, width: Width, lanes: int, keys: Keys) -> None:
-    """R12.4: bodies by distance, then as R7.1 has rivals.
+def rank_bodies(me: Block, bodies: Bodies, first: int, width: Width, lanes: int, keys: Keys, tied: Block) -> None:
+    """R12.4: bodies by distance, then as R7.1 has rivals, in the lanes of one group.
 
     Args:
         me: the rows of the observer.
         bodies: see `Bodies`.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         lanes: how many lanes are arenas.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
+        tied: room for one row.
     """
+    lane = group(first, width)
     for item in range(bodies.total):
         other = body_in(bodies, item)
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
-            unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
-            keys[item * LANES + lane] = select(unseen, FAR, key)
-    sort_keys(keys, bodies.total, bodies.ranks + 1, width)
+        key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
+        unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
+        keys[item * LANES + lane] = select(unseen, FAR, key)
+    sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
     last = min(bodies.ranks, bodies.total - 1)
-    for first in range(0, span(width), len(width)):
-        if some_tied(keys, last, group(first, width)):
-            sort_tied_bodies(me, bodies, first, min(first + len(width), lanes), last, keys)
+    some = some_tied(keys, last, lane)
+    if any_of(some):
+        tied[lane] = select(some, 1.0, 0.0)
+        sort_tied_bodies(me, bodies, first, min(first + len(width), lanes), last, keys, tied)
 
 
 @outlined
-def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: int, keys: Keys) -> None:
+def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: int, keys: Keys, tied: Block) -> None:
     """R12.4: in each lane the sorted bodies that are equally far are put in order among themselves, by insertion.
 
     `ranking.sort_ties` does the same with rivals, which differ in catches, team and seat too; bodies have none.
@@ -167,9 +168,10 @@ def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: in
         last: the lane behind the last.
         ranks: see `ranking.some_tied`.
         keys: sorted by distance, rows of LANES.
+        tied: one row, flags: see `ranking.some_tied`.
     """
     for lane in range(first, last):
-        if not some_tied(keys, ranks, lane):
+        if tied[lane] == 0.0:
             continue
         for newest in range(1, gather_ties(lane, ranks, bodies.total, keys)):
             key = keys[newest * LANES + lane]
@@ -281,8 +283,8 @@ def observe_as_prey(
             bodies = bodies_of(block, s, of_hunters, index, scratch.gathered_prey)
             if bodies.ranks == 0:
                 continue
-            rank_bodies(me, bodies, width, lanes, scratch.keys)
             for first in range(0, lanes, len(width)):
+                rank_bodies(me, bodies, first, width, lanes, scratch.keys, scratch.rows[:LANES])
                 apart = lanes - first < len(width)
                 begin = (arena + first) * stride + index * columns
                 place = Place(scratch.staging if apart else out, 0 if apart else begin, stride)

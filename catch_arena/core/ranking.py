@@ -20,6 +20,7 @@ from catch_arena.core.state import (
     RANKS_PER_WORD,
     SCORE,
     SINE,
+    SPEED,
     TARGET_X,
     TARGET_Y,
     WITHDRAWN,
@@ -27,7 +28,6 @@ from catch_arena.core.state import (
     X,
     Y,
     seat_of,
-    span,
 )
 from catch_arena.core.tiles import body_tile
 from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
@@ -100,54 +100,53 @@ def put_eight(keys: Keys, row: int, lane: int, eight: Eight) -> None:
 
 
 @phase
-def sort_keys(keys: Keys, count: int, ranks: int, width: Width) -> None:
-    """Sort the keys of every lane as far as somebody reads them, eight after eight: each is sorted, and then merged
-    with those that have the ranks so far, of whom the larger ones go on in its place.
+def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> None:
+    """Sort the keys of every lane of a group as far as somebody reads them, eight after eight: each is sorted, and then
+    merged with those that have the ranks so far, of whom the larger ones go on in its place.
 
     Args:
         keys: by slot or seat, rows of LANES; sorted in place, the smallest first.
         count: how many rows have keys.
         ranks: how many of the smallest are wanted in order; the others follow in any, among some that are FAR, up to
             `whole_eights`.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
     """
+    lane = group(first, width)
     for row in range(count, whole_eights(count)):
-        for lane in range(span(width)):
-            keys[row * LANES + lane] = FAR
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        for row in range(0, count, EIGHT):
-            eight = sorted_eight(eight_at(keys, row, lane))
-            for ranked in range(0, min(row, ranks), EIGHT):
-                nearer, eight = merged(eight_at(keys, ranked, lane), eight)
-                put_eight(keys, ranked, lane, nearer)
-                if ranked + EIGHT < ranks:
-                    eight = sorted_bitonic(eight)
-            put_eight(keys, row, lane, eight)
+        keys[row * LANES + lane] = FAR
+    for row in range(0, count, EIGHT):
+        eight = sorted_eight(eight_at(keys, row, lane))
+        for ranked in range(0, min(row, ranks), EIGHT):
+            nearer, eight = merged(eight_at(keys, ranked, lane), eight)
+            put_eight(keys, ranked, lane, nearer)
+            if ranked + EIGHT < ranks:
+                eight = sorted_bitonic(eight)
+        put_eight(keys, row, lane, eight)
 
 
 @phase
-def pack_order(keys: Keys, there: int, ranks: int, width: Width, packed: Block) -> None:
+def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Block) -> None:
     """The slots or seats of the first keys, packed as `state.slot_at_rank` reads them.
 
     Args:
         keys: sorted as far as they are read: rows of LANES.
         there: how many rows have keys.
         ranks: how many ranks are wanted.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
     """
+    lane = group(first, width)
     for rank in range(0, ranks, RANKS_PER_WORD):
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            word = long(keys[lane] & 0)  # 0 in each lane
-            for next_rank in range(RANKS_PER_WORD):
-                if rank + next_rank < min(there, ranks):
-                    item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
-                    word = word | (item << (RANK_BITS * next_rank))
-                else:
-                    word = word | (ABSENT << (RANK_BITS * next_rank))
-            packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
+        word = long(keys[lane] & 0)  # 0 in each lane
+        for next_rank in range(RANKS_PER_WORD):
+            if rank + next_rank < min(there, ranks):
+                item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
+                word = word | (item << (RANK_BITS * next_rank))
+            else:
+                word = word | (ABSENT << (RANK_BITS * next_rank))
+        packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
 
 
 @phase
@@ -155,6 +154,7 @@ def rank_targets(
     block: Block,
     me: Block,
     targets: Block,
+    first: int,
     width: Width,
     slots: int,
     s: Settings,
@@ -167,56 +167,79 @@ def rank_targets(
         block: the block, for its row ALIVE.
         me: the rows of the seat that sees them.
         targets: the slots of the block.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         slots: how many slots are in use in any lane.
         s: the settings.
         reach_limit_m2: the seat's own: see `visibility.is_seen`.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-        alive = truncate(block[ALIVE + lane])
-        for slot in range(slots):
-            at = slot * s.slot_size + lane
-            dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
-            there = alive > slot
-            if s.partial_view:
-                there = there & is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
-            keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
-    sort_keys(keys, slots, s.targets_seen, width)
+    lane = group(first, width)
+    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
+    alive = truncate(block[ALIVE + lane])
+    for slot in range(slots):
+        at = slot * s.slot_size + lane
+        dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
+        there = alive > slot
+        if s.partial_view:
+            there = there & is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
+        keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
+    sort_keys(keys, slots, s.targets_seen, first, width)
 
 
 @phase
-def measure_rivals(block: Block, seat: int, width: Width, s: Settings, reach_limit_m2: float, keys: Keys) -> None:
-    """R7.1, R7.5, R1.6: how far the other hunters are, of those who are seen.
+def note_places(block: Block, first: int, width: Width, s: Settings, places: Block) -> None:
+    """Where all hunters are, side by side for those who look, in the lanes of one group; who has withdrawn is seen by
+    nobody (R1.6): infinitely far.
+
+    Args:
+        block: the block.
+        first: the first lane of the group.
+        width: how many lanes the group has.
+        s: the settings.
+        places: the result [m]: x and y by seat, each as many numbers as the group has lanes.
+    """
+    lane = group(first, width)
+    for seat in range(s.hunters):
+        me = seat_of(block, seat)
+        at = 2 * seat * len(width) + group(0, width)
+        places[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
+        places[len(width) + at] = me[Y + lane]
+
+
+@phase
+def measure_rivals(
+    block: Block, seat: int, first: int, width: Width, s: Settings, reach_limit_m2: float, places: Block, keys: Keys
+) -> None:
+    """R7.1, R7.5: how far the other hunters are, of those who are seen, in the lanes of one group.
 
     Args:
         block: the block.
         seat: who sees them.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         s: the settings.
         reach_limit_m2: the seat's own: see `visibility.is_seen`.
+        places: see `note_places`.
         keys: the result, by seat, rows of LANES.
     """
-    me = seat_of(block, seat)
+    me, lane = seat_of(block, seat), group(first, width)
+    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     for other in range(s.hunters):
-        rival = seat_of(block, other)
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
-            dx, dy = rival[X + lane] - me[X + lane], rival[Y + lane] - me[Y + lane]
-            unseen = (rival[WITHDRAWN + lane] > 0.0) | (other == seat)
-            key = select(unseen, FAR, key_of(dx, dy, other))
-            if s.partial_view:
-                in_view = is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], reach_limit_m2, s)
-                key = select(in_view, key, FAR)
-            keys[other * LANES + lane] = key
+        at = 2 * other * len(width) + group(0, width)
+        dx, dy = places[at] - x, places[len(width) + at] - y
+        key = key_of(dx, dy, other)
+        if s.partial_view:
+            key = select(is_seen(dx, dy, sine, cosine, reach_limit_m2, s), key, FAR)
+        keys[other * LANES + lane] = key
+    keys[seat * LANES + lane] = FAR
 
 
 @phase
 def count_ranks(
     block: Block,
     seat: int,
+    first: int,
     width: Width,
     s: Settings,
     teams: NDArray[np.int64],
@@ -229,35 +252,34 @@ def count_ranks(
     Args:
         block: the block.
         seat: who sees them.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         s: the settings; there are at most RANKS_PER_WORD hunters.
         teams: see `memory.Sections`.
         keys: by seat, rows of LANES.
         ranks: for scratch, a row for each seat.
         packed: the result, one row: see `state.slot_at_rank`; nobody reads what stands behind the last hunter.
     """
-    me = seat_of(block, seat)
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        for one in range(s.hunters):
-            key = keys[one * LANES + lane]
-            rank = 0.0
-            for other in range(one):
-                before = keys[other * LANES + lane]
-                ahead = before < key
-                tied = equally_far(before, key)
-                if any_of(tied):
-                    listed_first = is_listed_first(seat, other, one, teams)
-                    first_if_tied = precedes(me, seat_of(block, other), seat_of(block, one), lane, listed_first)
-                    ahead = select(tied, first_if_tied, ahead)
-                rank = rank + select(ahead, 1.0, 0.0)
-                ranks[other * LANES + lane] = ranks[other * LANES + lane] + select(ahead, 0.0, 1.0)
-            ranks[one * LANES + lane] = rank
-        word = long(keys[lane] & 0)  # 0 in each lane
-        for one in range(s.hunters):
-            shift = long(truncate(RANK_BITS * ranks[one * LANES + lane]))
-            word = word | (long(item_of(keys[one * LANES + lane])) << shift)
-        packed[lane] = number_of(word)
+    me, lane = seat_of(block, seat), group(first, width)
+    for one in range(s.hunters):
+        key = keys[one * LANES + lane]
+        rank = 0.0
+        for other in range(one):
+            before = keys[other * LANES + lane]
+            ahead = before < key
+            tied = equally_far(before, key)
+            if any_of(tied):
+                listed_first = is_listed_first(seat, other, one, teams)
+                first_if_tied = precedes(me, seat_of(block, other), seat_of(block, one), lane, listed_first)
+                ahead = select(tied, first_if_tied, ahead)
+            rank = rank + select(ahead, 1.0, 0.0)
+            ranks[other * LANES + lane] = ranks[other * LANES + lane] + select(ahead, 0.0, 1.0)
+        ranks[one * LANES + lane] = rank
+    word = long(keys[lane] & 0)  # 0 in each lane
+    for one in range(s.hunters):
+        shift = long(truncate(RANK_BITS * ranks[one * LANES + lane]))
+        word = word | (long(item_of(keys[one * LANES + lane])) << shift)
+    packed[lane] = number_of(word)
 
 
 @rule
@@ -298,9 +320,18 @@ def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -
 
 
 @rule
+def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) -> bool:
+    """R7.1: of two rivals who look alike, the one with more catches comes first, then who `is_listed_first`; arguments
+    as of `precedes`.
+    """
+    catches, others_catches = one[SCORE + lane], other[SCORE + lane]
+    more: bool = select(catches == others_catches, listed_first, catches > others_catches)
+    return more
+
+
+@rule
 def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool) -> bool:
-    """R7.1: of two rivals equally far, the one that `lead`s, then the one with more catches, then who
-    `is_listed_first`.
+    """R7.1: of two rivals equally far, the one that `lead`s, then the one that `has_more_catches`.
 
     Args:
         me: the rows of the observer.
@@ -310,41 +341,51 @@ def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool)
         listed_first: whether `one` comes first where nothing else tells them apart.
     """
     first = lead(me, one, other, lane)
-    catches, others_catches = one[SCORE + lane], other[SCORE + lane]
-    by_catches: bool = select(catches == others_catches, listed_first, catches > others_catches)
-    return select(first == 0.0, by_catches, first > 0.0)
+    return select(first == 0.0, has_more_catches(one, other, lane, listed_first), first > 0.0)
+
+
+@rule
+def stand_together(one: Block, other: Block, lane: int) -> bool:
+    """Whether two bodies are in one place and move alike: then they look alike, whoever looks."""
+    in_one_place = (one[X + lane] == other[X + lane]) & (one[Y + lane] == other[Y + lane])
+    head_alike = (one[SINE + lane] == other[SINE + lane]) & (one[COSINE + lane] == other[COSINE + lane])
+    together: bool = in_one_place & head_alike & (one[SPEED + lane] == other[SPEED + lane])
+    return together
 
 
 @rule
 def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
-    """R7.1, R12.4: whether two that are seen, or the last one and the next, are equally far.
+    """R7.1, R12.4: in which lanes two that are seen, or the last one and the next, are equally far.
 
     Args:
         keys: sorted by distance as far as one beyond `ranks`, rows of LANES.
-        ranks: how many are seen.
-        lane: the lane, or a group: whether it is so in some lane of it.
+        ranks: how many are seen, at least one.
+        lane: the lane, or a group.
     """
-    tied = False
-    for rank in range(ranks):
-        tied = tied or any_of(equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane]))
+    tied = equally_far(keys[lane], keys[LANES + lane])
+    for rank in range(1, ranks):
+        tied = tied | equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
     return tied
 
 
 @phase
 def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
-    """R7.1: who is as far as the first rival beyond the view comes right after it, in the place of those farther away.
+    """R7.1: where the first rival beyond the view is as far as the last one that is seen, it may have to come before
+    it. Then all others who are as far come right after it, in the place of those farther away.
 
     Args:
         lane: the lane.
-        ranks: how many rivals are seen; the next one is the first beyond the view.
+        ranks: how many rivals are seen, at least one; the next one is the first beyond the view.
         total: how many bodies there are.
         keys: as `sort_keys` leaves them, rows of LANES.
 
     Returns:
         how many keys there are so far; what stands behind them means nothing any more.
     """
-    count = ranks + 1
     edge = keys[ranks * LANES + lane]
+    if not equally_far(keys[(ranks - 1) * LANES + lane], edge):
+        return ranks
+    count = ranks + 1
     for at in range(count, whole_eights(total)):
         key = keys[at * LANES + lane]
         if equally_far(edge, key):
@@ -355,7 +396,15 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
 
 @outlined
 def sort_ties(
-    block: Block, seat: int, first: int, last: int, s: Settings, ranks: int, teams: NDArray[np.int64], keys: Keys
+    block: Block,
+    seat: int,
+    first: int,
+    last: int,
+    s: Settings,
+    ranks: int,
+    teams: NDArray[np.int64],
+    keys: Keys,
+    tied: Block,
 ) -> None:
     """R7.1: in each lane the sorted rivals who are equally far are put in order among themselves, by insertion.
 
@@ -368,10 +417,11 @@ def sort_ties(
         ranks: see `some_tied`.
         teams: see `memory.Sections`.
         keys: sorted by distance, rows of LANES.
+        tied: one row, flags: see `some_tied`.
     """
     me = seat_of(block, seat)
     for lane in range(first, last):
-        if not some_tied(keys, ranks, lane):
+        if tied[lane] == 0.0:
             continue
         for newest in range(1, gather_ties(lane, ranks, s.hunters, keys)):
             key = keys[newest * LANES + lane]
@@ -381,8 +431,13 @@ def sort_ties(
                 if not equally_far(before, key):
                     break
                 one, other = item_of(key), item_of(before)
+                newer, older = seat_of(block, one), seat_of(block, other)
                 listed_first = is_listed_first(seat, one, other, teams)
-                if not precedes(me, seat_of(block, one), seat_of(block, other), lane, listed_first):
+                if stand_together(newer, older, lane):  # most do, late in an episode
+                    ahead = has_more_catches(newer, older, lane, listed_first)
+                else:
+                    ahead = precedes(me, newer, older, lane, listed_first)
+                if not ahead:
                     break
                 keys[at * LANES + lane] = before
                 at -= 1
@@ -391,7 +446,15 @@ def sort_ties(
 
 @phase
 def resolve_ties(
-    block: Block, seat: int, width: Width, lanes: int, s: Settings, teams: NDArray[np.int64], keys: Keys
+    block: Block,
+    seat: int,
+    first: int,
+    width: Width,
+    lanes: int,
+    s: Settings,
+    teams: NDArray[np.int64],
+    keys: Keys,
+    tied: Block,
 ) -> None:
     """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far. This is the order
     in which they are listed; who wins a target is `arbiter.is_preferred`.
@@ -399,13 +462,17 @@ def resolve_ties(
     Args:
         block: the block.
         seat: who sees them.
-        width: how many lanes a group has.
+        first: the first lane of the group.
+        width: how many lanes the group has.
         lanes: how many lanes are arenas.
         s: the settings.
         teams: see `memory.Sections`.
         keys: sorted by distance, rows of LANES; put right in place.
+        tied: room for one row.
     """
     ranks = min(s.hunters_seen, s.hunters - 2)
-    for first in range(0, span(width), len(width)):
-        if some_tied(keys, ranks, group(first, width)):
-            sort_ties(block, seat, first, min(first + len(width), lanes), s, ranks, teams, keys)
+    lane = group(first, width)
+    some = some_tied(keys, ranks, lane)
+    if any_of(some):
+        tied[lane] = select(some, 1.0, 0.0)
+        sort_ties(block, seat, first, min(first + len(width), lanes), s, ranks, teams, keys, tied)

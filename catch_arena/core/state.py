@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, phase, rule
-from catch_arena.core.vectors import Width, bits_of, floor, number_of
+from catch_arena.core.vectors import Width, bits_of, floor, number_of, select
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
@@ -452,18 +452,19 @@ def counted(counters: Block, counter: int, lane: int, s: Settings) -> int:
 
 
 @phase
-def count(counters: Block, counter: int, lane: int, s: Settings) -> None:
-    """One more; a counter that is full stays as it is. It has room for one in each step of an episode, and only callers
-    that let a hunter request several times in a step, whom nobody counts for, could fill it.
+def count(counters: Block, counter: int, lane: int, happened: bool, s: Settings) -> None:
+    """One more where it has happened; a counter that is full stays as it is. It has room for one in each step of an
+    episode, and only callers that let a hunter request several times in a step, whom nobody counts for, could fill it.
 
     Args:
         counters: rows of LANES.
         counter: CONTESTS_WON or a verdict.
         lane: the lane.
+        happened: whether there is something to count.
         s: the settings.
     """
     row, shift = counter_place(counter, s)
     full = (1 << s.counter_bits) - 1
     word = bits_of(counters[row + lane])
-    if (word >> shift) & full != full:
-        counters[row + lane] = number_of(word + (1 << shift))
+    counts = happened & ((word >> shift) & full != full)
+    counters[row + lane] = number_of(select(counts, word + (1 << shift), word))

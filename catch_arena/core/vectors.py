@@ -3,8 +3,9 @@
 Rules and phases are written for one lane. `group` says what `lane` stands for: with a width of one it is a plain
 index, and everything is a plain number; with more it is that index and the next ones, and what is read there is a
 vector, on which `+ - * /`, comparisons, `&`, `|` and the functions below work number by number, with the same bits.
-Compiled, a vector is what the processor's own are, and stays in registers. Interpreted, it is a NumPy array. There is
-no `+=`, which would change an array wherever else it is known.
+A vector of int64 is an index too: a place of its own in each lane. Compiled, a vector is what the processor's own are,
+and stays in registers. Interpreted, it is a NumPy array. There is no `+=`, which would change an array wherever else it
+is known.
 
 The functions below are what a rule needs besides operators: `select` in place of `a if condition else b`, `floor`,
 `sqrt`, and a few for bits. Each is written twice, for Python and, over Numba's extension interface, for the compiler.
@@ -138,11 +139,6 @@ def low_level(of: Any) -> Any:
 def like(of: Any, dtype: Any) -> Any:
     """As many numbers of another type."""
     return Vector(dtype, of.count) if isinstance(of, Vector) else dtype
-
-
-def _number(of: Any) -> Any:
-    """The type of each number."""
-    return of.dtype if isinstance(of, Vector) else of
 
 
 @register_model(Vector)
@@ -279,6 +275,22 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return builder.load(pointer, align=vector.dtype.bitwidth // 8)
 
 
+def _type_of_gathered(row: Any, places: Any) -> Any:
+    if isinstance(row, ArrayAt) and isinstance(places, Vector) and places.dtype == types.int64:
+        return like(places, row.dtype)(row, places)
+    return None
+
+
+@compiled_as(operator.getitem, _type_of_gathered, 2, ArrayAt, Vector)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (row, places), vector = arguments, signature.return_type
+    numbers = ir.Constant(low_level(vector), ir.Undefined)
+    for lane in map(INT32, range(vector.count)):
+        pointer = pointer_to(context, builder, row, builder.extract_element(places, lane), vector.dtype)
+        numbers = builder.insert_element(numbers, builder.load(pointer), lane)
+    return numbers
+
+
 def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
     if isinstance(row, ArrayAt) and isinstance(lane, Lanes):
         return types.void(row, lane, Vector(row.dtype, lane.count))
@@ -320,10 +332,11 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
+    if isinstance(a, Vector) or isinstance(b, Vector):
+        vector = _common(a, b)
+        return None if vector is None else vector(condition, vector, vector)
     if isinstance(condition, Vector):
-        dtype = _number(a if isinstance(a, Vector) else b)
-        dtype = dtype if isinstance(a, Vector) or isinstance(b, Vector) else types.float64
-        vector = like(condition, dtype)
+        vector = like(condition, types.float64)
         return vector(condition, vector, vector)
     number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else types.unliteral(a)
     if number != types.float64 and number != types.unliteral(b):

@@ -29,6 +29,8 @@ class Scratch(NamedTuple):
 
     keys: NDArray[np.int32]
     """Sorting keys, by slot or seat: rows of LANES."""
+    places: Block
+    """Where the hunters are, in one group of lanes: see `ranking.note_places`."""
     target_tiles: Block
     """What is known of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
     body_tiles: Block
@@ -64,6 +66,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     staging = len(WIDE) * columns + STREAMED  # with room for what is written too much
     return {
         "keys": (MOST * LANES,),
+        "places": (MOST * 2 * len(WIDE),),
         "target_tiles": ((MOST + 1) * len(WIDE) * TILE,),
         "body_tiles": ((MOST + 1) * len(WIDE) * TILE,),
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one

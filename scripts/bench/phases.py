@@ -22,8 +22,8 @@ from catch_arena.core import observations, tick
 from catch_arena.core.jit import Block, phase, unkept_entry
 from catch_arena.core.observations import prefetch_part
 from catch_arena.core.ranking import Keys
-from catch_arena.core.state import LANES, Settings, span
-from catch_arena.core.vectors import Width
+from catch_arena.core.state import LANES, Settings
+from catch_arena.core.vectors import Width, group
 from catch_arena.core.workspace import Scratch
 
 WHOLE = "the whole step"
@@ -60,6 +60,7 @@ def _targets_as_they_lie(
     _block: Block,
     _me: Block,
     _targets: Block,
+    first: int,
     width: Width,
     slots: int,
     _s: Settings,
@@ -68,8 +69,7 @@ def _targets_as_they_lie(
 ) -> None:
     """In the place of `rank_targets`: in the order of their slots."""
     for slot in range(slots):
-        for lane in range(span(width)):
-            keys[slot * LANES + lane] = slot
+        keys[slot * LANES + group(first, width)] = slot
 
 
 @phase
@@ -89,7 +89,7 @@ def _next_block_read_ahead(
     prefetch_part(ahead, 0, 1)
 
 
-_RIVALS = "measure_rivals", "count_ranks", "sort_keys", "resolve_ties"
+_RIVALS = "note_places", "measure_rivals", "count_ranks", "sort_keys", "resolve_ties"
 _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "intake and hosted controllers": (tick, {"apply_actions": _nothing}),
     "arbiter and commit": (tick, {"resolve_requests": _nothing}),

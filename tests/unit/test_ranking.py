@@ -13,6 +13,7 @@ from catch_arena.core.ranking import (
     count_ranks,
     is_listed_first,
     measure_rivals,
+    note_places,
     pack_order,
     precedes,
     resolve_ties,
@@ -34,6 +35,7 @@ from catch_arena.core.state import (
     Y,
     seat_at,
     slot_at_rank,
+    span,
 )
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.engine.core_settings import settings_of
@@ -71,19 +73,25 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 
 
 @unkept_entry
-def count(block, seat, width, s, teams, keys, ranks, packed):
-    block, keys, ranks, packed = by_address(block), by_address(keys), by_address(ranks), by_address(packed)
-    measure_rivals(block, seat, width, s, 0.0, keys)
-    count_ranks(block, seat, width, s, teams, keys, ranks, packed)
+def count(block, seat, width, s, teams, places, keys, ranks, packed):
+    block, places, keys = by_address(block), by_address(places), by_address(keys)
+    ranks, packed = by_address(ranks), by_address(packed)
+    for first in range(0, span(width), len(width)):
+        note_places(block, first, width, s, places)
+        measure_rivals(block, seat, first, width, s, 0.0, places, keys)
+        count_ranks(block, seat, first, width, s, teams, keys, ranks, packed)
 
 
 @unkept_entry
-def sort(block, seat, width, lanes, s, teams, keys, packed):
-    block, keys, packed = by_address(block), by_address(keys), by_address(packed)
-    measure_rivals(block, seat, width, s, 0.0, keys)
-    sort_keys(keys, s.hunters, s.hunters_seen + 1, width)
-    resolve_ties(block, seat, width, lanes, s, teams, keys)
-    pack_order(keys, s.hunters, s.hunters_seen, width, packed)
+def sort(block, seat, width, lanes, s, teams, places, keys, tied, packed):
+    block, places, keys = by_address(block), by_address(places), by_address(keys)
+    tied, packed = by_address(tied), by_address(packed)
+    for first in range(0, span(width), len(width)):
+        note_places(block, first, width, s, places)
+        measure_rivals(block, seat, first, width, s, 0.0, places, keys)
+        sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
+        resolve_ties(block, seat, first, width, lanes, s, teams, keys, tied)
+        pack_order(keys, s.hunters, s.hunters_seen, first, width, packed)
 
 
 @pytest.mark.rule("R7.1")
@@ -96,6 +104,7 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
     rng = np.random.default_rng(hunters)
     s = settings_of(ArenaConfig(hunters=hunters), with_parts=False)
     lanes = LANES if len(width) > 1 else 1
+    places, keys = np.zeros(2 * MOST * len(WIDE)), np.zeros(MOST * LANES, np.int32)
     tied = 0
     for _ in range(20 if lanes > 1 else 100):
         looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
@@ -108,9 +117,9 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
         for seat in range(hunters):
             counted, sorted_ = np.zeros(LANES), np.zeros(LANES)
             if hunters <= RANKS_PER_WORD:
-                keys, ranks = np.zeros(MOST * LANES, np.int32), np.zeros(hunters * LANES)
-                count(block, seat, width, s, teams, keys, ranks, counted)
-            sort(block, seat, width, lanes, s, teams, np.zeros(MOST * LANES, np.int32), sorted_)
+                ranks = np.zeros(hunters * LANES)
+                count(block, seat, width, s, teams, places, keys.copy(), ranks, counted)
+            sort(block, seat, width, lanes, s, teams, places, keys.copy(), np.zeros(LANES), sorted_)
             for lane in range(lanes):
                 orders = [
                     [slot_at_rank(packed, rank, lane) for rank in range(s.hunters_seen)]

@@ -135,7 +135,7 @@ def test_the_global_view_has_a_column_for_each_number_that_the_book_names(config
 
 @unkept_entry
 def _count(counters: Block, counter: int, lane: int, s: state.Settings) -> None:
-    state.count(counters, counter, lane, s)
+    state.count(counters, counter, lane, True, s)
 
 
 @pytest.mark.parametrize("steps", [1, 600, 2**15, 10**9])

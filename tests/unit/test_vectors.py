@@ -12,6 +12,7 @@ from catch_arena.core.vectors import (
     WIDE,
     any_of,
     bits_of,
+    each,
     floor,
     group,
     long,
@@ -70,7 +71,9 @@ def calculate(a, b, out, width):
         out[14 * SIZE + lane] = select((x < y) & (x > 0.0), 1.0, 0.0)
         out[15 * SIZE + lane] = select((x < y) | (x > 0.0), 1.0, 0.0)
         out[16 * SIZE + lane] = number_of((bits_of(x) & 0xFFFFFFFF) | (long(truncate(select(x > 0.0, 7.0, 3.0))) << 40))
-        out[17 * SIZE + lane] = 1.0 if any_of(x > 1000.0) else 0.0
+        out[17 * SIZE + lane] = select(first < SIZE // 2, x, 1)
+        out[18 * SIZE + lane] = a[(each(first, width) * 5 + 3) & (SIZE - 1)]
+        out[19 * SIZE + lane] = 1.0 if any_of(x > 1000.0) else 0.0
 
 
 def expected():
@@ -96,6 +99,8 @@ def expected():
             (x < y) & (x > 0.0),
             (x < y) | (x > 0.0),
             ((x.view(np.int64) & 0xFFFFFFFF) | high).view(np.float64),
+            np.where(np.arange(SIZE) < SIZE // 2, x, 1),
+            x[(np.arange(SIZE) * 5 + 3) % SIZE],
         ]
     )
 
@@ -128,13 +133,13 @@ at_every_width = pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
 @both_ways
 @at_every_width
 def test_float64(made, width):
-    out = np.zeros(18 * SIZE)
+    out = np.zeros(20 * SIZE)
     made(calculate)(NUMBERS, OTHERS, out, width)
-    rows = out.reshape(18, SIZE)
+    rows = out.reshape(20, SIZE)
     for row, right in zip(rows, expected(), strict=False):
         assert same_bits(row, right.astype(np.float64))
     per_group = (NUMBERS > 1000.0).reshape(-1, len(width)).any(axis=1)
-    assert (rows[17] == np.repeat(per_group, len(width))).all()
+    assert (rows[19] == np.repeat(per_group, len(width))).all()
 
 
 @both_ways
@@ -181,3 +186,21 @@ def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
     assert not checked(row, WIDE, 4)
     with pytest.raises(IndexError):
         checked(row, WIDE, 5)
+
+
+@at_every_width
+def test_a_place_of_one_lane_outside_the_row_is_noticed_too(width):
+    """Where each lane has a place of its own."""
+
+    def read(row, width, apart):
+        return any_of(by_address(row)[each(0, width) * apart + 4] > 0.0)
+
+    checked = numba.njit(boundscheck=True, error_model="numpy", _nrt=False)(read)
+    row = np.zeros(4 + len(width))
+    assert not checked(row, width, 1)
+    assert len(width) == 1 or not checked(row, width, 0)
+    with pytest.raises(IndexError):
+        checked(row[:4], width, 0)
+    if len(width) > 1:
+        with pytest.raises(IndexError):
+            checked(row, width, 2)
