@@ -31,6 +31,8 @@ _SURROGATE: Final = re.compile("[\ud800-\udfff]")
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
 MAX_PREY: Final = 32
+MAX_HEADING_RAD: Final = 1000.0
+"""The largest heading that can be given, either way: A.3's sine is tested that far."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -286,7 +288,7 @@ class ArenaConfig:
                 raise ConfigError(f"hunter_poses[{seat}] must be (x, y, theta), got {pose!r}")
             for axis, value in zip("xy", pose[:2], strict=True):
                 _require_number(f"hunter_poses[{seat}].{axis}", value, at_least=0.0, at_most=self.side_m)
-            _require_number(f"hunter_poses[{seat}].theta", pose[2], at_least=-1e3, at_most=1e3)
+            _require_number(f"hunter_poses[{seat}].theta", pose[2], at_least=-MAX_HEADING_RAD, at_most=MAX_HEADING_RAD)
         # 0.0 is added so that no zero has a sign, which the digest would see
         poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
         object.__setattr__(self, "hunter_poses", poses)

@@ -198,6 +198,8 @@ def settings() -> Iterator[Setting]:
                     chapter_of(clause), f"{field.name}.{part.name}", unit, default, f"{clause}: {as_in_a_line(meaning)}"
                 )
             continue
+        if field.name not in words:
+            raise SystemExit(f"catch_arena/config.py: {field.name} has no docstring, which docs/settings.md needs")
         meaning = words[field.name]
         chapter = chapter_of(meaning) or chapter
         choices = words_of(kind)

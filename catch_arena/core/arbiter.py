@@ -73,9 +73,9 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 @rule
 def common_checks(target: int, inactive: bool, over: bool, otherwise: int) -> int:
     """R5.2, R9.1: the first test that a request fails of those that all policies share; `otherwise` where none."""
-    active = select(inactive, _HUNTER_INACTIVE, otherwise)
-    well_formed = select(target == MALFORMED_REQUEST, _MALFORMED, active)
-    return select(over, _MATCH_OVER, well_formed)
+    verdict = select(inactive, _HUNTER_INACTIVE, otherwise)
+    verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
+    return select(over, _MATCH_OVER, verdict)
 
 
 @rule
@@ -93,13 +93,13 @@ def first_failed_test(
         over: whether the episode has ended.
         service_up: whether the kill service answers.
     """
-    # without a branch, for several lanes at once: from the last test to the first, which has the last word
-    reach = select(within_reach(distance_um, reach_um), ELIGIBLE, OUT_OF_REACH)
-    service = select(service_up, reach, _SERVICE_DOWN)
-    alive = select(target == ALREADY_GONE, _ALREADY_CAUGHT, service)
-    known = select(target == NEVER_SPAWNED, _UNKNOWN_TARGET, alive)
-    first = select(duplicate, _DUPLICATE, known)
-    return common_checks(target, inactive, over, first)
+    # from the last test to the first, which has the last word: without a branch, for several lanes at once
+    verdict = select(within_reach(distance_um, reach_um), ELIGIBLE, OUT_OF_REACH)
+    verdict = select(service_up, verdict, _SERVICE_DOWN)
+    verdict = select(target == ALREADY_GONE, _ALREADY_CAUGHT, verdict)
+    verdict = select(target == NEVER_SPAWNED, _UNKNOWN_TARGET, verdict)
+    verdict = select(duplicate, _DUPLICATE, verdict)
+    return common_checks(target, inactive, over, verdict)
 
 
 @rule

@@ -23,7 +23,7 @@ from catch_arena.core.arbiter import (
     judge,
     measure_um,
 )
-from catch_arena.core.jit import Block, phase
+from catch_arena.core.jit import Block, phase, rule
 from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
 from catch_arena.core.rewards import renew_progress_reference
@@ -81,15 +81,22 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
 
 
 @phase
-def ask_service(block: Block, s: Settings, width: Width, service_up: Block) -> None:
-    """R8.3: whether the kill service answers in this step: `service_up`, one row of flags, is the result."""
-    for lane in range(span(width)):
-        service_up[lane] = 1.0
+def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up: Block) -> None:
+    """R8.3: whether the kill service answers in this step.
+
+    Args:
+        block: the block.
+        s: the settings.
+        width: how many lanes a group has.
+        lanes: how many lanes are arenas.
+        service_up: the result, one row of flags.
+    """
+    for first in range(0, span(width), len(width)):
+        service_up[group(first, width)] = 1.0
     if s.kill_down_rate > 0.0:
-        for lane in range(span(width)):
+        for lane in range(lanes):
             seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-            if kill_service_down(seed, block[STEP + lane], s.kill_down_rate):
-                service_up[lane] = 0.0
+            service_up[lane] = 0.0 if kill_service_down(seed, block[STEP + lane], s.kill_down_rate) else 1.0
 
 
 @phase
@@ -97,54 +104,70 @@ def refuse_requests(
     block: Block,
     s: Settings,
     width: Width,
+    lanes: int,
     targets: Block,
     limits: NDArray[np.float64],
     scratch: Scratch,
     service_up: Block,
-    counts: Block,
 ) -> None:
     """R5.2, several lanes at once: a request that fails a test by itself, whatever others ask for, is answered. Under
     full control these are most.
 
     Args:
         block: the block, without verdicts; they are written, and what stands beside them.
-        s: the settings; under `capstone` all requests stay open.
+        s: the settings.
         width: how many lanes a group has.
+        lanes: how many lanes are arenas.
         targets: the slots of the block.
         limits: (H, 5): see `memory.Sections`.
         scratch: see `workspace.Scratch`; its requested slots are read.
-        service_up: one row, flags: whether the kill service answers.
-        counts: the result, one row: how many requests are open in each lane.
+        service_up: see `ask_service`.
     """
-    for lane in range(span(width)):
-        counts[lane] = 0.0
+    repeated = False  # a hunter has one request
     for seat in range(s.hunters):
         me, own, counters = seat_of(block, seat), limits_of(limits, seat), counters_of(block, seat, s)
         requested = requested_slots_of(scratch, seat)
-        for first in range(0, span(width), len(width)):
-            lane = group(first, width)
+        for first in range(0, lanes, len(width)):
+            lane, arena = group(first, width), each(first, width)
             slot = requested[lane]
-            asks = slot != float(NO_TARGET)
+            asks = (slot != float(NO_TARGET)) & (arena < lanes)
             if not any_of(asks):
                 continue
             named = slot >= 0.0
-            at = long(truncate(select(named, slot, 0.0))) * s.slot_size + each(first, width)
+            at = long(truncate(select(named, slot, 0.0))) * s.slot_size + arena
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
-            inactive, over = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING
-            serves = service_up[lane] > 0.0
-            failed = first_failed_test(slot, distance_um, own.reach_um, inactive, False, over, serves)
-            refused = asks & (failed != float(ELIGIBLE)) & (s.policy != CAPSTONE)
-            counts[lane] = counts[lane] + select(refused, 0.0, select(asks, 1.0, 0.0))
+            inactive, over, serves = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING, service_up[lane] > 0.0
+            failed = first_failed_test(slot, distance_um, own.reach_um, inactive, repeated, over, serves)
+            refused = asks & (failed != float(ELIGIBLE))
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
                 evidence = evidence_of(select(failed == float(OUT_OF_REACH), distance_um, -1.0), -1.0)
                 me[VERDICT + lane] = select(refused, failed, 0.0)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[EVIDENCE + lane] = select(refused, evidence, me[EVIDENCE + lane])
-                for verdict in range(1, _LOST_CONTEST):
+                for verdict in range(1, OUT_OF_REACH + 1):
                     happened = refused & (failed == float(verdict))
                     if any_of(happened):
                         count(counters, verdict, lane, happened, s)
+
+
+@rule
+def is_open(me: Block, requested: Block, lane: int) -> bool:
+    """Whether a hunter asks for something, and has no answer yet."""
+    asks: bool = (requested[lane] != float(NO_TARGET)) & (me[VERDICT + lane] == 0.0)
+    return asks
+
+
+@phase
+def count_requests(block: Block, s: Settings, width: Width, scratch: Scratch, counts: Block) -> None:
+    """How many requests are open in each lane: `counts`, one row, is the result."""
+    for first in range(0, span(width), len(width)):
+        lane = group(first, width)
+        count = 0.0
+        for seat in range(s.hunters):
+            asks = is_open(seat_of(block, seat), requested_slots_of(scratch, seat), lane)
+            count = count + select(asks, 1.0, 0.0)
+        counts[lane] = count
 
 
 @phase
@@ -155,7 +178,7 @@ def collect_requests(block: Block, s: Settings, lane: int, scratch: Scratch) -> 
         block: the block.
         s: the settings.
         lane: the lane.
-        scratch: see `workspace.Scratch`; of its requests one row is written for each seat that asks, the seat and the
+        scratch: see `workspace.Scratch`; of its requests one row is written for each that is open, the seat and the
             slot: the other columns are `fill_requests`'.
 
     Returns:
@@ -163,10 +186,10 @@ def collect_requests(block: Block, s: Settings, lane: int, scratch: Scratch) -> 
     """
     number = 0
     for seat in range(s.hunters):
-        slot = int(requested_slots_of(scratch, seat)[lane])
-        if slot != NO_TARGET and seat_of(block, seat)[VERDICT + lane] == 0.0:
+        requested = requested_slots_of(scratch, seat)
+        if is_open(seat_of(block, seat), requested, lane):
             scratch.requests[number, REQUEST_SEAT] = seat
-            scratch.requests[number, REQUEST_TARGET] = slot
+            scratch.requests[number, REQUEST_TARGET] = int(requested[lane])
             number += 1
     return number
 
@@ -217,7 +240,7 @@ def has_verdict(requests: RequestTable, verdict: int) -> bool:
 
 
 @phase
-def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable) -> None:
+def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable, service_up: bool) -> None:
     """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first.
 
     Args:
@@ -225,11 +248,10 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable)
         s: the settings.
         lane: the lane.
         requests: the request table of the lane; its verdicts and winners are written.
+        service_up: whether the kill service answers.
     """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-    step = block[STEP + lane]
-    service_up = not kill_service_down(seed, step, s.kill_down_rate)
-    judge(requests, s.policy, seed, int(step), block[ENDED + lane] != RUNNING, service_up)
+    judge(requests, s.policy, seed, int(block[STEP + lane]), block[ENDED + lane] != RUNNING, service_up)
     contested = has_verdict(requests, _LOST_CONTEST)
     for i in range(len(requests) - 1, -1, -1):  # backwards: the first of a hunter's is written last
         me = seat_of(block, requests[i, REQUEST_SEAT])
@@ -269,7 +291,7 @@ def commit(
         requests: the request table of the lane, judged.
         scratch: see `workspace.Scratch`; the progress references are renewed.
     """
-    if not has_verdict(requests, _GRANTED):  # under full control most requests are refused
+    if not has_verdict(requests, _GRANTED):
         return
     for i in range(len(requests)):
         seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
@@ -304,7 +326,8 @@ def resolve_requests(
     given_requests: RequestTable,
     scratch: Scratch,
 ) -> None:
-    """R1.4's phases 3 and 4 in every lane in which somebody asks for a target.
+    """R1.4's phases 3 and 4: what fails by itself is refused in several lanes at once, and what is left is judged one
+    lane after the other.
 
     Args:
         block: the block.
@@ -319,9 +342,11 @@ def resolve_requests(
     """
     service_up, counts = scratch.rows[:LANES], scratch.rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)
+    ask_service(block, s, width, lanes, service_up)
     if len(given_requests) == 0:
-        ask_service(block, s, width, service_up)
-        refuse_requests(block, s, width, targets, limits, scratch, service_up, counts)
+        if s.policy != CAPSTONE:
+            refuse_requests(block, s, width, lanes, targets, limits, scratch, service_up)
+        count_requests(block, s, width, scratch, counts)
     for lane in range(lanes):
         if len(given_requests) == 0 and counts[lane] == 0.0:
             continue
@@ -329,7 +354,7 @@ def resolve_requests(
         if len(given_requests) == 0:
             requests = scratch.requests[: collect_requests(block, s, lane, scratch)]
         fill_requests(block, s, lane, targets, limits, requests)
-        judge_requests(block, s, lane, requests)
+        judge_requests(block, s, lane, requests, service_up[lane] > 0.0)
         commit(block, s, lane, targets, limits, requests, scratch)
 
 

@@ -176,8 +176,8 @@ def rule(function: F) -> F:
 
 
 def phase(function: F) -> F:
-    """A phase: one block, a loop over its lanes; or phases in their order, or a name for a part of the memory. LLVM
-    decides whether it is written out where it is called.
+    """A phase: one block, a loop over its lanes, or one group of them; or phases in their order, or a name for a part
+    of the memory. LLVM decides whether it is written out where it is called.
     """
     return cast(F, numba.njit(**_INNER)(function))
 

@@ -52,7 +52,7 @@ class Sections(NamedTuple):
     """(teams,): and those seats, in the order of the teams; none where there are no teams."""
     keys: Annotated[NDArray[np.int32], 2]
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
-    places: Annotated[NDArray[np.float64], 2]
+    positions: Annotated[NDArray[np.float64], 2]
     target_tiles: Annotated[NDArray[np.float64], 2]
     body_tiles: Annotated[NDArray[np.float64], 2]
     staging: Annotated[NDArray[np.float32], 2]

@@ -23,7 +23,7 @@ from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import (
     count_ranks,
     measure_rivals,
-    note_places,
+    note_positions,
     pack_order,
     rank_targets,
     resolve_ties,
@@ -453,7 +453,7 @@ def block_after(blocks: NDArray[np.float64], first: int) -> Block:
 
 
 @phase
-def rank(
+def rank_seen(
     block: Block, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections, scratch: Scratch
 ) -> None:
     """R7.1: who sees whom in which order, in the lanes of one group: what is read of all hunters again and again stays
@@ -467,11 +467,11 @@ def rank(
         lanes: how many lanes are arenas.
         slots: how many slots are in use in any lane.
         sections: see `memory.Sections`.
-        scratch: see `workspace.Scratch`; the rivals' orders are the result.
+        scratch: see `workspace.Scratch`; the rivals' orders are the result, and in the block those of the targets.
     """
     keys, teams, targets = scratch.keys, sections.teams, targets_of(block, s)
     if s.hunters_seen > 0:
-        note_places(block, first, width, s, scratch.places)
+        note_positions(block, first, width, s, scratch.positions)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
@@ -479,7 +479,7 @@ def rank(
         pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             order = rival_order_of(scratch, seat)
-            measure_rivals(block, seat, first, width, s, reach_limit_m2, scratch.places, keys)
+            measure_rivals(block, seat, first, width, s, reach_limit_m2, scratch.positions, keys)
             if s.hunters <= RANKS_PER_WORD:
                 count_ranks(block, seat, first, width, s, teams, keys, scratch.rows, order)
             else:
@@ -516,7 +516,7 @@ def observe(
         for slot in range(slots):
             update_heading(body_of(targets, slot, s), width)
     for group_first in range(0, lanes, len(width)):
-        rank(block, s, group_first, width, lanes, slots, sections, scratch)
+        rank_seen(block, s, group_first, width, lanes, slots, sections, scratch)
     observations, ahead = flat(sections.observations), block_after(sections.blocks, first)
     write(block, s, width, lanes, slots, sections.teams, scratch, observations, first, ahead)
     write_masks(block, s, lanes, sections.masks[first:last])

@@ -37,7 +37,7 @@ Keys = NDArray[np.int32]
 
 _SLOTS: Final = MOST - 1
 FAR: Final = 0x7F800000
-"""The key of what is not there: above any other, since it is that of an infinite distance."""
+"""The key of what is not there, that of an infinite distance: no key from it on is of something that is seen."""
 
 
 @rule
@@ -188,7 +188,7 @@ def rank_targets(
 
 
 @phase
-def note_places(block: Block, first: int, width: Width, s: Settings, places: Block) -> None:
+def note_positions(block: Block, first: int, width: Width, s: Settings, positions: Block) -> None:
     """Where all hunters are, side by side for those who look, in the lanes of one group; who has withdrawn is seen by
     nobody (R1.6): infinitely far.
 
@@ -197,19 +197,19 @@ def note_places(block: Block, first: int, width: Width, s: Settings, places: Blo
         first: the first lane of the group.
         width: how many lanes the group has.
         s: the settings.
-        places: the result [m]: x and y by seat, each as many numbers as the group has lanes.
+        positions: the result [m]: x and y by seat, each as many numbers as the group has lanes.
     """
     lane = group(first, width)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         at = 2 * seat * len(width) + group(0, width)
-        places[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
-        places[len(width) + at] = me[Y + lane]
+        positions[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
+        positions[len(width) + at] = me[Y + lane]
 
 
 @phase
 def measure_rivals(
-    block: Block, seat: int, first: int, width: Width, s: Settings, reach_limit_m2: float, places: Block, keys: Keys
+    block: Block, seat: int, first: int, width: Width, s: Settings, reach_limit_m2: float, positions: Block, keys: Keys
 ) -> None:
     """R7.1, R7.5: how far the other hunters are, of those who are seen, in the lanes of one group.
 
@@ -220,14 +220,14 @@ def measure_rivals(
         width: how many lanes the group has.
         s: the settings.
         reach_limit_m2: the seat's own: see `visibility.is_seen`.
-        places: see `note_places`.
+        positions: see `note_positions`.
         keys: the result, by seat, rows of LANES.
     """
     me, lane = seat_of(block, seat), group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     for other in range(s.hunters):
         at = 2 * other * len(width) + group(0, width)
-        dx, dy = places[at] - x, places[len(width) + at] - y
+        dx, dy = positions[at] - x, positions[len(width) + at] - y
         key = key_of(dx, dy, other)
         if s.partial_view:
             key = select(is_seen(dx, dy, sine, cosine, reach_limit_m2, s), key, FAR)
@@ -358,8 +358,8 @@ def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
     """R7.1, R12.4: in which lanes two that are seen, or the last one and the next, are equally far.
 
     Args:
-        keys: sorted by distance as far as one beyond `ranks`, rows of LANES.
-        ranks: how many are seen, at least one.
+        keys: sorted by distance as far as one beyond `ranks`, two rows of LANES at least.
+        ranks: how many are seen.
         lane: the lane, or a group.
     """
     tied = equally_far(keys[lane], keys[LANES + lane])
@@ -380,7 +380,7 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
         keys: as `sort_keys` leaves them, rows of LANES.
 
     Returns:
-        how many keys there are so far; what stands behind them means nothing any more.
+        how many keys, from the first on, have to be put in order.
     """
     edge = keys[ranks * LANES + lane]
     if not equally_far(keys[(ranks - 1) * LANES + lane], edge):
@@ -433,7 +433,7 @@ def sort_ties(
                 one, other = item_of(key), item_of(before)
                 newer, older = seat_of(block, one), seat_of(block, other)
                 listed_first = is_listed_first(seat, one, other, teams)
-                if stand_together(newer, older, lane):  # most do, late in an episode
+                if stand_together(newer, older, lane):  # as most who are tied do, late in an episode
                     ahead = has_more_catches(newer, older, lane, listed_first)
                 else:
                     ahead = precedes(me, newer, older, lane, listed_first)

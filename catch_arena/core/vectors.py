@@ -333,8 +333,8 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
     if isinstance(a, Vector) or isinstance(b, Vector):
-        vector = _common(a, b)
-        return None if vector is None else vector(condition, vector, vector)
+        vector, by_lane = _common(a, b), isinstance(condition, Vector)
+        return None if vector is None else vector(condition if by_lane else types.boolean, vector, vector)
     if isinstance(condition, Vector):
         vector = like(condition, types.float64)
         return vector(condition, vector, vector)

@@ -23,7 +23,7 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: fl
     """R7.5: whether a hunter sees what is dx, dy [m] from it: near enough and in front of it, or within its reach.
 
     Args:
-        dx: east of it [m].
+        dx: east of it [m]; infinite for what nobody sees.
         dy: north of it [m].
         sine: of the hunter's heading.
         cosine: of the same.

@@ -29,8 +29,8 @@ class Scratch(NamedTuple):
 
     keys: NDArray[np.int32]
     """Sorting keys, by slot or seat: rows of LANES."""
-    places: Block
-    """Where the hunters are, in one group of lanes: see `ranking.note_places`."""
+    positions: Block
+    """Where the hunters are, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: Block
     """What is known of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
     body_tiles: Block
@@ -38,7 +38,7 @@ class Scratch(NamedTuple):
     staging: NDArray[np.float32]
     """The observations of one group of lanes, as they lie in memory."""
     requests: RequestTable
-    """The requests of one lane: see `arbiter`."""
+    """The open requests of one lane: see `arbiter`."""
     rows: Block
     """A few rows for whatever a phase counts."""
     requested_slots: Block
@@ -66,7 +66,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     staging = len(WIDE) * columns + STREAMED  # with room for what is written too much
     return {
         "keys": (MOST * LANES,),
-        "places": (MOST * 2 * len(WIDE),),
+        "positions": (MOST * 2 * len(WIDE),),
         "target_tiles": ((MOST + 1) * len(WIDE) * TILE,),
         "body_tiles": ((MOST + 1) * len(WIDE) * TILE,),
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one

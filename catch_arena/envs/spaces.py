@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
 from catch_arena.errors import ActionError
 from catch_arena.layout import Column, columns, prey_columns, state_columns
 from catch_arena.text import in_short
@@ -62,8 +62,9 @@ def require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
     for axis, value in (("x", x), ("y", y)):
         if not 0.0 <= value <= config.side_m:
             raise ActionError(f"spawn: {axis} must lie in [0, {config.side_m:g}], got {value!r}")
-    if not -1e3 <= theta <= 1e3:
-        raise ActionError(f"spawn: theta must lie in [-1000, 1000], got {theta!r}")
+    if not -MAX_HEADING_RAD <= theta <= MAX_HEADING_RAD:
+        limits = f"[{-MAX_HEADING_RAD:g}, {MAX_HEADING_RAD:g}]"
+        raise ActionError(f"spawn: theta must lie in {limits}, got {theta!r}")
 
 
 def checked_choice(agent: str, what: str, action: object, ranks: int) -> int:

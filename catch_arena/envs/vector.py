@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
 from catch_arena.core import episodes, prey, state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
@@ -313,7 +313,8 @@ class VectorArena:
         absent, side = np.isnan(x), self.config.side_m
         inside = (x >= 0.0) & (x <= side) & (y >= 0.0) & (y <= side)
         _require(name, f"at places in the arena, from 0 to {side} m", bodies, absent | inside)
-        _require(name, "of headings from -1000 to 1000 rad", bodies, absent | (np.abs(heading) <= 1000.0))
+        headings = f"of headings from {-MAX_HEADING_RAD:g} to {MAX_HEADING_RAD:g} rad"
+        _require(name, headings, bodies, absent | (np.abs(heading) <= MAX_HEADING_RAD))
         _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
     def _begun_with(self) -> Begun:

@@ -89,7 +89,7 @@ def _next_block_read_ahead(
     prefetch_part(ahead, 0, 1)
 
 
-_RIVALS = "note_places", "measure_rivals", "count_ranks", "sort_keys", "resolve_ties"
+_RIVALS = "note_positions", "measure_rivals", "count_ranks", "sort_keys", "resolve_ties"
 _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "intake and hosted controllers": (tick, {"apply_actions": _nothing}),
     "arbiter and commit": (tick, {"resolve_requests": _nothing}),
@@ -103,8 +103,8 @@ _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
 """What stands in each phase's place."""
 _CALLER = "run"
 """What the engine calls."""
-_CALLED = ("play", "observe")
-"""What that calls; and these call all phases."""
+_CALLED = ((observations, "rank_seen"), (tick, "observe"), (tick, "play"))
+"""What that calls, with the modules in which the callers look; and these call all phases. Who is called comes first."""
 
 
 def _compiled_without(title: str) -> Any:
@@ -114,8 +114,8 @@ def _compiled_without(title: str) -> Any:
     module, stand_ins = _PHASES[title]
     for name, stand_in in stand_ins.items():
         setattr(module, name, stand_in)
-    for name in _CALLED:
-        setattr(tick, name, phase(getattr(tick, name).py_func))
+    for caller, name in _CALLED:
+        setattr(caller, name, phase(getattr(caller, name).py_func))
     setattr(tick, _CALLER, unkept_entry(getattr(tick, _CALLER).py_func))
     return getattr(tick, _CALLER)
 
@@ -163,7 +163,7 @@ def _in_this_process(batches: Sequence[Played], *, quick: bool) -> list[dict[str
     titles = list(_PHASES)[:1] if quick else list(_PHASES)
     small = Played("33 arenas", 33)
     _at_play(small)  # the whole step is compiled, and kept for other processes, before anything stands in for a phase
-    changed = [(tick, name) for name in (*_CALLED, _CALLER)]
+    changed: list[tuple[ModuleType, str]] = [*_CALLED, (tick, _CALLER)]
     changed += [(module, name) for module, stand_ins in _PHASES.values() for name in stand_ins]
     originals = [(module, name, getattr(module, name)) for module, name in changed]
     variants = {"": getattr(tick, _CALLER)}

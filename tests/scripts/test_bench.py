@@ -154,6 +154,26 @@ def test_what_stands_in_for_a_phase_can_be_called_in_its_place(monkeypatch):
             substitute.bind(*original.parameters)
 
 
+def test_all_who_call_a_phase_are_compiled_anew_without_it(monkeypatch):
+    """Who is not goes on calling it, and the phase seems to take no time."""
+    phases = module("phases", monkeypatch)
+    made_anew = {name for _, name in phases._CALLED} | {phases._CALLER}
+
+    def callers(place, name):
+        functions = [getattr(one, "py_func", None) for one in vars(place).values()]
+        found = [one for one in functions if one is not None and one.__globals__ is vars(place)]
+        return {one.__name__ for one in found if name in one.__code__.co_names}
+
+    places = [place for place, _ in phases._PHASES.values()]
+    waiting = [(place, name) for place, stand_ins in phases._PHASES.values() for name in stand_ins]
+    while waiting:
+        found = callers(*waiting.pop())
+        assert found
+        assert found <= made_anew
+        waiting += [(place, name) for name in found - {phases._CALLER} for place in places if callers(place, name)]
+    assert [name for _, name in phases._CALLED] == ["rank_seen", "observe", "play"], "what is called stands first"
+
+
 @pytest.mark.nightly
 def test_the_phases_of_a_step_add_up_to_the_whole(tmp_path):
     """As far as rounding goes; the rest has a row of its own, and what only moves memory stands below."""

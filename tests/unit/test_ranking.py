@@ -13,7 +13,7 @@ from catch_arena.core.ranking import (
     count_ranks,
     is_listed_first,
     measure_rivals,
-    note_places,
+    note_positions,
     pack_order,
     precedes,
     resolve_ties,
@@ -73,22 +73,22 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 
 
 @unkept_entry
-def count(block, seat, width, s, teams, places, keys, ranks, packed):
-    block, places, keys = by_address(block), by_address(places), by_address(keys)
+def count(block, seat, width, s, teams, positions, keys, ranks, packed):
+    block, positions, keys = by_address(block), by_address(positions), by_address(keys)
     ranks, packed = by_address(ranks), by_address(packed)
     for first in range(0, span(width), len(width)):
-        note_places(block, first, width, s, places)
-        measure_rivals(block, seat, first, width, s, 0.0, places, keys)
+        note_positions(block, first, width, s, positions)
+        measure_rivals(block, seat, first, width, s, 0.0, positions, keys)
         count_ranks(block, seat, first, width, s, teams, keys, ranks, packed)
 
 
 @unkept_entry
-def sort(block, seat, width, lanes, s, teams, places, keys, tied, packed):
-    block, places, keys = by_address(block), by_address(places), by_address(keys)
+def sort(block, seat, width, lanes, s, teams, positions, keys, tied, packed):
+    block, positions, keys = by_address(block), by_address(positions), by_address(keys)
     tied, packed = by_address(tied), by_address(packed)
     for first in range(0, span(width), len(width)):
-        note_places(block, first, width, s, places)
-        measure_rivals(block, seat, first, width, s, 0.0, places, keys)
+        note_positions(block, first, width, s, positions)
+        measure_rivals(block, seat, first, width, s, 0.0, positions, keys)
         sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
         resolve_ties(block, seat, first, width, lanes, s, teams, keys, tied)
         pack_order(keys, s.hunters, s.hunters_seen, first, width, packed)
@@ -104,7 +104,8 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
     rng = np.random.default_rng(hunters)
     s = settings_of(ArenaConfig(hunters=hunters), with_parts=False)
     lanes = LANES if len(width) > 1 else 1
-    places, keys = np.zeros(2 * MOST * len(WIDE)), np.zeros(MOST * LANES, np.int32)
+    positions, flags = np.zeros(2 * MOST * len(WIDE)), np.zeros(LANES)
+    keys = np.zeros(MOST * LANES, np.int32)  # what one leaves there another finds
     tied = 0
     for _ in range(20 if lanes > 1 else 100):
         looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
@@ -118,8 +119,8 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
             counted, sorted_ = np.zeros(LANES), np.zeros(LANES)
             if hunters <= RANKS_PER_WORD:
                 ranks = np.zeros(hunters * LANES)
-                count(block, seat, width, s, teams, places, keys.copy(), ranks, counted)
-            sort(block, seat, width, lanes, s, teams, places, keys.copy(), np.zeros(LANES), sorted_)
+                count(block, seat, width, s, teams, positions, keys, ranks, counted)
+            sort(block, seat, width, lanes, s, teams, positions, keys, flags, sorted_)
             for lane in range(lanes):
                 orders = [
                     [slot_at_rank(packed, rank, lane) for rank in range(s.hunters_seen)]
