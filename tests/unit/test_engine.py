@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from catch_arena.core import state
 from catch_arena.core.memory import Sections, sections_of
 from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
+from catch_arena.engine.core_settings import settings_of
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.policy import Limits
@@ -43,6 +45,24 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     alone.reset([77])
 
     assert engine.digest(row) == alone.digest()
+
+
+@pytest.mark.parametrize("control", ["target", "velocity", "full"])
+def test_lanes_that_are_no_arenas_get_no_answers(control):
+    """They are played with the others of their block, by what scratch memory has, and are in a state that is saved."""
+    engine = Engine(scenario("standard", control=control), 5)
+    engine.reset(range(5))
+    rng = np.random.default_rng(3)
+    for _ in range(80):
+        engine.step(rng.integers(0, 9, (5, 4)), rng.uniform(-1, 1, (5, 4, 2)).astype(np.float32))
+    (block,) = engine.blocks
+    s = settings_of(engine.config, with_parts=True)
+    for seat in range(4):
+        for row in (state.VERDICT, state.REQUESTED_NUMBER, state.EVIDENCE):
+            assert not block[state.seat_at(seat) + row :][5 : state.LANES].any()
+    counters = block[state.regions_of(s).counters :].reshape(-1, state.LANES)
+    assert not counters[:, 5:].any()
+    assert counters[:, :5].any()
 
 
 def test_who_is_not_alive_cannot_be_killed():
