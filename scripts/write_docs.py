@@ -182,25 +182,30 @@ class Setting(NamedTuple):
     meaning: str
 
 
+def words_for(owner: type, name: str) -> str:
+    """What the source says below a setting, which must have words there."""
+    words = words_below(owner)
+    if name not in words:
+        raise SystemExit(f"{owner.__name__}.{name} has no docstring, which docs/settings.md needs")
+    return words[name]
+
+
 def settings() -> Iterator[Setting]:
     """Every setting, those of groups too. One that names no clause stands with the one before it."""
     chapter = 2  # of the first one, `hunters`: where they start
-    words = words_below(ArenaConfig)
     kinds = get_type_hints(ArenaConfig)
     for field in dataclasses.fields(ArenaConfig):
         kind: Any = kinds[field.name]
         if dataclasses.is_dataclass(kind):
             clause = (kind.__doc__ or "").partition(":")[0]
             for part in dataclasses.fields(kind):
-                meaning, unit = split_unit(words_below(kind)[part.name])
+                meaning, unit = split_unit(words_for(kind, part.name))
                 default = shown(getattr(kind(), part.name))
                 yield Setting(
                     chapter_of(clause), f"{field.name}.{part.name}", unit, default, f"{clause}: {as_in_a_line(meaning)}"
                 )
             continue
-        if field.name not in words:
-            raise SystemExit(f"catch_arena/config.py: {field.name} has no docstring, which docs/settings.md needs")
-        meaning = words[field.name]
+        meaning = words_for(ArenaConfig, field.name)
         chapter = chapter_of(meaning) or chapter
         choices = words_of(kind)
         if choices:
