@@ -10,6 +10,11 @@ What it writes into --out: `agent.py` and `agent.npz`, which any tournament take
 `progress.csv`, and TensorBoard's files where that is installed; `state.pt`, from which --resume goes on.
 """
 
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()  # before what follows is imported, which takes seconds
+
 import argparse
 import ast
 import contextlib
@@ -33,7 +38,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from catch_arena.errors import CatchArenaError, install_hint
+from catch_arena.errors import CatchArenaError, install_hint, reason
 
 try:
     import torch
@@ -42,13 +47,13 @@ except ModuleNotFoundError:
     sys.exit(f"train_ppo: it needs torch, which is not installed: {install_hint('train')}")
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.config import RewardWeights
+from catch_arena.config import RULESET, RewardWeights
 from catch_arena.files import whole_file, write_whole
-from catch_arena.policy import Limits
+from catch_arena.policy import Limits, control_of
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.tournament.entrants import create_policy, resolve_spec
 from catch_arena.training import LearnerBatch
-from catch_arena.training.destinations import Destinations, destinations_of_batch
+from catch_arena.training.destinations import VERSION, Destinations, destinations_of_batch
 from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, drive, weight_shapes
 
 # settings
@@ -119,6 +124,10 @@ class Settings:
 
     # these may change when a run goes on
     FREE: ClassVar = ("out", "decisions", "threads", "evaluate", "evaluate_rounds")
+    COUNTS: ClassVar = (
+        *("decisions", "imitate_decisions", "arenas", "horizon", "hold", "hidden", "epochs", "minibatch", "snapshot"),
+        *("most_selves", "evaluate_rounds", "threads"),
+    )
 
     def __post_init__(self) -> None:
         """Look at what can be wrong.
@@ -128,21 +137,36 @@ class Settings:
         """
         if self.head not in CONTROL_OF:
             raise ValueError(f"--head must be one of {', '.join(CONTROL_OF)}, got {self.head!r}")
-        for name in ("decisions", "arenas", "horizon", "hold", "hidden", "epochs", "minibatch", "snapshot", "threads"):
+        for name in self.COUNTS:
             if getattr(self, name) < 1:
-                raise ValueError(f"--{name} must be at least 1, got {getattr(self, name)}")
+                raise ValueError(f"{option(name)} must be at least 1, got {getattr(self, name)}")
+        for name in ("seed", "evaluate"):
+            if getattr(self, name) < 0:
+                raise ValueError(f"{option(name)} must be at least 0, got {getattr(self, name)}")
         for name in ("self_play", "gamma", "trace", "clip"):
             if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"--{name.replace('_', '-')} must be from 0 to 1, got {getattr(self, name)}")
+                raise ValueError(f"{option(name)} must be from 0 to 1, got {getattr(self, name)}")
         for name in ("rate", "entropy", "spread", "prior"):
             if not 0 <= getattr(self, name) < float("inf"):
-                raise ValueError(f"--{name} must be a finite number of at least 0, got {getattr(self, name)}")
+                raise ValueError(f"{option(name)} must be a finite number of at least 0, got {getattr(self, name)}")
+        for name in ("scenarios", "opponents", "evaluate_against"):
+            if not all(getattr(self, name).split(",")):
+                raise ValueError(f"{option(name)} must be names with commas between them, got {getattr(self, name)!r}")
+        if self.arenas * self.horizon < 2:
+            raise ValueError("--arenas times --horizon must be at least 2: one decision has nothing beside it, got 1")
         if self.imitate and self.head == "destination":
             raise ValueError("--imitate needs the head rank or velocity: nobody tells where an agent wants to go")
 
 
-def settings_of(arguments: list[str]) -> tuple[Settings, bool]:
-    """What the command line asks for, and whether to go on."""
+def option(name: str) -> str:
+    """The option of a setting."""
+    return f"--{name.replace('_', '-')}"
+
+
+def settings_of(arguments: list[str]) -> tuple[Settings, dict[str, Any] | None]:
+    """What the command line asks for, and the state to go on from, if there is one. Its settings hold where the command
+    line has none.
+    """
     said = argparse.ArgumentParser(description=(__doc__ or "").partition("\n\n")[0])
     (body,) = [node.body for node in ast.parse(inspect.getsource(Settings)).body if isinstance(node, ast.ClassDef)]
     meaning = {
@@ -154,16 +178,22 @@ def settings_of(arguments: list[str]) -> tuple[Settings, bool]:
     for field in dataclasses.fields(Settings):
         kind: Any = field.type if isinstance(field.type, type) else str
         said.add_argument(
-            f"--{field.name.replace('_', '-')}",
+            option(field.name),
             type=kind,
-            default=field.default,
+            default=argparse.SUPPRESS,
             metavar={Path: "FOLDER", int: "N", float: "X"}.get(kind, "TEXT"),
             help=f"{meaning[field.name]} Default: {field.default or 'none'}".replace("%", "%%"),
         )
     said.add_argument("--resume", action="store_true", help="go on with the run in --out")
     given = vars(said.parse_args(arguments))
-    resume = given.pop("resume")
-    return Settings(**given), resume
+    if not given.pop("resume"):
+        return Settings(**given), None
+    state = read_state(given.get("out", Settings.out) / "state.pt")
+    began = state["settings"]
+    for name, value in given.items():
+        if name not in Settings.FREE and began[name] != value:
+            raise ValueError(f"{option(name)} must be {began[name]}, as the run began, got {value}")
+    return Settings(**{**began, "out": Settings.out, **given}), state
 
 
 # the network
@@ -210,7 +240,14 @@ class Actor(nn.Module):
         return PointerNetwork(head, weights | {"prior": np.float32(self.prior)})  # type: ignore[arg-type] # checked
 
     def take(self, network: PointerNetwork) -> None:
-        """Begin from a network's weights."""
+        """Begin from a network's weights.
+
+        Raises:
+            ValueError: for those of a network of another width.
+        """
+        hidden, given = len(self.weights["logit"]), len(network.weights["logit"])
+        if hidden != given:
+            raise ValueError(f"--hidden must be {given}, as in --start, got {hidden}")
         with torch.no_grad():
             for name, value in self.weights.items():
                 if name in network.weights:
@@ -360,15 +397,25 @@ def how_likely(
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """The log-probability of what was decided, and the entropy: (N,) each."""
     if "drive" in actor.weights:
-        normal = torch.distributions.Normal(mean, actor.log_spread.exp())
+        normal = torch.distributions.Normal(mean, actor.log_spread.exp(), validate_args=False)
         return normal.log_prob(velocities).sum(1), normal.entropy().sum(1)
     entropy = -(chances.exp() * chances.clamp(min=-20)).sum(1)
     return chances.gather(1, choices[:, None])[:, 0], entropy
 
 
+def require_finite(name: str, value: torch.Tensor) -> None:
+    """Raise the FloatingPointError for what has become infinite or no number."""
+    if not bool(torch.isfinite(value)):
+        raise FloatingPointError(f"the network's {name} is {float(value.detach())}: a lower --rate may help")
+
+
 @torch.no_grad()
 def rollout(arenas: Arenas, actor: Actor, critic: Critic, clock: "Clock") -> Rollout:
-    """Play, and remember what was seen, decided and gained."""
+    """Play, and remember what was seen, decided and gained.
+
+    Raises:
+        FloatingPointError: where the network's output is not a number.
+    """
     rows = (arenas.settings.horizon, arenas.batch.num_rows)
     seen_in_all, drives = [], "drive" in actor.weights
     choices, velocities = torch.zeros(rows, dtype=torch.int64), torch.zeros((*rows, 2))
@@ -379,6 +426,7 @@ def rollout(arenas: Arenas, actor: Actor, critic: Critic, clock: "Clock") -> Rol
             seen = Seen.of(looked)
         with clock.of("network"):
             spoken, mean, table = actor(seen)
+            require_finite("output", spoken.sum() + mean.sum())
             choices[moment] = spoken.argmax(1) if drives else torch.multinomial(spoken.exp(), 1)[:, 0]
             velocities[moment] = mean + actor.log_spread.exp() * torch.randn_like(mean)
             chances[moment], _ = how_likely(actor, spoken, mean, choices[moment], velocities[moment])
@@ -413,7 +461,7 @@ def learn(
     """Some epochs of PPO.
 
     Raises:
-        FloatingPointError: where a loss is not a number.
+        FloatingPointError: where a loss or a gradient is not a number.
     """
     advantages = advantages_of(played, settings)
     returns = (advantages + played.values).flatten()
@@ -435,11 +483,10 @@ def learn(
             gain = torch.minimum(ratio * advantages[rows], clipped * advantages[rows]).mean()
             error = (critic(table, some) - returns[rows]).square().mean()
             loss = 0.5 * error - gain - settings.entropy * entropy.mean()
-            if not bool(torch.isfinite(loss)):
-                raise FloatingPointError(f"the loss is {float(loss.detach())}: a lower --rate may help")
+            require_finite("loss", loss)
             optimiser.zero_grad()
             loss.backward()
-            nn.utils.clip_grad_norm_(weights, 0.5)
+            require_finite("gradient", nn.utils.clip_grad_norm_(weights, 0.5))
             optimiser.step()
             told = {
                 name: float(value.detach())
@@ -454,6 +501,11 @@ def imitate(arenas: Arenas, actor: Actor, optimiser: torch.optim.Optimizer, sett
     teacher = create_policy(resolve_spec(settings.imitate))
     if not hasattr(teacher, "act_batch"):
         raise ValueError(f"--imitate must name an agent with act_batch, got {settings.imitate}")
+    if control_of(teacher) != CONTROL_OF[settings.head]:  # type: ignore[index] # checked
+        raise ValueError(
+            f"--imitate must name an agent under {CONTROL_OF[settings.head]} control for the head "  # type: ignore[index]
+            f"{settings.head}, got {settings.imitate}, which is under {control_of(teacher)} control"
+        )
     teacher.reset(settings.seed)
     kept: list[tuple[Seen, torch.Tensor]] = []
     rounds = -(-settings.imitate_decisions // arenas.batch.num_rows)
@@ -483,6 +535,7 @@ def imitate(arenas: Arenas, actor: Actor, optimiser: torch.optim.Optimizer, sett
                     loss = (mean - wanted).square().mean()
                 else:
                     loss = nn.functional.nll_loss(spoken, wanted.long())
+                require_finite("loss", loss)
                 optimiser.zero_grad()
                 loss.backward()
                 optimiser.step()
@@ -613,8 +666,11 @@ class Evaluation:
         if self.running is None:
             return
         decisions, seconds, process = self.running
+        if process.poll() is None:
+            print(f"waiting for the tournament after {decisions:,} decisions", flush=True)
+        failed = process.wait()
         self.running = None
-        if process.wait():
+        if failed:
             log = self.folder / str(decisions) / "log.txt"
             print(f"train_ppo: the tournament after {decisions:,} decisions failed; {log} says why", flush=True)
             return
@@ -692,135 +748,172 @@ def tensorboard(folder: Path) -> Any:
     return SummaryWriter(str(folder))
 
 
-def save_state(path: Path, settings: Settings, parts: dict[str, Any], pool: Pool, decisions: int) -> None:
-    """Write all that a run goes on from, whole or not at all."""
-    state = {
-        "settings": {name: str(value) for name, value in dataclasses.asdict(settings).items()},
+def state_of(settings: Settings, parts: dict[str, Any], pool: Pool, decisions: int, seconds: float) -> dict[str, Any]:
+    """All that a run goes on from: numbers, words and tensors, so that to read it runs no code."""
+    return {
+        "ruleset": RULESET,
+        "features": VERSION,
+        "settings": dataclasses.asdict(settings) | {"out": str(settings.out)},
         "decisions": decisions,
+        "seconds": seconds,
+        "prior": parts["actor"].prior,
         "parts": {name: part.state_dict() for name, part in parts.items()},
-        "selves": [network.weights for network in pool.selves],
+        "selves": [
+            {name: torch.from_numpy(np.array(weights)) for name, weights in network.weights.items()}
+            for network in pool.selves
+        ],
         "beaten": pool.beaten.tolist(),
         "alive": pool.alive.tolist(),
         "random": torch.get_rng_state(),
     }
-    with whole_file(path) as file:
-        torch.save(state, file)
 
 
-def load_state(path: Path, settings: Settings, parts: dict[str, Any], pool: Pool) -> int:
-    """Go on from there: the decisions that have been made.
+def read_state(path: Path) -> dict[str, Any]:
+    """What `state_of` made.
 
     Raises:
-        ValueError: for a file that is none, and for another run's.
+        ValueError: for a file that is none, and for one of another ruleset or another version.
     """
     if not path.exists():
         raise ValueError(f"--resume needs a run to go on with, and there is no {path}")
     try:
-        state = torch.load(path, weights_only=False)
-        said = state["settings"]
+        state: dict[str, Any] = torch.load(path, weights_only=True)
+        known = {"ruleset": state["ruleset"], "features": state["features"], "settings": sorted(state["settings"])}
     except Exception as error:  # noqa: BLE001 - torch raises what it likes for a damaged file
-        raise ValueError(f"{path} must be what a run has written: {error}") from None
-    for name, value in dataclasses.asdict(settings).items():
-        if name not in Settings.FREE and said.get(name) != str(value):
-            raise ValueError(f"--{name.replace('_', '-')} must be {said.get(name)}, as the run began, got {value}")
-    for name, part in parts.items():
-        part.load_state_dict(state["parts"][name])
-    for weights in state["selves"]:
-        pool.grow(PointerNetwork(settings.head, weights))  # type: ignore[arg-type] # checked
-    pool.beaten, pool.alive = np.array(state["beaten"]), np.array(state["alive"])
-    pool.weigh()
-    torch.set_rng_state(state["random"])
-    return int(state["decisions"])
+        raise ValueError(f"{path} must be what a run has written: {reason(error)}") from None
+    here = {"ruleset": RULESET, "features": VERSION, "settings": sorted(dataclasses.asdict(Settings()))}
+    for name, value in known.items():
+        if value != here[name]:
+            raise ValueError(f"{path}: {name} must be {here[name]}, got {value}: begin a new run")
+    return state
+
+
+def go_on_from(state: dict[str, Any], settings: Settings, parts: dict[str, Any], pool: Pool) -> None:
+    """Take up what `read_state` has read.
+
+    Raises:
+        ValueError: for what does not fit.
+    """
+    try:
+        for name, part in parts.items():
+            part.load_state_dict(state["parts"][name])
+        parts["actor"].prior = state["prior"]
+        for weights in state["selves"]:
+            pool.grow(PointerNetwork(settings.head, {name: one.numpy() for name, one in weights.items()}))  # type: ignore[arg-type] # checked
+        pool.beaten, pool.alive = np.array(state["beaten"]), np.array(state["alive"])
+        pool.weigh()
+        torch.set_rng_state(state["random"])
+    except Exception as error:  # noqa: BLE001 - torch raises what it likes for tables of another shape
+        raise ValueError(f"{settings.out / 'state.pt'} must be what a run has written: {reason(error)}") from None
 
 
 # the loop
 
 
-def train(settings: Settings, *, resume: bool) -> None:
+def train(settings: Settings, state: dict[str, Any] | None) -> None:
     """From the beginning, or from where a run was broken off, to the last decision."""
     torch.set_num_threads(settings.threads)
     torch.manual_seed(settings.seed)
-    if not resume and (settings.out / "state.pt").exists():
+    if state is None and (settings.out / "state.pt").exists():
         raise ValueError(f"--out must be a new folder, or give --resume: a run is kept in {settings.out}")
+    decisions, earlier = (0, 0.0) if state is None else (int(state["decisions"]), float(state["seconds"]))
+    if state is not None and decisions >= settings.decisions:
+        raise ValueError(
+            f"--decisions must be above the {decisions:,} that the run has made, got {settings.decisions:,}"
+        )
     settings.out.mkdir(parents=True, exist_ok=True)
     arenas = [
         Arenas(name, settings, settings.seed + 1000 * place) for place, name in enumerate(settings.scenarios.split(","))
     ]
     actor, critic = Actor(settings), Critic(settings.hidden)
-    if settings.start:
-        actor.take(PointerNetwork.load(settings.start))
-    optimiser = torch.optim.Adam([*actor.parameters(), *critic.parameters()], settings.rate, eps=1e-5)
-    parts, pool, clock = {"actor": actor, "critic": critic, "optimiser": optimiser}, Pool(arenas, settings), Clock()
-    decisions = load_state(settings.out / "state.pt", settings, parts, pool) if resume else 0
-    if settings.imitate and not decisions:
-        imitate(arenas[0], actor, optimiser, settings, clock)
-        optimiser = parts["optimiser"] = torch.optim.Adam(
-            [*actor.parameters(), *critic.parameters()], settings.rate, eps=1e-5
-        )
+    weights = [*actor.parameters(), *critic.parameters()]
+    parts = {"actor": actor, "critic": critic, "optimiser": torch.optim.Adam(weights, settings.rate, eps=1e-5)}
+    pool, clock, turn = Pool(arenas, settings), Clock(), 0
     evaluation, board = Evaluation(settings), tensorboard(settings.out)
-    each = settings.horizon * arenas[0].batch.num_rows
-    begun, first, turn = time.perf_counter(), decisions, 0
-    if resume:
+    each, begun, first = settings.horizon * arenas[0].batch.num_rows, time.perf_counter(), decisions
+
+    def save() -> None:
+        """Write down the run, and the agent that it has made so far; whole, or not at all."""
+        seconds = earlier + time.perf_counter() - begun
+        with whole_file(settings.out / "state.pt") as file:
+            torch.save(state_of(settings, parts, pool, decisions, seconds), file)
+        export(actor.exported(settings.head), settings.out)
+
+    def advance() -> None:
+        """Play, learn from it, and tell how it went."""
+        nonlocal decisions, turn
+        here, optimiser = arenas[turn % len(arenas)], parts["optimiser"]
+        optimiser.param_groups[0]["lr"] = settings.rate * max(0.05, 1 - decisions / settings.decisions)
+        played = rollout(here, actor, critic, clock)
+        with clock.of("network"):
+            told = learn(played, actor, critic, optimiser, settings)
+        score, wins = pool.note(here)
+        before, decisions, turn = decisions, decisions + each, turn + 1
+        spent = time.perf_counter() - begun
+        told |= {"score": score, "wins": wins, "reward": float(played.gained.sum()) / each}
+        told["agent_steps_per_s"] = (decisions - first) * settings.hold * here.batch.config.hunters / spent
+        told["network_share"] = clock.spent["network"] / spent
+        append(
+            settings.out / "progress.csv",
+            [{"decisions": decisions, "seconds": round(earlier + spent, 1), "scenario": here.name} | told],
+        )
+        if board is not None:
+            for name, value in told.items():
+                board.add_scalar(f"{here.name}/{name}", value, decisions)
+        if turn % 10 == 0:
+            print(
+                f"{decisions:>10,} decisions, {earlier + spent:6.0f} s, {here.name}: score {score:.1f}, "
+                f"wins {wins:.0%}, entropy {told['entropy']:.2f}, explained {told['explained']:.2f}, "
+                f"{told['agent_steps_per_s']:,.0f} agent-steps/s, network {told['network_share']:.0%}",
+                flush=True,
+            )
+        if passed(settings.snapshot, before, decisions):
+            if settings.self_play:
+                pool.grow(actor.exported(settings.head))
+            save()
+        pool.weigh()
+
+    if state is not None:
+        go_on_from(state, settings, parts, pool)
         for table in ("progress.csv", "curve.csv"):
             drop_after(settings.out / table, decisions)
-
-    def keep() -> Path:
-        """Write down the run, and the agent that it has made so far."""
-        save_state(settings.out / "state.pt", settings, parts, pool, decisions)
-        return export(actor.exported(settings.head), settings.out)
-
+    else:
+        if settings.start:
+            actor.take(PointerNetwork.load(settings.start))
+        if settings.imitate:
+            imitate(arenas[0], actor, parts["optimiser"], settings, clock)
+            parts["optimiser"] = torch.optim.Adam(weights, settings.rate, eps=1e-5)
+            interrupts.keep(save)
+    interrupts.also_say(lambda: f"after {decisions:,} decisions; --resume goes on")
     clock.spent.clear()
     try:
         while decisions < settings.decisions:
-            here = arenas[turn % len(arenas)]
-            optimiser.param_groups[0]["lr"] = settings.rate * max(0.05, 1 - decisions / settings.decisions)
-            played = rollout(here, actor, critic, clock)
-            with clock.of("network"):
-                told = learn(played, actor, critic, optimiser, settings)
-            score, wins = pool.note(here)
-            before, decisions, turn = decisions, decisions + each, turn + 1
-            spent = time.perf_counter() - begun
-            told |= {"score": score, "wins": wins, "reward": float(played.gained.sum()) / each}
-            told["agent_steps_per_s"] = (decisions - first) * settings.hold * here.batch.config.hunters / spent
-            told["network_share"] = clock.spent["network"] / spent
-            append(
-                settings.out / "progress.csv",
-                [{"decisions": decisions, "seconds": round(spent, 1), "scenario": here.name} | told],
-            )
-            if board is not None:
-                for name, value in told.items():
-                    board.add_scalar(f"{here.name}/{name}", value, decisions)
-            if turn % 10 == 0:
-                print(
-                    f"{decisions:>10,} decisions, {spent:6.0f} s, {here.name}: score {score:.1f}, wins {wins:.0%}, "
-                    f"entropy {told['entropy']:.2f}, explained {told['explained']:.2f}, "
-                    f"{told['agent_steps_per_s']:,.0f} agent-steps/s, network {told['network_share']:.0%}",
-                    flush=True,
-                )
-            if decisions // settings.snapshot > before // settings.snapshot:
-                if settings.self_play:
-                    pool.grow(actor.exported(settings.head))
-                keep()
-            pool.weigh()
-            if settings.evaluate and decisions // settings.evaluate > before // settings.evaluate:
-                evaluation.begin(actor.exported(settings.head), decisions, spent)
-    except KeyboardInterrupt:
-        evaluation.stop()
-        print(f"\nstopped after {decisions:,} decisions; --resume goes on", flush=True)
-    else:
+            before = decisions
+            interrupts.keep(advance)  # what is written down is never the half of an update
+            if settings.evaluate and passed(settings.evaluate, before, decisions):
+                evaluation.begin(actor.exported(settings.head), decisions, earlier + time.perf_counter() - begun)
+        interrupts.keep(save)
         evaluation.end()
-    path = keep()
-    print(f"{path}: catch-arena check-agent {path}", flush=True)
+    except KeyboardInterrupt:
+        interrupts.keep(save)
+        raise
+    finally:
+        evaluation.stop()
+    print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}", flush=True)
+
+
+def passed(every: int, before: int, now: int) -> bool:
+    """Whether a multiple of so many lies between."""
+    return now // every > before // every
 
 
 def main() -> None:
     """Errors are a line."""
     try:
-        settings, resume = settings_of(sys.argv[1:])
-        train(settings, resume=resume)
+        train(*settings_of(sys.argv[1:]))
     except (CatchArenaError, ValueError, OSError, FloatingPointError) as error:
         sys.exit(f"train_ppo: {error}")
 
 
 if __name__ == "__main__":
-    main()
+    interrupts.run(main)

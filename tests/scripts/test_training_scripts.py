@@ -2,6 +2,8 @@
 
 import csv
 import importlib.util
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -11,7 +13,7 @@ import numpy as np
 import pytest
 
 from catch_arena.tournament.entrants import create_policy
-from catch_arena.training.pointer import PointerNetwork
+from catch_arena.training.pointer import PointerNetwork, weight_shapes
 
 ROOT = Path(__file__).parents[2]
 SHORT = ("--arenas=8", "--horizon=16", "--minibatch=64", "--hidden=8", "--snapshot=128", "--evaluate=0", "--seed=3")
@@ -125,10 +127,135 @@ def test_the_same_seed_learns_the_same_and_a_run_goes_on_where_it_was(tmp_path):
     assert decisions == [128, 256, 384, 512]
     later = PointerNetwork.load(tmp_path / "one" / "agent.npz").weights
     assert any((later[name] != weights).any() for name, weights in one.items())
+    seconds = [float(row["seconds"]) for row in table(tmp_path / "one" / "progress.csv")]
+    assert seconds == sorted(seconds)
     assert "--gamma must be 0.985, as the run began, got 0.5" in refused(*again, "--resume", "--gamma", 0.5)
-    (tmp_path / "one" / "state.pt").write_bytes(b"nothing")
-    assert "must be what a run has written" in refused(*again, "--resume")
+    assert "--decisions must be above the 512 that the run has made" in refused("--out", tmp_path / "one", "--resume")
     assert "there is no" in refused("--out", tmp_path / "new", "--opponents", "nearest", *SHORT, "--resume")
+
+
+class RunsCode:
+    """What a pickle can do."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return Path.touch, (self.path,)
+
+
+@pytest.mark.torch
+def test_a_state_that_is_damaged_or_of_another_kind_is_refused_and_runs_no_code(tmp_path):
+    import torch
+
+    out = tmp_path / "run"
+    run("train_ppo.py", "--out", out, "--opponents", "nearest", "--decisions", 256, *SHORT)
+    state = torch.load(out / "state.pt", weights_only=True)
+    whole, mark = (out / "state.pt").read_bytes(), tmp_path / "mark"
+    wider = state["parts"] | {"actor": state["parts"]["actor"] | {"weights.encode": torch.zeros(3, 8)}}
+    lost = {name: value for name, value in state["settings"].items() if name != "gamma"}
+    for changed, said in (
+        (b"nothing", "must be what a run has written"),
+        (whole[: len(whole) // 2], "must be what a run has written"),
+        ({name: value for name, value in state.items() if name != "ruleset"}, "must be what a run has written"),
+        ({name: value for name, value in state.items() if name != "parts"}, "must be what a run has written"),
+        (state | {"parts": wider}, "must be what a run has written"),
+        (state | {"ruleset": "catch_arena_v0"}, "ruleset must be catch_arena_v1, got catch_arena_v0: begin a new run"),
+        (state | {"features": 0}, "features must be 1, got 0: begin a new run"),
+        (state | {"settings": lost}, "settings must be"),
+        (state | {"more": RunsCode(mark)}, "must be what a run has written"),
+    ):
+        if isinstance(changed, bytes):
+            (out / "state.pt").write_bytes(changed)
+        else:
+            torch.save(changed, out / "state.pt")
+        assert said in refused("--out", out, "--resume", "--decisions", 512)
+    assert not mark.exists()
+
+
+@pytest.mark.torch
+def test_a_run_goes_on_with_the_settings_that_it_began_with(tmp_path):
+    """The prior is that of the network it started from, whose file need not be there any more."""
+    first, second = tmp_path / "first", tmp_path / "second"
+    short = ["--opponents", "nearest", *SHORT]
+    run("train_ppo.py", "--out", first, "--decisions", 128, "--prior", 1.5, *short)
+    run("train_ppo.py", "--out", second, "--decisions", 128, "--start", first / "agent.npz", *short)
+    (first / "agent.npz").unlink()
+    run("train_ppo.py", "--out", second, "--decisions", 256, "--resume")
+    assert [int(row["decisions"]) for row in table(second / "progress.csv")] == [128, 256]
+    assert PointerNetwork.load(second / "agent.npz").weights["prior"] == 1.5
+
+
+def begun(*arguments):
+    """train_ppo.py as a process of its own, whose lines can be read."""
+    command = [sys.executable, ROOT / "scripts" / "train_ppo.py", *arguments]
+    return subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+    )
+
+
+def interrupted(process):
+    """What it says after a Ctrl-C."""
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=120)[0].splitlines()
+    assert process.returncode == 130
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)  # nothing of it is left
+    return said
+
+
+@pytest.mark.torch
+@pytest.mark.parametrize("when", ["decisions, ", "waiting for the tournament"])
+def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
+    """In the loop, and in the last tournament."""
+    out = tmp_path / "run"
+    decisions, every = (10**9, 0) if when == "decisions, " else (512, 512)
+    process = begun(
+        "--out", out, "--opponents", "nearest", *SHORT, "--snapshot", 10**9, "--decisions", decisions,
+        "--evaluate", every, "--evaluate-rounds", 500,
+    )  # fmt: skip
+    for line in process.stdout:
+        if when in line:
+            break
+    said = interrupted(process)
+    assert said[-1].startswith("catch-arena: interrupted: after ")
+    assert said[-1].endswith("decisions; --resume goes on")
+    assert not [line for line in said if "Traceback" in line]
+    made = int(said[-1].split()[3].replace(",", ""))
+    assert made == int(table(out / "progress.csv")[-1]["decisions"])
+    assert PointerNetwork.load(out / "agent.npz").head == "destination"
+    run("train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, "--evaluate", 0)
+    assert int(table(out / "progress.csv")[-1]["decisions"]) == made + 128
+
+
+@pytest.mark.torch
+def test_ctrl_c_before_anything_is_learned_is_one_line(tmp_path):
+    process = begun("--out", tmp_path / "run", "--opponents", "nearest", *SHORT)
+    time.sleep(0.5)  # it imports torch
+    said = interrupted(process)
+    assert said[-1].startswith("catch-arena: interrupted")
+    assert not [line for line in said if "Traceback" in line]
+
+
+@pytest.mark.torch
+def test_an_error_leaves_no_tournament_behind(tmp_path):
+    (tmp_path / "dies.py").write_text(
+        "import numpy as np\n\n\nclass Agent:\n    steps = 0\n\n    def reset(self, seed):\n        pass\n\n"
+        "    def act(self, view):\n        return 0\n\n"
+        "    def act_batch(self, view):\n        Agent.steps += 1\n        if Agent.steps > 700:\n"
+        "            raise RuntimeError('no more')\n        return np.zeros(len(view.observations), np.int64)\n"
+    )
+    few = [one for one in SHORT if "--evaluate" not in one]
+    process = begun(
+        "--out", tmp_path / "run", "--opponents", tmp_path / "dies.py", *few, "--decisions", 10**6,
+        "--evaluate", 300, "--evaluate-rounds", 500,
+    )  # fmt: skip
+    said = process.communicate(timeout=300)[0]
+    assert process.returncode == 1
+    assert (tmp_path / "run" / "evaluation" / "384" / "log.txt").exists()
+    assert "act_batch raised RuntimeError: no more" in said
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
 
 
 @pytest.mark.torch
@@ -173,13 +300,25 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         ("--opponents nobody", "nobody"),
         ("--imitate patrol", "--imitate needs the head rank or velocity"),
         ("--start gone.npz", "gone.npz"),
-        ("--rate 1e30", "the loss is"),
+        ("--start other.npz --hidden 16", "--hidden must be 8, as in --start, got 16"),
+        ("--rate 1e30", "is nan: a lower --rate may help"),
+        ("--rate 1e20 --head velocity", "is nan: a lower --rate may help"),
+        ("--head rank --imitate patrol", "--imitate must name an agent under target control for the head rank"),
+        ("--head velocity --imitate contested", "got contested, which is under target control"),
+        ("--most-selves 0", "--most-selves must be at least 1, got 0"),
+        ("--seed -1", "--seed must be at least 0, got -1"),
+        ("--evaluate -5", "--evaluate must be at least 0, got -5"),
+        ("--opponents nearest,", "--opponents must be names with commas between them, got 'nearest,'"),
+        ("--arenas 1 --horizon 1", "--arenas times --horizon must be at least 2"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(tmp_path, arguments, said):
     short = [*SHORT, "--out", tmp_path / "run", "--decisions", 512]
     opponents = [] if "--opponents" in arguments else ["--opponents", "nearest"]
-    assert said in refused(*short, *opponents, *arguments.split())
+    network = tmp_path / "other.npz"
+    weights = {name: np.zeros(shape) for name, shape in weight_shapes("destination", 8).items()}
+    PointerNetwork("destination", weights).save(network)
+    assert said in refused(*short, *opponents, *arguments.replace("other.npz", str(network)).split())
 
 
 @pytest.mark.torch
