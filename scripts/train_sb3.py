@@ -4,6 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from catch_arena import CatchArenaError
 from catch_arena.errors import install_hint
 
 try:
@@ -19,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from catch_arena.training import Mlp
+from catch_arena.training import Mlp, fit_mask, fit_observation
 
 
 class Agent:
@@ -30,9 +31,8 @@ class Agent:
         """Nothing to forget."""
 
     def act(self, view):
-        if len(view.observation) != self.network.inputs:
-            return int(view.mask[1])  # another scenario: chase the nearest
-        return int(np.where(view.mask, self.network(view.observation), -np.inf).argmax())
+        values = self.network(fit_observation(view, "{scenario}"))
+        return int(np.where(fit_mask(view, "{scenario}"), values, -np.inf).argmax())
 '''
 
 said = argparse.ArgumentParser(description=__doc__)
@@ -40,8 +40,12 @@ said.add_argument("--out", type=Path, default=Path("runs/sb3"), help="where agen
 said.add_argument("--scenario", default="standard")
 said.add_argument("--steps", type=int, default=5_000_000, help="of all learners together")
 given = said.parse_args()
-
-env = SB3VecEnv(given.scenario, 64, opponents=["nearest", "contested", "patrol"], normalise=True)
+if (given.out / "agent.py").exists():
+    sys.exit(f"train_sb3: --out must be a new folder: an agent is kept in {given.out}")
+try:
+    env = SB3VecEnv(given.scenario, 64, opponents=["nearest", "contested", "patrol"], normalise=True)
+except CatchArenaError as error:
+    sys.exit(f"train_sb3: {error}")
 model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=1, verbose=1)
 model.learn(given.steps)
 

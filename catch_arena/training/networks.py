@@ -1,6 +1,7 @@
 """A trained network without the library that trained it: NumPy alone, loaded in milliseconds."""
 
 import os
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -8,7 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from catch_arena.config import RULESET
 from catch_arena.errors import ConfigError, reason
+from catch_arena.files import whole_file
 
 Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 
@@ -23,10 +26,10 @@ class Mlp:
         activation: "tanh" or "relu".
 
     Raises:
-        ConfigError: for layers that do not fit together.
+        ConfigError: for layers that do not fit together, and for numbers that are not finite.
     """
 
-    def __init__(self, layers: list[tuple[ArrayLike, ArrayLike]], activation: str = "tanh") -> None:
+    def __init__(self, layers: Sequence[tuple[ArrayLike, ArrayLike]], activation: str = "tanh") -> None:
         if activation not in ACTIVATIONS:
             raise ConfigError(f"activation must be one of {', '.join(ACTIVATIONS)}, got {activation!r}")
         self.activation: Final = activation
@@ -35,6 +38,9 @@ class Mlp:
         fits = bool(shapes) and all(len(w) == 2 and b == w[:1] for w, b in shapes)
         if not fits or any(after[0][1] != before[0][0] for before, after in pairwise(shapes)):
             raise ConfigError(f"layers must be weights (out, in) and biases (out,) that fit together, got {shapes}")
+        for place, layer in enumerate(self.layers):
+            for name, numbers in zip(("weights", "biases"), layer, strict=True):
+                require_finite(f"{name} of layer {place}", numbers)
 
     @classmethod
     def of_torch(cls, *modules: Any, scale: ArrayLike | None = None) -> "Mlp":
@@ -87,11 +93,15 @@ class Mlp:
         return result
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to an .npz file."""
-        tables: dict[str, Any] = {"activation": np.array(self.activation)}
+        """Write it to an .npz file.
+
+        Raises:
+            OutputError: where it cannot be written; what was there stays.
+        """
+        tables: dict[str, Any] = {"activation": self.activation, "ruleset": RULESET}
         for place, (weights, biases) in enumerate(self.layers):
             tables |= {f"w_{place}": weights, f"b_{place}": biases}
-        with Path(path).open("wb") as file:
+        with whole_file(Path(path)) as file:
             np.savez(file, **tables)
 
     @classmethod
@@ -99,14 +109,47 @@ class Mlp:
         """Read what `save` wrote.
 
         Raises:
-            ConfigError: for a file that is none.
+            ConfigError: for a file that is none or is damaged, and for one of another ruleset.
         """
+        tables = read_tables(path, "Mlp.save", {"activation": None, "ruleset": RULESET})
         try:
-            with np.load(path) as file:
-                layers = [(file[f"w_{i}"], file[f"b_{i}"]) for i in range(len(file.files) // 2)]
-                return cls(list(layers), str(file["activation"]))
-        except (OSError, ValueError, KeyError) as error:
+            layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range((len(tables) - 2) // 2)]
+            return cls(layers, tables["activation"].item())
+        except (ConfigError, ValueError, TypeError, KeyError) as error:
             raise ConfigError(f"{path}: must be what Mlp.save writes: {reason(error)}") from None
+
+
+def read_tables(
+    path: str | os.PathLike[str], written_by: str, known: dict[str, str | int | None]
+) -> dict[str, NDArray[Any]]:
+    """The tables of an .npz file, read without pickles.
+
+    Args:
+        path: the file.
+        written_by: what writes such files.
+        known: what must be there as a single value, and which; None for any.
+
+    Raises:
+        ConfigError: for a file that is none or is damaged, and for other values.
+    """
+    try:
+        with Path(path).open("rb") as raw, np.load(raw) as file:
+            tables = {name: file[name] for name in file.files}
+    except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise what they like for a damaged file
+        raise ConfigError(f"{path}: must be what {written_by} writes: {reason(error)}") from None
+    for name, value in known.items():
+        if name not in tables or tables[name].shape != ():
+            raise ConfigError(f"{path}: must be what {written_by} writes: it has no {name}")
+        if value is not None and tables[name].item() != value:
+            raise ConfigError(f"{path}: {name} must be {value}, got {tables[name].item()}: train it again")
+    return tables
+
+
+def require_finite(name: str, numbers: NDArray[np.float32]) -> None:
+    """Raise the ConfigError for weights that are infinite or no numbers."""
+    wrong = numbers[~np.isfinite(numbers)]
+    if len(wrong):
+        raise ConfigError(f"{name} must be finite numbers, got {wrong[0]}")
 
 
 def _parts(module: Any) -> list[Any]:

@@ -6,6 +6,7 @@ queries, as in Lee et al., Set Transformer, 2019). The one with the highest is w
 """
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
@@ -14,10 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RULESET, Control
-from catch_arena.errors import ConfigError, reason
+from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
 from catch_arena.policy import Limits, View
 from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations, destinations_of_batch
+from catch_arena.training.networks import read_tables, require_finite
 
 Head = Literal["destination", "rank", "velocity"]
 """What the network decides: the place that a driver of ours goes to; the target that the arena's controller chases; or
@@ -50,7 +52,7 @@ class PointerNetwork:
         ConfigError: for weights that are missing, of another shape, or not finite.
     """
 
-    def __init__(self, head: Head, weights: dict[str, ArrayLike]) -> None:
+    def __init__(self, head: Head, weights: Mapping[str, ArrayLike]) -> None:
         if head not in get_args(Head):
             raise ConfigError(f"head must be one of {', '.join(get_args(Head))}, got {head!r}")
         self.head: Final = head
@@ -60,11 +62,14 @@ class PointerNetwork:
             if name not in self.weights or self.weights[name].shape != shape:
                 got = self.weights[name].shape if name in self.weights else "nothing"
                 raise ConfigError(f"weights {name} must have the shape {shape}, got {got}")
-            if not np.isfinite(self.weights[name]).all():
-                raise ConfigError(f"weights {name} must be finite numbers, got {self.weights[name].min()}")
+            require_finite(f"weights {name}", self.weights[name])
 
     def __call__(self, seen: Destinations) -> tuple[Float32Array, Float32Array]:
-        """The logits of the candidates, (N, C), -inf where one is not legal, and the last hidden layer, (N, C, H)."""
+        """The logits of the candidates, (N, C), -inf where one is not legal, and the last hidden layer, (N, C, H).
+
+        Raises:
+            ConfigError: for weights so large that the logits are no numbers.
+        """
         w = self.weights
         rows, candidates, width = seen.features.shape
         hidden = np.maximum(seen.features.reshape(-1, width) @ w["encode"] + w["encode_bias"], 0)
@@ -76,6 +81,8 @@ class PointerNetwork:
         common = pooled.reshape(rows, -1) @ w["pool"] + w["mix_bias"]
         mixed = np.maximum((hidden @ w["mix"]).reshape(rows, candidates, -1) + common[:, None], 0)
         logits: Float32Array = mixed @ w["logit"]
+        if not np.isfinite(logits).all():
+            raise ConfigError("weights must be such that all logits are finite numbers: these are too large")
         logits[np.arange(rows), seen.preferred] += w["prior"]
         logits[~seen.legal] = -np.inf
         return logits, mixed
@@ -105,16 +112,8 @@ class PointerNetwork:
         Raises:
             ConfigError: for a file that is none or is damaged, and for one of another ruleset or of other features.
         """
-        try:
-            with Path(path).open("rb") as raw, np.load(raw) as file:
-                tables = {name: file[name] for name in file.files}
-        except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise what they like for a damaged file
-            raise ConfigError(f"{path}: must be what PointerNetwork.save writes: {reason(error)}") from None
-        for name, here in (("head", None), ("features", VERSION), ("ruleset", RULESET)):
-            if name not in tables or tables[name].shape != ():
-                raise ConfigError(f"{path}: must be what PointerNetwork.save writes: it has no {name}")
-            if here is not None and tables[name].item() != here:
-                raise ConfigError(f"{path}: {name} must be {here}, got {tables[name].item()}: train it again")
+        known = {"head": None, "features": VERSION, "ruleset": RULESET}
+        tables = read_tables(path, "PointerNetwork.save", known)
         try:
             weights = {name: table for name, table in tables.items() if name not in ("head", "features", "ruleset")}
             return cls(tables["head"].item(), weights)

@@ -1,6 +1,8 @@
 """What learners get: rows of their own, normalised where that is asked for, by Gymnasium's vector interface too."""
 
+import contextlib
 import copy
+import io
 import pickle
 import re
 import sys
@@ -412,8 +414,8 @@ def test_a_network_goes_to_numpy_and_to_a_file(activation, tmp_path):
     assert again.inputs == 6
 
 
-def test_a_network_that_cannot_be_is_refused(tmp_path):
-    """Other modules, layers that do not fit, observations of another scenario, files of something else."""
+def test_a_network_that_cannot_be_is_refused():
+    """Other modules, layers that do not fit, observations of another scenario."""
     layer = torch_like("Linear", np.zeros((2, 3)), np.zeros(2))
     with pytest.raises(ConfigError, match="modules must be Linear, Tanh and ReLU, got Conv2d"):
         Mlp.of_torch(layer, torch_like("Conv2d"))
@@ -427,7 +429,42 @@ def test_a_network_that_cannot_be_is_refused(tmp_path):
         Mlp([(np.zeros((2, 3)), np.zeros(2))], "gelu")
     with pytest.raises(ConfigError, match=re.escape("observations must have 3 numbers for this network, got (57,)")):
         Mlp.of_torch(layer)(np.zeros(57))
-    (tmp_path / "other.npz").write_bytes(b"text")
-    for name in ("other.npz", "none.npz"):
-        with pytest.raises(ConfigError, match=r"must be what Mlp\.save writes"):
-            Mlp.load(tmp_path / name)
+    with pytest.raises(ConfigError, match="biases of layer 0 must be finite numbers, got inf"):
+        Mlp([(np.zeros((2, 3)), np.array([1.0, np.inf]))])
+
+
+def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
+    """Damaged anywhere, of something else, of another ruleset, with what is no number."""
+    good = tmp_path / "good.npz"
+    Mlp([(np.ones((4, 3)), np.zeros(4)), (np.ones((2, 4)), np.zeros(2))]).save(good)
+    whole, source = good.read_bytes(), np.random.default_rng(0)
+    with np.load(good) as file:
+        tables = {name: file[name] for name in file.files}
+
+    def said(content):
+        path = tmp_path / "other.npz"
+        path.write_bytes(content) if isinstance(content, bytes) else np.savez(path, **content)
+        with pytest.raises(ConfigError, match=re.escape(str(path))) as error:
+            Mlp.load(path)
+        assert "\n" not in str(error.value)
+        return str(error.value)
+
+    lone = io.BytesIO()
+    np.save(lone, np.zeros(3))
+    for content in (b"text", b"", whole[:10], whole[: len(whole) // 2], lone.getvalue()):
+        assert "must be what Mlp.save writes" in said(content)
+    assert "ruleset must be catch_arena_v1, got catch_arena_v0: train it again" in said(
+        tables | {"ruleset": "catch_arena_v0"}
+    )
+    assert "it has no ruleset" in said({name: table for name, table in tables.items() if name != "ruleset"})
+    assert "weights of layer 1 must be finite numbers, got nan" in said(tables | {"w_1": np.full((2, 4), np.nan)})
+    assert "layers must be weights" in said(tables | {"w_1": np.zeros((2, 5))})
+    assert "must be what Mlp.save writes" in said({name: table for name, table in tables.items() if name != "w_1"})
+    with pytest.raises(ConfigError, match=r"none\.npz: must be what Mlp\.save writes"):
+        Mlp.load(tmp_path / "none.npz")
+    for _ in range(200):
+        damaged = bytearray(whole)
+        damaged[source.integers(len(damaged))] ^= 1 << int(source.integers(8))
+        (tmp_path / "damaged.npz").write_bytes(damaged)
+        with contextlib.suppress(ConfigError):
+            Mlp.load(tmp_path / "damaged.npz")

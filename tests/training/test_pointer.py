@@ -123,7 +123,7 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
     assert "it has no ruleset" in said("none", ruleset=None)
     assert "weights logit must have the shape (8,), got nothing" in said("missing", logit=None)
     assert "weights encode must have the shape (45, 8), got (71, 8)" in said("width", encode=np.zeros((71, 8)))
-    assert "weights mix_bias must be finite numbers" in said("nan", mix_bias=np.full(8, np.nan))
+    assert "weights mix_bias must be finite numbers, got inf" in said("inf", mix_bias=np.array([0.0, np.inf] * 4))
     assert "head must be one of" in said("head", head="tail")
 
     whole = good.read_bytes()
@@ -140,6 +140,13 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
         (tmp_path / "damaged.npz").write_bytes(damaged)
         with contextlib.suppress(ConfigError):
             PointerNetwork.load(tmp_path / "damaged.npz")
+
+
+def test_weights_that_are_too_large_are_refused_as_they_are_used():
+    """They are finite, but what comes out of them is not: it would be played as the first candidate."""
+    huge = {name: table * np.float32(1e30) for name, table in network().weights.items()}
+    with np.errstate(all="ignore"), pytest.raises(ConfigError, match="all logits are finite numbers"):
+        PointerNetwork("destination", huge)(candidates())
 
 
 def test_nothing_in_a_file_of_weights_is_run(tmp_path):
