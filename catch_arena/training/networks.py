@@ -113,7 +113,8 @@ class Mlp:
         """
         tables = read_tables(path, "Mlp.save", {"activation": None, "ruleset": RULESET})
         try:
-            layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range((len(tables) - 2) // 2)]
+            count = (len(tables) - 1) // 2  # rounded up: where a table is missing, it is looked for
+            layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range(count)]
             return cls(layers, tables["activation"].item())
         except (ConfigError, ValueError, TypeError, KeyError) as error:
             raise ConfigError(f"{path}: must be what Mlp.save writes: {reason(error)}") from None
