@@ -123,6 +123,7 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
     assert "it has no ruleset" in said("none", ruleset=None)
     assert "weights logit must have the shape (8,), got nothing" in said("missing", logit=None)
     assert "weights encode must have the shape (45, 8), got (71, 8)" in said("width", encode=np.zeros((71, 8)))
+    assert "weights mix_bias must be finite numbers, got nan" in said("nan", mix_bias=np.full(8, np.nan))
     assert "weights mix_bias must be finite numbers, got inf" in said("inf", mix_bias=np.array([0.0, np.inf] * 4))
     assert "head must be one of" in said("head", head="tail")
 
