@@ -1,6 +1,7 @@
 """Nodes that send far too much, over DDS: what they can cost the arena, and what they cannot take from others."""
 
 import time
+from itertools import count
 from types import SimpleNamespace
 
 import pytest
@@ -105,17 +106,19 @@ def test_a_request_is_judged_in_the_next_step_while_another_node_floods(ours, do
     assert [hunter.score for hunter in service.world.hunters] == [0, 10]
 
 
-def test_a_second_node_that_floods_a_hunter_does_not_take_it_from_its_driver(ours, domain):
-    """Each sender's Twists have a queue of their own."""
-    heard = []
+@pytest.mark.parametrize(("tick_s", "more"), [(0.0, 10), (2 * SPIN_S, 1)], ids=["in time", "late"])
+def test_a_second_node_that_floods_a_hunter_does_not_take_it_from_its_driver(ours, domain, monkeypatch, tick_s, more):
+    """Each sender's Twists have a queue of their own, and each sender is heard once, however late it is by then."""
+    heard, clock = [], count(1.0, tick_s)
     ours.subscribe("/hunter_0/cmd_vel", TWIST, lambda twist, peer: heard.append((twist.linear.x, peer)))
     driver, other = (Student(domain, "hunter_0", "/none") for _ in range(2))
     wait_for(driver.twists.matched, other.twists.matched)
     driver.drive(1.0)
     for _ in range(FLOOD):
         other.drive(2.0)
+    monkeypatch.setattr(dds_bus, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     ours.spin()
-    assert [speed for speed, _ in heard] == [1.0] + 10 * [2.0]
+    assert [speed for speed, _ in heard] == [1.0] + more * [2.0]
     assert len({peer for _, peer in heard}) == 2
 
 

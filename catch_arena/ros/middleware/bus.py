@@ -16,7 +16,9 @@ from catch_arena.ros.middleware.parameters import Parameters
 DEPTH: Final = 10
 """Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
 SPIN_S: Final = 0.004
-"""Whatever comes, a spin takes no longer than this, and one message more of each topic and service."""
+"""Whatever comes, a spin takes no longer than this, and one message more of each topic and service: of each sender,
+where senders are told apart.
+"""
 LONGEST: Final = 2**17
 """Bytes of a message. What is longer is left out: nobody waits until it has been read, and all that the arena needs is
 far shorter.
