@@ -18,6 +18,7 @@ import platform
 import re
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
@@ -47,15 +48,15 @@ in the held-out scenarios first. 0.5 is level with the mean opponent."""
 METHOD: Final = """Measured by `{command}` on {machine}. The protocol has {blocks} blocks of each scenario; where the
 table says fewer, the numbers are a first look. `?` stands where too few blocks were played to tell. The time of a move
 is that of the clock on the wall, in our own processes, while the machine did other things too."""
-HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first in", "forfeits", "a move")
+HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "a move")
 TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
 """The rows of a table, one for each agent."""
 SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
 """Where the section of an agent begins."""
 KEY: Final = """
 *Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
-second. *First in*: in how many scenarios it comes first among itself and its opponents, or cannot be told from the
-first.
+second. *First*: in how many scenarios it surely comes first among itself and its opponents, in how many that is open,
+and in how many it surely does not.
 """
 
 
@@ -163,7 +164,7 @@ def name_in(text: str) -> str:
 
 def summary(one: AgentMeasures) -> str:
     """An agent's row."""
-    first = sum(of.first_group for of in one.scenarios)
+    first = Counter(of.first for of in one.scenarios)
     cells = (
         f"[`{one.agent.name}`](#{one.agent.name})",
         one.agent.control,
@@ -171,7 +172,7 @@ def summary(one: AgentMeasures) -> str:
         figure(one.training),
         figure(one.held_out),
         figure(one.gap),
-        f"{first} of {len(one.scenarios)}" if one.blocks == SUITE.blocks else "?",
+        f"{first[True]} / {first[None]} / {first[False]}" if one.blocks == SUITE.blocks else "?",
         str(one.forfeits),
         time_of(one),
     )

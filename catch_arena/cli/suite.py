@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 
 _KEY = """score: its catches, of its own and the mean opponent's; 0.5 is level
 wins: ties shared; place: by rating, among it and its opponents
-*: cannot be told from the first"""
+first: whether it is surely above all of them; open: cannot be told"""
+
+_FIRST = {True: "yes", None: "open", False: "no"}
 
 
 @main.command()
@@ -160,7 +162,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     """An agent's tables."""
     for held_out, what in ((False, "training scenarios"), (True, "held-out scenarios")):
         shown = FittedTable(
-            *("scenario", "score", "95 %", "wins", "95 %", "place", "forf."),
+            *("scenario", "score", "95 %", "wins", "95 %", "place", "first", "forf."),
             title=f"{measures.agent.name}, {what}",
             title_justify="left",
             padding=(0, 1, 0, 0),
@@ -175,7 +177,8 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                     _interval(one.score, 2),
                     f"{100 * one.win_share.mean:.0f} %",
                     _interval(one.win_share, 0, 100),
-                    f"{one.place} of {one.of}{'*' if one.first_group else ' '}",
+                    f"{one.place} of {one.of}",
+                    _FIRST[one.first],
                     str(sum(one.forfeits.values())),
                 )
         Console().print(shown)

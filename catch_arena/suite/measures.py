@@ -19,7 +19,9 @@ from catch_arena.tournament.statistics.aggregates import (
     probability_of_improvement,
 )
 from catch_arena.tournament.statistics.intervals import Estimate, ratios
-from catch_arena.tournament.statistics.outcomes import Floats
+from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
+from catch_arena.tournament.statistics.ratings import rate
+from catch_arena.tournament.statistics.separation import LEVEL, holm, p_values
 from catch_arena.tournament.statistics.standings import standings
 
 PROFILE_LEVELS = tuple(level / 20 for level in range(20))
@@ -46,8 +48,8 @@ class ScenarioMeasures:
     """Among the agent and its opponents, by rating (docs/ratings.md); 1 is best."""
     of: int
     """How many these are."""
-    first_group: bool
-    """Whether it cannot be told from the best."""
+    first: bool | None
+    """Whether it comes first; None where that is open (`comes_first`)."""
     matches: int
     forfeits: Mapping[str, int]
     """By code."""
@@ -126,6 +128,7 @@ def measure_scenario(
     by_block = [_normalised(list(block)) for _, block in groupby(played, key=lambda one: one.match.block)]
     column = np.array(by_block)[:, None]
     (score,) = ratios(column, np.ones_like(column))
+    outcomes = Outcomes.of(len(entrants), played)
     table = standings(entrants, played)
     (line,) = (line for line in table if line.name == entrants[AGENT].name)
     times = [one.result.thinking[one.match.seating.index(AGENT)] for one in played]
@@ -138,11 +141,32 @@ def measure_scenario(
         win_share=line.win_share,
         place=line.place,
         of=len(table),
-        first_group=line.groups[0] == 1,
+        first=comes_first(outcomes, score),
         matches=len(played),
         forfeits=line.forfeits,
         move_ms=1000.0 * sum(time.total_s for time in times) / moves if moves else math.nan,
     )
+
+
+def comes_first(outcomes: Outcomes, score: Estimate) -> bool | None:
+    """Whether the agent comes first among itself and its opponents, as far as the matches can tell: True where it is
+    above each of them, None where that is open.
+
+    False where one of them is above it, or where it surely catches less than the mean opponent. Each of these may be
+    wrong 5 % of the time. The second needs fewer blocks, since all of them tell of it: an agent meets each opponent in
+    some of them only. And only its own comparisons count here (Holm 1979), while `groups` asks of every pair.
+
+    Args:
+        outcomes: of all matches.
+        score: its normalised score, in [0, 1].
+    """
+    ratings = rate(outcomes)
+    others = np.arange(outcomes.entrants) != AGENT
+    told = holm(p_values(ratings)[AGENT, others]) < LEVEL
+    above = ratings.points[AGENT] > ratings.points[others]
+    if (told & above).all():
+        return True
+    return False if (told & ~above).any() or score.high < 0.5 else None
 
 
 def _normalised(block: Sequence[PlayedMatch]) -> float:
@@ -209,7 +233,7 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
                 "win_share": one.win_share.to_dict(DIGITS),
                 "place": one.place,
                 "of": one.of,
-                "first_group": one.first_group,
+                "first": one.first,
                 "matches": one.matches,
                 "forfeits": dict(one.forfeits),
                 "move_ms": _number(one.move_ms),

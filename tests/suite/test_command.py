@@ -222,6 +222,45 @@ def measured(blocks):
     return measure_scenario(one, enter(["nearest", "first", "random"]), [match for block in blocks for match in block])
 
 
+def rotated(scores):
+    """A block's three matches on the same targets: (agent, others) as the agent moves through the seats."""
+    return [
+        (party, tuple(np.insert(others, party, own).tolist()))
+        for party, (own, others) in zip(range(3), scores, strict=True)
+    ]
+
+
+def field(seed, strengths, blocks=10):
+    """Blocks of three, whose catches are Poisson's."""
+    rng = np.random.default_rng(seed)
+    return [
+        [
+            played(block, *one)
+            for one in rotated([(rng.poisson(strengths[0]), rng.poisson(strengths[1:])) for _ in range(3)])
+        ]
+        for block in range(blocks)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("strengths", "first"), [((20, 8, 8), True), ((8, 20, 8), False), ((0, 9, 9), False), ((9, 9, 2), None)]
+)
+def test_whether_it_comes_first_is_told_where_it_is_sure(strengths, first):
+    assert measured(field(1, strengths)).first is first
+
+
+def test_one_that_catches_nothing_is_not_first_though_it_met_nobody_often():
+    """Two opponents in two blocks each: no comparison with one of them can be sure, and that with both is."""
+    assert measured([[played(block, 0, (0, 9 + block, 8))] for block in range(4)]).first is False
+
+
+def test_equals_are_seldom_told_apart():
+    """Each of the two statements may be wrong 5 % of the time."""
+    found = [measured(field(seed, (9, 9, 9))).first for seed in range(300)]
+    assert found.count(True) <= 0.05 * 300
+    assert found.count(False) <= 0.10 * 300
+
+
 def test_the_best_is_first_and_the_worst_last(tmp_path):
     opponents = enter_opponents(SMALL)
     best, worst = (
@@ -230,6 +269,7 @@ def test_the_best_is_first_and_the_worst_last(tmp_path):
     )
     for one in worst.scenarios:
         assert one.place == one.of
+        assert one.first is False
         assert one.score.mean == 0
         assert one.win_share.mean <= 0.25  # short matches may end without a catch
     assert best.training.mean > worst.training.mean

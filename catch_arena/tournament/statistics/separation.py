@@ -13,7 +13,8 @@ from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import Ratings, rate
 from catch_arena.tournament.statistics.tail_probabilities import fair_coin_tail, student_tail
 
-_LEVEL: Final = 0.05
+LEVEL: Final = 0.05
+"""How often two equal entrants may be told apart."""
 _FIRST_LOOK: Final = 8
 
 
@@ -79,7 +80,7 @@ def groups(ratings: Ratings, order: Sequence[int]) -> list[tuple[int, int]]:
     A group reaches from one entrant down to the last that cannot be told from it; one that lies within another is left
     out. Entrants that have no group in common can be told apart, all such statements together with 95 % confidence.
     """
-    alike = p_values_of_all(ratings)[np.ix_(order, order)] >= _LEVEL
+    alike = p_values_of_all(ratings)[np.ix_(order, order)] >= LEVEL
     ends: list[tuple[int, int]] = []
     for top in range(len(order)):
         bottom = int(np.flatnonzero(alike[top]).max(initial=top))
