@@ -20,9 +20,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
+from types import TracebackType
 from typing import Any, Final
 
-from catch_arena.errors import AgentError, reason
+import catch_arena
+from catch_arena.errors import AgentError, CatchArenaError, reason
 from catch_arena.policy import Policy, PreyPolicy, Side
 from catch_arena.tournament import entrants
 from catch_arena.tournament.entrants import agent_class, command_of, create_policy, look_for_prey, sources_of
@@ -122,8 +124,7 @@ def speak_for(
             action = policy.act(limits.view(*seen))  # type: ignore[arg-type]  # its limits are of its side
             _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
-        theirs = error.__traceback__ and error.__traceback__.tb_next  # without our own frame
-        traceback.print_exception(type(error), error, theirs)
+        _print(error, error.__traceback__ and error.__traceback__.tb_next)  # without our own frame
         _send(answers, protocol.line(error=f"{doing} raised {reason(error)}"))
 
 
@@ -216,8 +217,19 @@ def _report(error: AgentError, answers: BufferedWriter) -> None:
         theirs = cause.__traceback__
         while theirs is not None and _imports(theirs.tb_frame.f_code.co_filename):
             theirs = theirs.tb_next
-        traceback.print_exception(type(cause), cause, theirs)
+        _print(cause, theirs)
     _send(answers, protocol.line(error=str(error)))
+
+
+def _print(error: BaseException, theirs: TracebackType | None) -> None:
+    """Its traceback, for the agent's log. An error of ours is told in one line elsewhere, and the lines of ours that
+    raised it help nobody: of these the agent's own lines are left.
+    """
+    if not isinstance(error, CatchArenaError):
+        traceback.print_exception(type(error), error, theirs)
+        return
+    ours = str(Path(catch_arena.__file__).parent) + os.sep
+    traceback.print_list([frame for frame in traceback.extract_tb(theirs) if not frame.filename.startswith(ours)])
 
 
 def _imports(file: str) -> bool:

@@ -250,6 +250,20 @@ def test_the_traceback_of_one_that_cannot_be_imported_begins_with_its_own_line(s
     assert re.findall(r"line (\d+), in (\S+)", log) == [("4", "<module>"), ("2", "share")]
 
 
+def test_of_an_error_of_ours_the_log_has_the_agent_s_own_lines(sandbox, tmp_path):
+    """The error is a line that tells all; the lines of ours that raised it tell a student nothing."""
+    (tmp_path / "mine.npz").write_bytes(b"damaged")
+    path = tmp_path / "mine.py"
+    path.write_text(
+        "from catch_arena.training import Mlp\n\n\nclass Agent:\n    def __init__(self):\n"
+        f"        Mlp.load({str(tmp_path / 'mine.npz')!r})\n"
+    )
+    found = inspector(sandbox)(str(path))
+    assert "mine.npz: must be what Mlp.save writes" in str(found.fault)
+    assert re.findall(r'File ".*/(\w+\.py)", line (\d+)', found.log) == [("mine.py", "6")]
+    assert "ConfigError" not in found.log
+
+
 @pytest.mark.parametrize("name", ["crashes", "is_illegal"])
 def test_a_trusted_agent_that_fails_forfeits_too(name):
     result = played(None, name)
