@@ -47,7 +47,7 @@ extras: $(VENV)/ready-extras ## the tests that need large packages: Ray, moviepy
 	$(BIN)/pytest -m extras tests
 
 train: $(VENV)/ready-torch ## the scripts that train, for a minute (torch: gigabytes)
-	$(BIN)/pytest -m torch tests
+	$(BIN)/pytest $(SPREAD) -m torch tests
 
 hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other, at each level of isolation
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
@@ -56,7 +56,7 @@ hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and
 cgroups: $(VENV)/ready-dev ## what the kernel bounds by control groups: needs systemd, or root and cgroup v2 mounted
 	$(if $(wildcard /run/systemd/system),systemd-run --user --scope --quiet -p Delegate=yes) $(BIN)/pytest -m cgroups tests
 
-nightly: long laws interpreted boundscheck coverage mutate train compat ## what takes long: the six targets that follow, train, and compat
+nightly: long laws interpreted boundscheck coverage mutate compat ## what takes long: the six targets that follow, and compat
 
 long: $(VENV)/ready-dev ## the tests that make test leaves out
 	$(BIN)/pytest $(WORKERS) -m nightly tests
