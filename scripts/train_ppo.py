@@ -810,96 +810,124 @@ def go_on_from(state: dict[str, Any], settings: Settings, parts: dict[str, Any],
 # the loop
 
 
-def train(settings: Settings, state: dict[str, Any] | None) -> None:
-    """From the beginning, or from where a run was broken off, to the last decision."""
-    torch.set_num_threads(settings.threads)
-    torch.manual_seed(settings.seed)
-    if state is None and (settings.out / "state.pt").exists():
-        raise ValueError(f"--out must be a new folder, or give --resume: a run is kept in {settings.out}")
-    decisions, earlier = (0, 0.0) if state is None else (int(state["decisions"]), float(state["seconds"]))
-    if state is not None and decisions >= settings.decisions:
-        raise ValueError(
-            f"--decisions must be above the {decisions:,} that the run has made, got {settings.decisions:,}"
-        )
-    settings.out.mkdir(parents=True, exist_ok=True)
-    arenas = [
-        Arenas(name, settings, settings.seed + 1000 * place) for place, name in enumerate(settings.scenarios.split(","))
-    ]
-    actor, critic = Actor(settings), Critic(settings.hidden)
-    weights = [*actor.parameters(), *critic.parameters()]
-    parts = {"actor": actor, "critic": critic, "optimiser": torch.optim.Adam(weights, settings.rate, eps=1e-5)}
-    pool, clock, turn = Pool(arenas, settings), Clock(), 0
-    evaluation, board = Evaluation(settings), tensorboard(settings.out)
-    each, begun, first = settings.horizon * arenas[0].batch.num_rows, time.perf_counter(), decisions
+class Run:
+    """All that changes while an agent learns.
 
-    def save() -> None:
-        """Write down the run, and the agent that it has made so far; whole, or not at all."""
-        seconds = earlier + time.perf_counter() - begun
-        with whole_file(settings.out / "state.pt") as file:
-            torch.save(state_of(settings, parts, pool, decisions, seconds), file)
-        export(actor.exported(settings.head), settings.out)
+    Args:
+        settings: the run's.
+        state: what `save` wrote, to go on from; None for a new run.
 
-    def advance() -> None:
+    Raises:
+        ValueError: for a folder that another run has, and a run that has made all its decisions.
+    """
+
+    def __init__(self, settings: Settings, state: dict[str, Any] | None) -> None:
+        if state is None and (settings.out / "state.pt").exists():
+            raise ValueError(f"--out must be a new folder, or give --resume: a run is kept in {settings.out}")
+        self.settings = settings
+        self.decisions, self.earlier = (0, 0.0) if state is None else (int(state["decisions"]), float(state["seconds"]))
+        if self.decisions >= settings.decisions:
+            made = f"the {self.decisions:,} that the run has made"
+            raise ValueError(f"--decisions must be above {made}, got {settings.decisions:,}")
+        torch.set_num_threads(settings.threads)
+        torch.manual_seed(settings.seed)
+        settings.out.mkdir(parents=True, exist_ok=True)
+        names = settings.scenarios.split(",")
+        self.arenas = [Arenas(name, settings, settings.seed + 1000 * place) for place, name in enumerate(names)]
+        self.each = settings.horizon * self.arenas[0].batch.num_rows
+        self.actor, self.critic = Actor(settings), Critic(settings.hidden)
+        self.optimiser = self.new_optimiser()
+        self.pool, self.clock, self.turn = Pool(self.arenas, settings), Clock(), 0
+        self.evaluation, self.board = Evaluation(settings), tensorboard(settings.out)
+        self.begun, self.first = time.perf_counter(), self.decisions
+        if state is None:
+            self.begin()
+        else:
+            go_on_from(state, settings, self.parts, self.pool)
+            for table in ("progress.csv", "curve.csv"):
+                drop_after(settings.out / table, self.decisions)
+        self.clock.spent.clear()
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What has a state of torch's."""
+        return {"actor": self.actor, "critic": self.critic, "optimiser": self.optimiser}
+
+    @property
+    def seconds(self) -> float:
+        """How long the run has taken, before it was broken off too."""
+        return self.earlier + time.perf_counter() - self.begun
+
+    def new_optimiser(self) -> torch.optim.Adam:
+        """That has no memory."""
+        return torch.optim.Adam([*self.actor.parameters(), *self.critic.parameters()], self.settings.rate, eps=1e-5)
+
+    def begin(self) -> None:
+        """Take another run's network, or copy an agent, where that was asked for."""
+        if self.settings.start:
+            self.actor.take(PointerNetwork.load(self.settings.start))
+        if self.settings.imitate:
+            imitate(self.arenas[0], self.actor, self.optimiser, self.settings, self.clock)
+            self.optimiser = self.new_optimiser()
+            interrupts.keep(self.save)
+
+    def go_on(self) -> None:
+        """To the last decision."""
+        settings = self.settings
+        interrupts.also_say(lambda: f"after {self.decisions:,} decisions; --resume goes on")
+        try:
+            while (before := self.decisions) < settings.decisions:
+                interrupts.keep(self.advance)  # what is written down is never the half of an update
+                if settings.evaluate and passed(settings.evaluate, before, self.decisions):
+                    self.evaluation.begin(self.actor.exported(settings.head), self.decisions, self.seconds)
+            interrupts.keep(self.save)
+            self.evaluation.end()
+        except KeyboardInterrupt:
+            interrupts.keep(self.save)
+            raise
+        finally:
+            self.evaluation.stop()
+
+    def advance(self) -> None:
         """Play, learn from it, and tell how it went."""
-        nonlocal decisions, turn
-        here, optimiser = arenas[turn % len(arenas)], parts["optimiser"]
-        optimiser.param_groups[0]["lr"] = settings.rate * max(0.05, 1 - decisions / settings.decisions)
-        played = rollout(here, actor, critic, clock)
-        with clock.of("network"):
-            told = learn(played, actor, critic, optimiser, settings)
-        score, wins = pool.note(here)
-        before, decisions, turn = decisions, decisions + each, turn + 1
-        spent = time.perf_counter() - begun
-        told |= {"score": score, "wins": wins, "reward": float(played.gained.sum()) / each}
-        told["agent_steps_per_s"] = (decisions - first) * settings.hold * here.batch.config.hunters / spent
-        told["network_share"] = clock.spent["network"] / spent
-        append(
-            settings.out / "progress.csv",
-            [{"decisions": decisions, "seconds": round(earlier + spent, 1), "scenario": here.name} | told],
-        )
-        if board is not None:
+        settings, here = self.settings, self.arenas[self.turn % len(self.arenas)]
+        self.optimiser.param_groups[0]["lr"] = settings.rate * max(0.05, 1 - self.decisions / settings.decisions)
+        played = rollout(here, self.actor, self.critic, self.clock)
+        with self.clock.of("network"):
+            told = learn(played, self.actor, self.critic, self.optimiser, settings)
+        score, wins = self.pool.note(here)
+        before, self.decisions, self.turn = self.decisions, self.decisions + self.each, self.turn + 1
+        told |= {"score": score, "wins": wins, "reward": float(played.gained.sum()) / self.each}
+        self.tell(here, told)
+        if passed(settings.snapshot, before, self.decisions):
+            if settings.self_play:
+                self.pool.grow(self.actor.exported(settings.head))
+            self.save()
+        self.pool.weigh()
+
+    def tell(self, here: Arenas, told: dict[str, float]) -> None:
+        """To progress.csv, to TensorBoard, and every tenth time to people."""
+        seconds, spent = self.seconds, time.perf_counter() - self.begun
+        steps = (self.decisions - self.first) * self.settings.hold * here.batch.config.hunters
+        told |= {"agent_steps_per_s": steps / spent, "network_share": self.clock.spent["network"] / spent}
+        when = {"decisions": self.decisions, "seconds": round(seconds, 1), "scenario": here.name}
+        append(self.settings.out / "progress.csv", [when | told])
+        if self.board is not None:
             for name, value in told.items():
-                board.add_scalar(f"{here.name}/{name}", value, decisions)
-        if turn % 10 == 0:
+                self.board.add_scalar(f"{here.name}/{name}", value, self.decisions)
+        if self.turn % 10 == 0:
             print(
-                f"{decisions:>10,} decisions, {earlier + spent:6.0f} s, {here.name}: score {score:.1f}, "
-                f"wins {wins:.0%}, entropy {told['entropy']:.2f}, explained {told['explained']:.2f}, "
+                f"{self.decisions:>10,} decisions, {seconds:6.0f} s, {here.name}: score {told['score']:.1f}, "
+                f"wins {told['wins']:.0%}, entropy {told['entropy']:.2f}, explained {told['explained']:.2f}, "
                 f"{told['agent_steps_per_s']:,.0f} agent-steps/s, network {told['network_share']:.0%}",
                 flush=True,
             )
-        if passed(settings.snapshot, before, decisions):
-            if settings.self_play:
-                pool.grow(actor.exported(settings.head))
-            save()
-        pool.weigh()
 
-    if state is not None:
-        go_on_from(state, settings, parts, pool)
-        for table in ("progress.csv", "curve.csv"):
-            drop_after(settings.out / table, decisions)
-    else:
-        if settings.start:
-            actor.take(PointerNetwork.load(settings.start))
-        if settings.imitate:
-            imitate(arenas[0], actor, parts["optimiser"], settings, clock)
-            parts["optimiser"] = torch.optim.Adam(weights, settings.rate, eps=1e-5)
-            interrupts.keep(save)
-    interrupts.also_say(lambda: f"after {decisions:,} decisions; --resume goes on")
-    clock.spent.clear()
-    try:
-        while decisions < settings.decisions:
-            before = decisions
-            interrupts.keep(advance)  # what is written down is never the half of an update
-            if settings.evaluate and passed(settings.evaluate, before, decisions):
-                evaluation.begin(actor.exported(settings.head), decisions, earlier + time.perf_counter() - begun)
-        interrupts.keep(save)
-        evaluation.end()
-    except KeyboardInterrupt:
-        interrupts.keep(save)
-        raise
-    finally:
-        evaluation.stop()
-    print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}", flush=True)
+    def save(self) -> None:
+        """Write down the run, and the agent that it has made so far; whole, or not at all."""
+        with whole_file(self.settings.out / "state.pt") as file:
+            torch.save(state_of(self.settings, self.parts, self.pool, self.decisions, self.seconds), file)
+        export(self.actor.exported(self.settings.head), self.settings.out)
 
 
 def passed(every: int, before: int, now: int) -> bool:
@@ -910,7 +938,9 @@ def passed(every: int, before: int, now: int) -> bool:
 def main() -> None:
     """Errors are a line."""
     try:
-        train(*settings_of(sys.argv[1:]))
+        settings, state = settings_of(sys.argv[1:])
+        Run(settings, state).go_on()
+        print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}", flush=True)
     except (CatchArenaError, ValueError, OSError, FloatingPointError) as error:
         sys.exit(f"train_ppo: {error}")
 
