@@ -13,6 +13,8 @@ from catch_arena.tournament.statistics.tail_probabilities import student_critica
 
 RESAMPLES: Final = 2000
 """How often the blocks are drawn again."""
+FEWEST_BLOCKS: Final = 4
+"""With fewer there is no interval: they may be equal by chance."""
 _CONFIDENCE: Final = 0.95
 _AT_A_TIME: Final = 100
 _MOST_DRAWN: Final = 4096
@@ -64,7 +66,7 @@ def estimates(
         students = student_critical(np.maximum(blocks - 1.0, 1.0), (1.0 - _CONFIDENCE) / 2.0)
         critical = np.maximum(_critical(residuals, counts, correction, pseudo_variance), students)
         margins = critical * np.sqrt(variances)
-    margins[~np.isfinite(margins)] = math.nan
+    margins[~np.isfinite(margins) | (blocks < FEWEST_BLOCKS)] = math.nan
     return [
         Estimate(float(mean), float(mean - margin), float(mean + margin))
         for mean, margin in zip(means, margins, strict=True)

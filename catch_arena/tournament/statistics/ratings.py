@@ -12,13 +12,11 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.tournament.statistics.intervals import Estimate, estimates
+from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS, Estimate, estimates
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
 
 ELO: Final = 400.0 / math.log(10.0)
 """Points for each unit of log strength: 400 points make wins ten times as likely as defeats."""
-_FEWEST_BLOCKS: Final = 4
-"""In which an entrant must have played for its rating to have an interval; a mean has none with fewer either."""
 _LONGEST_STEP: Final = 2.0
 _CLOSE_ENOUGH: Final = 1e-10
 _MOST_STEPS: Final = 200
@@ -46,7 +44,7 @@ class Ratings:
         return estimates(
             self.points,
             self.influence * len(self.influence),
-            np.where(self.blocks >= _FEWEST_BLOCKS, np.ones_like(self.influence), 0.0),
+            np.where(self.blocks >= FEWEST_BLOCKS, np.ones_like(self.influence), 0.0),
             (self.pseudo_influence**2).sum(axis=0),
         )
 
