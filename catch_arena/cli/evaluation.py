@@ -189,12 +189,12 @@ def audit(
 
 def _in_words(share: "Estimate") -> str:
     """A share, and as points; each with its interval, where it has one."""
+    from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
     from catch_arena.tournament.statistics.sprt import elo_of_share
 
     if math.isnan(share.margin):
-        return (
-            f"{100 * share.mean:.1f} %, {elo_of_share(share.mean):+.0f} points; an interval needs at least two blocks"
-        )
+        points = elo_of_share(share.mean)
+        return f"{100 * share.mean:.1f} %, {points:+.0f} points; an interval needs {FEWEST_BLOCKS} blocks"
     mean, low, high = (f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high))
     return (
         f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"

@@ -1,6 +1,5 @@
 """`catch-arena suite`: an agent's numbers under a protocol that papers have in common."""
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -160,6 +159,8 @@ def suite(
 
 def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     """An agent's tables."""
+    from catch_arena.cli.tables import interval
+
     for held_out, what in ((False, "training scenarios"), (True, "held-out scenarios")):
         shown = FittedTable(
             *("scenario", "score", "95 %", "wins", "95 %", "place", "first", "forf."),
@@ -174,9 +175,9 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                 shown.add_row(
                     one.name,
                     f"{one.score.mean:.2f}",
-                    _interval(one.score, 2),
+                    interval(one.score, ".2f"),
                     f"{100 * one.win_share.mean:.0f} %",
-                    _interval(one.win_share, 0, 100),
+                    interval(one.win_share, ".0f", 100),
                     f"{one.place} of {one.of}",
                     _FIRST[one.first],
                     str(sum(one.forfeits.values())),
@@ -223,13 +224,9 @@ def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]
 
 
 def _figure(estimate: "Estimate", digits: int = 3) -> str:
-    return f"{estimate.mean:.{digits}f} ({_interval(estimate, digits)})"
+    from catch_arena.cli.tables import interval
 
-
-def _interval(estimate: "Estimate", digits: int, scale: int = 1) -> str:
-    if math.isnan(estimate.low):
-        return "?"
-    return f"{scale * estimate.low:.{digits}f} to {scale * estimate.high:.{digits}f}"
+    return f"{estimate.mean:.{digits}f} ({interval(estimate, f'.{digits}f')})"
 
 
 def _agents(count: int) -> str:

@@ -116,6 +116,13 @@ def duration(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
 
 
+def interval(estimate: Estimate, form: str, scale: int = 1) -> str:
+    """Its two ends, or «?» where too few blocks tell."""
+    if math.isnan(estimate.low):
+        return "?"
+    return f"{scale * estimate.low:{form}} to {scale * estimate.high:{form}}"
+
+
 def _with_margin(estimate: Estimate, form: str, scale: int) -> str:
     margin = "?" if math.isnan(estimate.margin) else format(scale * estimate.margin, form.removeprefix("+"))
     return f"{scale * estimate.mean:{form}} ± {margin}"

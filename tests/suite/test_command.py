@@ -251,7 +251,9 @@ def test_whether_it_comes_first_is_told_where_it_is_sure(strengths, first):
 
 def test_one_that_catches_nothing_is_not_first_though_it_met_nobody_often():
     """Two opponents in two blocks each: no comparison with one of them can be sure, and that with both is."""
-    assert measured([[played(block, 0, (0, 9 + block, 8))] for block in range(4)]).first is False
+    blocks = [[played(block, 0, (0, 9 + block, 8))] for block in range(4)]
+    assert measured(blocks).first is False
+    assert measured(blocks[:2]).first is None
 
 
 def test_equals_are_seldom_told_apart():

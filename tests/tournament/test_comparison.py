@@ -85,7 +85,7 @@ def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, 
 def test_after_one_block_the_share_stands_alone_and_what_an_interval_needs():
     result = CliRunner().invoke(main, ["compare", "nearest", "idle", "--max-blocks", "1", *QUICK, "--seed", "0"])
     assert result.exit_code == 3, result.output
-    assert "share of nearest: 100.0 %, +inf points; an interval needs at least two blocks" in result.output
+    assert "share of nearest: 100.0 %, +inf points; an interval needs 4 blocks" in result.output
     assert "nan" not in result.output
 
 
