@@ -48,7 +48,7 @@ except ModuleNotFoundError:
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RULESET, RewardWeights
-from catch_arena.files import whole_file, write_whole
+from catch_arena.files import prepare_folder, whole_file, write_whole
 from catch_arena.policy import Limits, control_of
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.tournament.entrants import create_policy, resolve_spec
@@ -57,6 +57,8 @@ from catch_arena.training.destinations import VERSION, Destinations, destination
 from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, drive, weight_shapes
 
 # settings
+
+_MOST = 2**62
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Settings:
     seed: int = 1
     """The networks, the arenas and all that is drawn follow from it."""
     imitate: str = ""
-    """An agent to copy first: a name or a file with act_batch."""
+    """With the heads rank and velocity: an agent of that control to copy first, a name or a file with act_batch."""
     imitate_decisions: int = 400_000
     """How many it copies."""
     start: str = ""
@@ -91,8 +93,8 @@ class Settings:
     """Steps for which a decision holds."""
     hidden: int = 64
     """Units of each layer."""
-    prior: float = 3.0
-    """What is added to the logit of the candidate that a scripted agent would take."""
+    prior: float = 0.0
+    """What is added to the logit of the candidate that a scripted agent would take; at 3 it decides at first."""
     rate: float = 5e-4
     """The learning rate at the beginning; it falls linearly to a twentieth."""
     gamma: float = 0.985
@@ -123,7 +125,7 @@ class Settings:
     """That torch may use."""
 
     # these may change when a run goes on
-    FREE: ClassVar = ("out", "decisions", "threads", "evaluate", "evaluate_rounds")
+    FREE: ClassVar = ("out", "decisions", "threads", "evaluate", "evaluate_rounds", "evaluate_against")
     COUNTS: ClassVar = (
         *("decisions", "imitate_decisions", "arenas", "horizon", "hold", "hidden", "epochs", "minibatch", "snapshot"),
         *("most_selves", "evaluate_rounds", "threads"),
@@ -141,8 +143,8 @@ class Settings:
             if getattr(self, name) < 1:
                 raise ValueError(f"{option(name)} must be at least 1, got {getattr(self, name)}")
         for name in ("seed", "evaluate"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{option(name)} must be at least 0, got {getattr(self, name)}")
+            if not 0 <= getattr(self, name) <= _MOST:
+                raise ValueError(f"{option(name)} must be from 0 to {_MOST}, got {getattr(self, name)}")
         for name in ("self_play", "gamma", "trace", "clip"):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f"{option(name)} must be from 0 to 1, got {getattr(self, name)}")
@@ -150,8 +152,10 @@ class Settings:
             if not 0 <= getattr(self, name) < float("inf"):
                 raise ValueError(f"{option(name)} must be a finite number of at least 0, got {getattr(self, name)}")
         for name in ("scenarios", "opponents", "evaluate_against"):
-            if not all(getattr(self, name).split(",")):
-                raise ValueError(f"{option(name)} must be names with commas between them, got {getattr(self, name)!r}")
+            names = getattr(self, name).split(",")
+            if not all(names) or len(set(names)) < len(names):
+                must = "different names with commas between them"
+                raise ValueError(f"{option(name)} must be {must}, got {getattr(self, name)!r}")
         if self.arenas * self.horizon < 2:
             raise ValueError("--arenas times --horizon must be at least 2: one decision has nothing beside it, got 1")
         if self.imitate and self.head == "destination":
@@ -211,7 +215,7 @@ class Actor(nn.Module):
                 continue
             scale = shape[0] ** -0.5 if len(shape) == 2 else 0.0
             self.weights[name] = nn.Parameter(torch.randn(shape) * scale)
-        self.weights["logit"] = nn.Parameter(torch.randn(settings.hidden) * 0.01)  # the prior decides at first
+        self.weights["logit"] = nn.Parameter(torch.randn(settings.hidden) * 0.01)  # a prior decides at first
         self.log_spread = nn.Parameter(torch.full((2,), float(np.log(max(settings.spread, 1e-3)))))
         self.prior = settings.prior
 
@@ -582,8 +586,8 @@ class Pool:
         for arenas in self.arenas:
             arenas.batch.opponents.weigh(hard)
 
-    def note(self, arenas: Arenas) -> tuple[float, float]:
-        """Take the matches that have ended into account: the mean score, and the share of wins."""
+    def note(self, arenas: Arenas) -> tuple[float | None, float | None]:
+        """Take the matches that have ended into account: the mean score, and the share of wins; None where none has."""
         scores, wins = [], []
         for who, own, theirs in arenas.results:
             beaten = np.where(own[:, None] == theirs, 0.5, own[:, None] > theirs)
@@ -595,7 +599,7 @@ class Pool:
                 np.where(own > best, 1, np.where(own == best, 1 / (1 + (theirs == best[:, None]).sum(1)), 0)).mean()
             )
         arenas.results.clear()
-        return (float(np.mean(scores)), float(np.mean(wins))) if scores else (float("nan"), float("nan"))
+        return (float(np.mean(scores)), float(np.mean(wins))) if scores else (None, None)
 
 
 # evaluation
@@ -627,39 +631,60 @@ def export(network: PointerNetwork, folder: Path, name: str = "agent") -> Path:
 
 
 class Evaluation:
-    """Tournaments against fixed agents, beside the training: a process of their own, one at a time."""
+    """Tournaments against fixed agents, beside the training: a process of their own, one at a time.
+
+    Raises:
+        AgentError: for an agent that is not there.
+    """
+
+    COLUMNS = (
+        "agent",
+        "matches",
+        "rating",
+        "rating_low",
+        "rating_high",
+        "win_share",
+        "win_share_low",
+        "win_share_high",
+    )
+    """Of curve.csv, from standings.json."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings, self.folder = settings, settings.out / "evaluation"
+        self.latest = 0
+        """After how many decisions the latest began."""
         self.running: tuple[int, float, subprocess.Popen[bytes]] | None = None
+        for name in settings.evaluate_against.split(","):
+            resolve_spec(name)
 
     def begin(self, network: PointerNetwork, decisions: int, seconds: float) -> None:
         """Let it play now; it has learned so long."""
         self.end()
-        here = self.folder / str(decisions)
-        agent = export(network, here, "ppo")
-        command = [
-            sys.executable,
-            "-m",
-            "catch_arena",
-            "tournament",
-            str(agent),
-            *self.settings.evaluate_against.split(","),
-        ]
-        command += ["--scenario", self.settings.scenarios.split(",")[0], "--rounds", str(self.settings.evaluate_rounds)]
-        command += [
-            "--seed",
-            str(1_000_000 + self.settings.seed),
-            "--jobs",
-            "1",
-            "--trusted",
-            "--force",
-            "--out",
-            str(here / "results"),
-        ]
+        export(network, self.folder / str(decisions), "ppo")
+        self.start(decisions, seconds)
+
+    def start(self, decisions: int, seconds: float) -> None:
+        """Begin the tournament of an agent that `begin` has exported."""
+        settings, here = self.settings, self.folder / str(decisions)
+        command = [sys.executable, "-m", "catch_arena", "tournament", str(here / "ppo.py")]
+        command += [*settings.evaluate_against.split(","), "--scenario", settings.scenarios.split(",")[0]]
+        command += ["--rounds", str(settings.evaluate_rounds), "--seed", str(1_000_000 + settings.seed)]
+        command += ["--jobs", "1", "--trusted", "--force", "--out", str(here / "results")]
         with (here / "log.txt").open("wb") as log:
             process = subprocess.Popen(["nice", *command] if os.name == "posix" else command, stdout=log, stderr=log)
-        self.running = decisions, seconds, process
+        self.latest, self.running = decisions, (decisions, seconds, process)
+
+    def state(self) -> dict[str, Any]:
+        """What `go_on_from` takes."""
+        return {"latest": self.latest, "running": None if self.running is None else self.running[:2]}
+
+    def go_on_from(self, state: dict[str, Any]) -> None:
+        """Play the one again that was under way, unless its results are there."""
+        self.latest = int(state["latest"])
+        if self.settings.evaluate and state["running"] is not None:
+            decisions, seconds = state["running"]
+            if decisions not in decisions_in(self.settings.out / "curve.csv"):
+                self.start(int(decisions), float(seconds))
 
     def end(self) -> None:
         """Wait for it, and write down what it found."""
@@ -675,29 +700,20 @@ class Evaluation:
             print(f"train_ppo: the tournament after {decisions:,} decisions failed; {log} says why", flush=True)
             return
         results = json.loads((self.folder / str(decisions) / "results" / "standings.json").read_text())
-        columns = (
-            "agent",
-            "matches",
-            "rating",
-            "rating_low",
-            "rating_high",
-            "win_share",
-            "win_share_low",
-            "win_share_high",
-        )
         done = {"decisions": decisions, "seconds": round(seconds, 1)}
-        rows = [done | {name: row[name] for name in columns} for row in results["standings"]]
+        rows = [done | {name: row[name] for name in self.COLUMNS} for row in results["standings"]]
         append(self.settings.out / "curve.csv", rows)
         own = next(row for row in rows if row["agent"] == "ppo")
-        share, low, high = (100 * (own[name] or 0) for name in ("win_share", "win_share_low", "win_share_high"))
+        ends = [own["win_share_low"], own["win_share_high"]]
+        interval = "?" if None in ends else f"{100 * ends[0]:.0f}, {100 * ends[1]:.0f}"
         print(
             f"tournament after {decisions:,} decisions: rating {own['rating']:.0f}, "
-            f"wins {share:.0f} % [{low:.0f}, {high:.0f}]",
+            f"wins {100 * own['win_share']:.0f} % [{interval}]",
             flush=True,
         )
 
     def stop(self) -> None:
-        """End one that is under way; what it played is lost."""
+        """End one that is under way; --resume plays it again."""
         if self.running is not None:
             self.running[-1].terminate()
             self.running[-1].wait()
@@ -730,12 +746,28 @@ def append(path: Path, rows: list[dict[str, Any]]) -> None:
         table.writerows(rows)
 
 
+def decisions_in(path: Path) -> list[int]:
+    """The first column of a table, which may not be there yet.
+
+    Raises:
+        ValueError: for one that `append` did not write.
+    """
+    lines = path.read_text().splitlines() if path.exists() else []
+    try:
+        return [int(line.partition(",")[0]) for line in lines[1:]]
+    except ValueError as error:
+        raise ValueError(f"{path} must be what a run has written: {reason(error)}") from None
+
+
 def drop_after(path: Path, decisions: int) -> None:
     """Take out of a table what a broken run wrote after its last snapshot: it is made again."""
-    if path.exists():
-        head, *rows = path.read_text().splitlines(keepends=True)
-        kept = [row for row in rows if int(row.partition(",")[0]) <= decisions]
-        write_whole(path, "".join((head, *kept)).encode())
+    known = decisions_in(path)
+    if not known:
+        path.unlink(missing_ok=True)
+        return
+    head, *rows = path.read_text().splitlines(keepends=True)
+    kept = [row for row, its in zip(rows, known, strict=True) if its <= decisions]
+    write_whole(path, "".join((head, *kept)).encode())
 
 
 def tensorboard(folder: Path) -> Any:
@@ -748,16 +780,18 @@ def tensorboard(folder: Path) -> Any:
     return SummaryWriter(str(folder))
 
 
-def state_of(settings: Settings, parts: dict[str, Any], pool: Pool, decisions: int, seconds: float) -> dict[str, Any]:
+def state_of(run: "Run") -> dict[str, Any]:
     """All that a run goes on from: numbers, words and tensors, so that to read it runs no code."""
+    settings, pool = run.settings, run.pool
     return {
         "ruleset": RULESET,
         "features": VERSION,
         "settings": dataclasses.asdict(settings) | {"out": str(settings.out)},
-        "decisions": decisions,
-        "seconds": seconds,
-        "prior": parts["actor"].prior,
-        "parts": {name: part.state_dict() for name, part in parts.items()},
+        "decisions": run.decisions,
+        "seconds": run.seconds,
+        "evaluation": run.evaluation.state(),
+        "prior": run.actor.prior,
+        "parts": {name: part.state_dict() for name, part in run.parts.items()},
         "selves": [
             {name: torch.from_numpy(np.array(weights)) for name, weights in network.weights.items()}
             for network in pool.selves
@@ -779,30 +813,44 @@ def read_state(path: Path) -> dict[str, Any]:
     try:
         state: dict[str, Any] = torch.load(path, weights_only=True)
         known = {"ruleset": state["ruleset"], "features": state["features"], "settings": sorted(state["settings"])}
+        if type(state["decisions"]) is not int or state["decisions"] < 0:
+            raise ValueError(f"decisions must be a whole number of at least 0, got {state['decisions']}")
     except Exception as error:  # noqa: BLE001 - torch raises what it likes for a damaged file
         raise ValueError(f"{path} must be what a run has written: {reason(error)}") from None
     here = {"ruleset": RULESET, "features": VERSION, "settings": sorted(dataclasses.asdict(Settings()))}
     for name, value in known.items():
         if value != here[name]:
             raise ValueError(f"{path}: {name} must be {here[name]}, got {value}: begin a new run")
+    try:
+        Settings(**state["settings"])
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"{path} must be what a run has written: {reason(error)}") from None
     return state
 
 
-def go_on_from(state: dict[str, Any], settings: Settings, parts: dict[str, Any], pool: Pool) -> None:
+def go_on_from(state: dict[str, Any], run: "Run") -> None:
     """Take up what `read_state` has read.
 
     Raises:
         ValueError: for what does not fit.
     """
+    settings, pool = run.settings, run.pool
     try:
-        for name, part in parts.items():
+        for name, part in run.parts.items():
             part.load_state_dict(state["parts"][name])
-        parts["actor"].prior = state["prior"]
+        numbers = [*run.actor.parameters(), *run.critic.parameters(), torch.tensor(float(state["prior"]))]
+        if not all(one.isfinite().all() for one in numbers):
+            raise ValueError("its weights must be finite numbers")
+        run.actor.prior = float(state["prior"])
         for weights in state["selves"]:
             pool.grow(PointerNetwork(settings.head, {name: one.numpy() for name, one in weights.items()}))  # type: ignore[arg-type] # checked
-        pool.beaten, pool.alive = np.array(state["beaten"]), np.array(state["alive"])
+        pool.beaten = np.array(state["beaten"], np.float64).reshape(pool.beaten.shape)
+        pool.alive = np.array(state["alive"], np.bool_).reshape(pool.alive.shape)
         pool.weigh()
         torch.set_rng_state(state["random"])
+        for table in ("progress.csv", "curve.csv"):
+            drop_after(settings.out / table, run.decisions)
+        run.evaluation.go_on_from(state["evaluation"])
     except Exception as error:  # noqa: BLE001 - torch raises what it likes for tables of another shape
         raise ValueError(f"{settings.out / 'state.pt'} must be what a run has written: {reason(error)}") from None
 
@@ -831,7 +879,7 @@ class Run:
             raise ValueError(f"--decisions must be above {made}, got {settings.decisions:,}")
         torch.set_num_threads(settings.threads)
         torch.manual_seed(settings.seed)
-        settings.out.mkdir(parents=True, exist_ok=True)
+        prepare_folder(settings.out)
         names = settings.scenarios.split(",")
         self.arenas = [Arenas(name, settings, settings.seed + 1000 * place) for place, name in enumerate(names)]
         self.each = settings.horizon * self.arenas[0].batch.num_rows
@@ -839,13 +887,11 @@ class Run:
         self.optimiser = self.new_optimiser()
         self.pool, self.clock, self.turn = Pool(self.arenas, settings), Clock(), 0
         self.evaluation, self.board = Evaluation(settings), tensorboard(settings.out)
-        self.begun, self.first = time.perf_counter(), self.decisions
+        self.begun, self.agent_steps = time.perf_counter(), 0
         if state is None:
             self.begin()
         else:
-            go_on_from(state, settings, self.parts, self.pool)
-            for table in ("progress.csv", "curve.csv"):
-                drop_after(settings.out / table, self.decisions)
+            go_on_from(state, self)
         self.clock.spent.clear()
 
     @property
@@ -876,10 +922,10 @@ class Run:
         settings = self.settings
         interrupts.also_say(lambda: f"after {self.decisions:,} decisions; --resume goes on")
         try:
-            while (before := self.decisions) < settings.decisions:
+            while self.decisions < settings.decisions:
+                self.evaluate()  # one may be due since before the run was broken off
                 interrupts.keep(self.advance)  # what is written down is never the half of an update
-                if settings.evaluate and passed(settings.evaluate, before, self.decisions):
-                    self.evaluation.begin(self.actor.exported(settings.head), self.decisions, self.seconds)
+            self.evaluate()
             interrupts.keep(self.save)
             self.evaluation.end()
         except KeyboardInterrupt:
@@ -888,16 +934,24 @@ class Run:
         finally:
             self.evaluation.stop()
 
+    def evaluate(self) -> None:
+        """Begin a tournament, where one is due."""
+        every = self.settings.evaluate
+        if every and passed(every, self.evaluation.latest, self.decisions):
+            self.evaluation.begin(self.actor.exported(self.settings.head), self.decisions, self.seconds)
+
     def advance(self) -> None:
         """Play, learn from it, and tell how it went."""
         settings, here = self.settings, self.arenas[self.turn % len(self.arenas)]
         self.optimiser.param_groups[0]["lr"] = settings.rate * max(0.05, 1 - self.decisions / settings.decisions)
         played = rollout(here, self.actor, self.critic, self.clock)
         with self.clock.of("network"):
-            told = learn(played, self.actor, self.critic, self.optimiser, settings)
+            learned = learn(played, self.actor, self.critic, self.optimiser, settings)
         score, wins = self.pool.note(here)
         before, self.decisions, self.turn = self.decisions, self.decisions + self.each, self.turn + 1
-        told |= {"score": score, "wins": wins, "reward": float(played.gained.sum()) / self.each}
+        reward = float(played.gained.sum()) / self.each
+        told: dict[str, float | None] = {**learned, "score": score, "wins": wins, "reward": reward}
+        self.agent_steps += self.each * settings.hold * here.batch.config.hunters
         self.tell(here, told)
         if passed(settings.snapshot, before, self.decisions):
             if settings.self_play:
@@ -905,20 +959,22 @@ class Run:
             self.save()
         self.pool.weigh()
 
-    def tell(self, here: Arenas, told: dict[str, float]) -> None:
+    def tell(self, here: Arenas, told: dict[str, float | None]) -> None:
         """To progress.csv, to TensorBoard, and every tenth time to people."""
         seconds, spent = self.seconds, time.perf_counter() - self.begun
-        steps = (self.decisions - self.first) * self.settings.hold * here.batch.config.hunters
-        told |= {"agent_steps_per_s": steps / spent, "network_share": self.clock.spent["network"] / spent}
+        told |= {"agent_steps_per_s": self.agent_steps / spent, "network_share": self.clock.spent["network"] / spent}
         when = {"decisions": self.decisions, "seconds": round(seconds, 1), "scenario": here.name}
         append(self.settings.out / "progress.csv", [when | told])
         if self.board is not None:
             for name, value in told.items():
-                self.board.add_scalar(f"{here.name}/{name}", value, self.decisions)
+                if value is not None:
+                    self.board.add_scalar(f"{here.name}/{name}", value, self.decisions)
         if self.turn % 10 == 0:
+            no_match = told["score"] is None or told["wins"] is None
+            result = "no match has ended" if no_match else f"score {told['score']:.1f}, wins {told['wins']:.0%}"
             print(
-                f"{self.decisions:>10,} decisions, {seconds:6.0f} s, {here.name}: score {told['score']:.1f}, "
-                f"wins {told['wins']:.0%}, entropy {told['entropy']:.2f}, explained {told['explained']:.2f}, "
+                f"{self.decisions:>10,} decisions, {seconds:6.0f} s, {here.name}: {result}, "
+                f"entropy {told['entropy']:.2f}, explained {told['explained']:.2f}, "
                 f"{told['agent_steps_per_s']:,.0f} agent-steps/s, network {told['network_share']:.0%}",
                 flush=True,
             )
@@ -926,7 +982,7 @@ class Run:
     def save(self) -> None:
         """Write down the run, and the agent that it has made so far; whole, or not at all."""
         with whole_file(self.settings.out / "state.pt") as file:
-            torch.save(state_of(self.settings, self.parts, self.pool, self.decisions, self.seconds), file)
+            torch.save(state_of(self), file)
         export(self.actor.exported(self.settings.head), self.settings.out)
 
 

@@ -2,10 +2,12 @@
 
 import argparse
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from catch_arena import CatchArenaError
 from catch_arena.errors import install_hint
+from catch_arena.files import prepare_folder
 
 try:
     from sb3_contrib import MaskablePPO
@@ -39,17 +41,21 @@ said = argparse.ArgumentParser(description=__doc__)
 said.add_argument("--out", type=Path, default=Path("runs/sb3"), help="where agent.py and agent.npz are written")
 said.add_argument("--scenario", default="standard")
 said.add_argument("--steps", type=int, default=5_000_000, help="of all learners together")
+said.add_argument("--seed", type=int, default=1)
 given = said.parse_args()
+if given.steps < 1:
+    sys.exit(f"train_sb3: --steps must be at least 1, got {given.steps}")
 if (given.out / "agent.py").exists():
     sys.exit(f"train_sb3: --out must be a new folder: an agent is kept in {given.out}")
 try:
+    prepare_folder(given.out)
     env = SB3VecEnv(given.scenario, 64, opponents=["nearest", "contested", "patrol"], normalise=True)
 except CatchArenaError as error:
     sys.exit(f"train_sb3: {error}")
-model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=1, verbose=1)
-model.learn(given.steps)
+model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=given.seed, verbose=1)
+with suppress(KeyboardInterrupt):  # what it has learned so far is kept
+    model.learn(given.steps)
 
-given.out.mkdir(parents=True, exist_ok=True)
 network = Mlp.of_torch(model.policy.mlp_extractor.policy_net, model.policy.action_net, scale=env.batch.scale)
 network.save(given.out / "agent.npz")
 (given.out / "agent.py").write_text(AGENT.format(scenario=given.scenario))

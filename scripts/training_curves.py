@@ -56,15 +56,24 @@ def points_of(run: Path) -> list[Point]:
 
 
 def table(runs: Sequence[Sequence[Point]]) -> str:
-    """As Markdown."""
+    """As Markdown.
+
+    Raises:
+        ValueError: for runs that have no tournament in common.
+    """
     lines = [
         "| decisions | seconds | wins, mean of the runs | least to most | rating above the best of the others |",
         "|---:|---:|---:|---:|---:|",
     ]
-    for points in zip(*runs, strict=False):  # a run that goes on has fewer
-        decisions, seconds, wins, leads = (list(column) for column in zip(*points, strict=True))
+    by_decisions = [{point.decisions: point for point in points} for points in runs]
+    played = [after for after in by_decisions[0] if all(after in one for one in by_decisions)]
+    if not played:
+        raise ValueError("the runs have no tournament after the same number of decisions")
+    for after in played:
+        points = [one[after] for one in by_decisions]
+        _, seconds, wins, leads = (list(column) for column in zip(*points, strict=True))
         lines.append(
-            f"| {statistics.mean(decisions) / 1e6:.1f} million | {statistics.mean(seconds):.0f} "
+            f"| {after / 1e6:.1f} million | {statistics.mean(seconds):.0f} "
             f"| {statistics.mean(wins):.0f} % | {min(wins):.0f} to {max(wins):.0f} % "
             f"| {statistics.mean(leads):+.0f} ({min(leads):+.0f} to {max(leads):+.0f}) |"
         )
@@ -77,11 +86,10 @@ def main() -> int:
     parser.add_argument("runs", nargs="+", type=Path, help="folders that train_ppo.py wrote (--out)")
     args = parser.parse_args()
     try:
-        runs = [points_of(run) for run in args.runs]
+        print(table([points_of(run) for run in args.runs]))
     except ValueError as error:
         print(error, file=sys.stderr)
         return 2
-    print(table(runs))
     return 0
 
 

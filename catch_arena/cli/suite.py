@@ -160,6 +160,7 @@ def suite(
 def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     """An agent's tables."""
     from catch_arena.cli.tables import interval
+    from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     for held_out, what in ((False, "training scenarios"), (True, "held-out scenarios")):
         shown = FittedTable(
@@ -179,7 +180,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                     f"{100 * one.win_share.mean:.0f} %",
                     interval(one.win_share, ".0f", 100),
                     f"{one.place} of {one.of}",
-                    _FIRST[one.first],
+                    "?" if one.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[one.first],
                     str(sum(one.forfeits.values())),
                 )
         Console().print(shown)

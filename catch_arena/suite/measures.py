@@ -49,7 +49,7 @@ class ScenarioMeasures:
     of: int
     """How many these are."""
     first: bool | None
-    """Whether it comes first; None where that is open (`comes_first`)."""
+    """Whether it comes first; None where that is open (`comes_first`). One that forfeits all its matches does not."""
     matches: int
     forfeits: Mapping[str, int]
     """By code."""
@@ -141,7 +141,7 @@ def measure_scenario(
         win_share=line.win_share,
         place=line.place,
         of=len(table),
-        first=comes_first(outcomes, score),
+        first=comes_first(outcomes, score) if sum(line.forfeits.values()) < len(played) else False,
         matches=len(played),
         forfeits=line.forfeits,
         move_ms=1000.0 * sum(time.total_s for time in times) / moves if moves else math.nan,

@@ -3,6 +3,7 @@
 import csv
 import importlib.util
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -73,19 +74,23 @@ CURVE = """decisions,seconds,agent,matches,rating,rating_low,rating_high,win_sha
 
 def test_curves_of_several_seeds_are_one_table(tmp_path):
     """The mean, the least and the most; the lead is that over the best of the others."""
-    for name, first, rating, share in (("a", 507904, 190, 0.5), ("b", 491520, 100, 0.4), ("c", 500000, 220, 0.75)):
+    for name, rating, share in (("a", 190, 0.5), ("b", 100, 0.4), ("c", 220, 0.75)):
         (tmp_path / name).mkdir()
-        (tmp_path / name / "curve.csv").write_text(CURVE.format(first=first, rating=rating, share=share))
+        (tmp_path / name / "curve.csv").write_text(CURVE.format(first=507904, rating=rating, share=share))
     *_, row = run("training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
     assert row == "| 0.5 million | 60 | 55 % | 40 to 75 % | +40 (-30 to +90) |"
+    later = CURVE.format(first=1015808, rating=0, share=0.1).partition("\n")[2]
+    with (tmp_path / "a" / "curve.csv").open("a") as file:
+        file.write(later)  # the others have not got so far
+    assert run("training_curves.py", *(tmp_path / name for name in "abc")).splitlines()[-1] == row
+    (tmp_path / "c" / "curve.csv").write_text(CURVE.partition("\n")[0] + "\n" + later)
+    assert "no tournament after the same number" in run(
+        "training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
+    )
     (tmp_path / "c" / "curve.csv").write_text("decisions,agent\n1,ppo\n")
-    done = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "training_curves.py", tmp_path / "c"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert "must be a curve that train_ppo.py has written" in done.stderr
-    assert len(done.stderr.splitlines()) == 1
+    said = run("training_curves.py", tmp_path / "c", fails=True)
+    assert "must be a curve that train_ppo.py has written" in said
+    assert len(said.splitlines()) == 1
 
 
 @pytest.mark.torch
@@ -164,6 +169,12 @@ def test_a_state_that_is_damaged_or_of_another_kind_is_refused_and_runs_no_code(
         (state | {"features": 0}, "features must be 1, got 0: begin a new run"),
         (state | {"settings": lost}, "settings must be"),
         (state | {"more": RunsCode(mark)}, "must be what a run has written"),
+        (state | {"settings": state["settings"] | {"rate": "fast"}}, "state.pt must be what a run has written"),
+        (state | {"settings": state["settings"] | {"opponents": 3}}, "state.pt must be what a run has written"),
+        (state | {"decisions": "many"}, "decisions must be a whole number of at least 0, got many"),
+        (state | {"decisions": -5}, "decisions must be a whole number of at least 0, got -5"),
+        (state | {"prior": float("nan")}, "its weights must be finite numbers"),
+        (state | {"alive": [True]}, "state.pt must be what a run has written"),
     ):
         if isinstance(changed, bytes):
             (out / "state.pt").write_bytes(changed)
@@ -171,6 +182,12 @@ def test_a_state_that_is_damaged_or_of_another_kind_is_refused_and_runs_no_code(
             torch.save(changed, out / "state.pt")
         assert said in refused("--out", out, "--resume", "--decisions", 512)
     assert not mark.exists()
+    (out / "state.pt").write_bytes(whole)
+    (out / "progress.csv").write_text("decisions\nabc\n")
+    assert "progress.csv must be what a run has written" in refused("--out", out, "--resume", "--decisions", 512)
+    (out / "progress.csv").write_text("")  # what a full disk leaves
+    run("train_ppo.py", "--out", out, "--resume", "--decisions", 384)
+    assert [int(row["decisions"]) for row in table(out / "progress.csv")] == [384]
 
 
 @pytest.mark.torch
@@ -224,8 +241,12 @@ def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     made = int(said[-1].split()[3].replace(",", ""))
     assert made == int(table(out / "progress.csv")[-1]["decisions"])
     assert PointerNetwork.load(out / "agent.npz").head == "destination"
-    run("train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, "--evaluate", 0)
+    shorter = ["--evaluate", every, "--evaluate-rounds", 1, "--evaluate-against", "nearest,first,idle"]
+    said = run("train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, *shorter)
     assert int(table(out / "progress.csv")[-1]["decisions"]) == made + 128
+    if every:  # the tournament that was broken off is played again
+        assert [row["decisions"] for row in table(out / "curve.csv")] == 4 * ["512"]
+        assert re.search(r"tournament after 512 decisions: rating .*, wins .* % \[\?\]", said)
 
 
 @pytest.mark.torch
@@ -306,9 +327,12 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         ("--head rank --imitate patrol", "--imitate must name an agent under target control for the head rank"),
         ("--head velocity --imitate contested", "got contested, which is under target control"),
         ("--most-selves 0", "--most-selves must be at least 1, got 0"),
-        ("--seed -1", "--seed must be at least 0, got -1"),
-        ("--evaluate -5", "--evaluate must be at least 0, got -5"),
-        ("--opponents nearest,", "--opponents must be names with commas between them, got 'nearest,'"),
+        ("--seed -1", "--seed must be from 0 to 4611686018427387904, got -1"),
+        (f"--seed {10**30}", "--seed must be from 0 to"),
+        ("--evaluate -5", "--evaluate must be from 0 to 4611686018427387904, got -5"),
+        ("--evaluate-against patrol,nobody", "unknown agent 'nobody'"),
+        ("--opponents nearest,", "--opponents must be different names with commas between them, got 'nearest,'"),
+        ("--opponents first,first", "--opponents must be different names with commas between them, got 'first,first'"),
         ("--arenas 1 --horizon 1", "--arenas times --horizon must be at least 2"),
     ],
 )

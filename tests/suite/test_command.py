@@ -132,7 +132,8 @@ def test_who_cannot_read_a_width_is_told_before_any_match(run, tmp_path):
         f"mine cannot play pairs, and forfeits there: {needed} (74,)",
     ]
     assert "NOT the protocol" in result.stdout
-    assert re.search(r"^ +duel +0\.00 .* 4 *$", result.stdout, re.MULTILINE)  # forfeits
+    assert re.search(r"^ +duel +0\.00 .* no +4 *$", result.stdout, re.MULTILINE)  # it forfeits all, and is not first
+    assert re.search(r"^ +four .* \? +0 *$", result.stdout, re.MULTILINE)  # two blocks do not tell
 
 
 @pytest.mark.usefixtures("network")
@@ -215,6 +216,7 @@ def test_what_was_caught_in_a_forfeited_match_does_not_count():
     assert of.by_block == (pytest.approx(2 / (2 + 10 / 2)),)
     assert of.forfeits == {"FORFEIT_CRASH": 1}
     assert measured([[played(0, 0, (0, 0, 0), forfeits=[0])]]).by_block == (0.0,)
+    assert measured([[played(0, 0, (0, 0, 0), forfeits=[0])]]).first is False
 
 
 def measured(blocks):

@@ -106,7 +106,7 @@ def test_the_order_of_the_matches_changes_nothing():
 
 
 def test_too_few_blocks_give_no_interval():
-    """Of three blocks one draw in nine is one block thrice, which says nothing of the others. Equal ones are no surer."""
+    """Of three blocks one draw in nine is one block thrice, which says nothing of the others. So do equal ones."""
     for blocks in (1, 2, 3):
         for step in (1, 0):
             first, _ = standings([A, B], [played(block, 0, (0, 1), (10 + step * block, 1)) for block in range(blocks)])
