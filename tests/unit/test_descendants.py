@@ -17,11 +17,13 @@ time.sleep(60)
 """
 """It takes a while to die: so much memory is given back first."""
 STARTS_ANOTHER = f"""
-import signal, subprocess, sys, time
+import os, signal, subprocess, sys, time
+def say(text):
+    os.write(1, text.encode() + b"\\n")  # in a handler too, which may come in the middle of it
 def start(*_):
-    print(subprocess.Popen([sys.executable, "-S", "-c", {LARGE!r}]).pid, flush=True)
+    say(str(subprocess.Popen([sys.executable, "-S", "-c", {LARGE!r}]).pid))
 signal.signal(signal.SIGTERM, start)
-print("ready", flush=True)
+say("ready")
 while True:
     time.sleep(60)
 """
