@@ -12,7 +12,6 @@ if __name__ == "__main__":
 
 import argparse
 import importlib
-import math
 import os
 import platform
 import re
@@ -27,6 +26,7 @@ import numpy as np
 
 from catch_arena.cli.app import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
+from catch_arena.cli.tables import interval
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
@@ -235,9 +235,7 @@ def weaknesses(one: AgentMeasures) -> str:
 
 def figure(estimate: Estimate) -> str:
     """With its interval."""
-    if math.isnan(estimate.low):
-        return f"{estimate.mean:.2f} (?)"
-    return f"{estimate.mean:.2f} ({estimate.low:.2f} to {estimate.high:.2f})"
+    return f"{estimate.mean:.2f} ({interval(estimate, '.2f')})"
 
 
 def time_of(one: AgentMeasures) -> str:

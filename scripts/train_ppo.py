@@ -675,16 +675,13 @@ class Evaluation:
         self.latest, self.running = decisions, (decisions, seconds, process)
 
     def state(self) -> dict[str, Any]:
-        """What `go_on_from` takes."""
+        """What a run goes on from."""
         return {"latest": self.latest, "running": None if self.running is None else self.running[:2]}
 
-    def go_on_from(self, state: dict[str, Any]) -> None:
+    def again(self, decisions: int, seconds: float) -> None:
         """Play the one again that was under way, unless its results are there."""
-        self.latest = int(state["latest"])
-        if self.settings.evaluate and state["running"] is not None:
-            decisions, seconds = state["running"]
-            if decisions not in decisions_in(self.settings.out / "curve.csv"):
-                self.start(int(decisions), float(seconds))
+        if self.settings.evaluate and decisions not in decisions_in(self.settings.out / "curve.csv"):
+            self.start(decisions, seconds)
 
     def end(self) -> None:
         """Wait for it, and write down what it found."""
@@ -848,11 +845,15 @@ def go_on_from(state: dict[str, Any], run: "Run") -> None:
         pool.alive = np.array(state["alive"], np.bool_).reshape(pool.alive.shape)
         pool.weigh()
         torch.set_rng_state(state["random"])
-        for table in ("progress.csv", "curve.csv"):
-            drop_after(settings.out / table, run.decisions)
-        run.evaluation.go_on_from(state["evaluation"])
+        run.evaluation.latest = int(state["evaluation"]["latest"])
+        if (running := state["evaluation"]["running"]) is not None:
+            running = int(running[0]), float(running[1])
     except Exception as error:  # noqa: BLE001 - torch raises what it likes for tables of another shape
         raise ValueError(f"{settings.out / 'state.pt'} must be what a run has written: {reason(error)}") from None
+    for table in ("progress.csv", "curve.csv"):
+        drop_after(settings.out / table, run.decisions)
+    if running is not None:
+        run.evaluation.again(*running)
 
 
 # the loop
