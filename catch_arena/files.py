@@ -3,6 +3,7 @@
 import errno
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -12,6 +13,11 @@ from typing import IO, Final
 from rich.filesize import decimal
 
 from catch_arena.errors import OutputError
+
+if sys.version_info >= (3, 11):
+    import tomllib as tomllib  # noqa: PLC0414 - exported: everything that reads TOML takes it from here
+else:
+    pass
 
 _FULL: Final = {errno.ENOSPC, errno.EDQUOT}
 LEAST_FREE: Final = 1_000_000

@@ -10,10 +10,11 @@ import json
 import subprocess
 import sys
 import tempfile
-import tomllib
 from pathlib import Path
 from typing import Final
 from urllib.request import Request, urlopen
+
+import tomllib
 
 WAYS: Final = {
     "": "learning, tournaments, reports, replays, grading, conformance",

@@ -23,7 +23,6 @@ import resource
 import sys
 import tempfile
 import time
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -34,6 +33,7 @@ from types import CodeType
 from typing import Any
 
 from catch_arena.cli.progress import progress_bar
+from catch_arena.files import tomllib
 
 ROOT = Path(__file__).parent.parent
 CORE = ROOT / "catch_arena" / "core"

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from rich.console import Console, Group
 from rich.live import Live
@@ -67,7 +67,7 @@ class LiveStandings:
         end = self._clock()
         self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "LiveStandings":
         if self._console.is_terminal:
             self._live.start()
         return self

@@ -1,7 +1,6 @@
 """The suite's .toml files, read and checked."""
 
 import re
-import tomllib
 from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
@@ -34,6 +33,7 @@ from catch_arena.conformance.toml_reader import (
     word_or,
 )
 from catch_arena.errors import ConfigError, suggest
+from catch_arena.files import tomllib
 from catch_arena.verdicts import Verdict
 
 

@@ -8,7 +8,7 @@ It begins with its directory: for each field of `Sections` where the section beg
 import contextlib
 import itertools
 import mmap
-from typing import Annotated, Any, Final, NamedTuple, get_args
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from llvmlite import ir
@@ -29,99 +29,122 @@ _HUGE_PAGE: Final = 1 << 21
 """[bytes]"""
 
 
+class Section(NamedTuple):
+    """Element type and number of dimensions of a section's array."""
+
+    dtype: type[np.generic]
+    ndim: int
+
+
+# What a section holds stands beside its type, since NumPy's own annotations are for type checkers only.
+Floats1 = Annotated[NDArray[np.float32], Section(np.float32, 1)]
+Floats2 = Annotated[NDArray[np.float32], Section(np.float32, 2)]
+Floats3 = Annotated[NDArray[np.float32], Section(np.float32, 3)]
+Doubles1 = Annotated[NDArray[np.float64], Section(np.float64, 1)]
+Doubles2 = Annotated[NDArray[np.float64], Section(np.float64, 2)]
+Doubles3 = Annotated[NDArray[np.float64], Section(np.float64, 3)]
+Keys2 = Annotated[NDArray[np.int32], Section(np.int32, 2)]
+Integers1 = Annotated[NDArray[np.int64], Section(np.int64, 1)]
+Integers3 = Annotated[NDArray[np.int64], Section(np.int64, 3)]
+Flags1 = Annotated[NDArray[np.int8], Section(np.int8, 1)]
+Flags2 = Annotated[NDArray[np.int8], Section(np.int8, 2)]
+Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
+
+
 class Sections(NamedTuple):
     """B arenas in blocks, H hunters, D columns, K targets seen; P prey, of E columns; T threads.
 
-    Of each array its type and how many dimensions it has. What a scenario or a batch does not need has no numbers. The
-    order matters where a line says so: sections are saved and copied together with those that lie next to them.
+    Each field's type names its elements and the number of dimensions. What a scenario or a batch does not need has no
+    numbers. The order matters where a line says so: sections are saved and copied together with their neighbours.
     """
 
     # ---- tables and scratch: not saved ----
 
-    settings: Annotated[NDArray[np.float64], 1]
+    settings: Doubles1
     """`Settings`, in the order of its fields."""
-    start_poses: Annotated[NDArray[np.float64], 2]
+    start_poses: Doubles2
     """(H, 3), or (0, 3) for the fair circle (R2.6)."""
-    controls: Annotated[NDArray[np.int8], 2]
+    controls: Flags2
     """(B, H): see `controllers`."""
-    limits: Annotated[NDArray[np.float64], 2]
+    limits: Doubles2
     """(H, 5): `SeatLimits`, in the order of its fields."""
-    teams: Annotated[NDArray[np.int64], 1]
+    teams: Integers1
     """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
-    team_seats: Annotated[NDArray[np.int64], 1]
+    team_seats: Integers1
     """(teams,): and those seats, in the order of the teams; none where there are no teams."""
-    keys: Annotated[NDArray[np.int32], 2]
+    keys: Keys2
     """(T, numbers), as those that follow: see `workspace.Scratch`."""
-    positions: Annotated[NDArray[np.float64], 2]
-    target_tiles: Annotated[NDArray[np.float64], 2]
-    body_tiles: Annotated[NDArray[np.float64], 2]
-    staging: Annotated[NDArray[np.float32], 2]
-    requests: Annotated[NDArray[np.int64], 3]
-    rows: Annotated[NDArray[np.float64], 2]
-    requested_slots: Annotated[NDArray[np.float64], 2]
-    rival_orders: Annotated[NDArray[np.float64], 2]
-    progress_references: Annotated[NDArray[np.float64], 2]
-    team_rows: Annotated[NDArray[np.float64], 2]
-    prey_references: Annotated[NDArray[np.float64], 2]
-    gathered_prey: Annotated[NDArray[np.float64], 2]
-    snapshot: Annotated[NDArray[np.float64], 2]
-    prey_commands: Annotated[NDArray[np.float32], 3]
+    positions: Doubles2
+    target_tiles: Doubles2
+    body_tiles: Doubles2
+    staging: Floats2
+    requests: Integers3
+    rows: Doubles2
+    requested_slots: Doubles2
+    rival_orders: Doubles2
+    progress_references: Doubles2
+    team_rows: Doubles2
+    prey_references: Doubles2
+    gathered_prey: Doubles2
+    snapshot: Doubles2
+    prey_commands: Floats3
     """R12.2: (B, P, 2), the actions of the step that is played."""
     # ---- saved, from here to the end; all but the blocks have a row for each arena ----
-    blocks: Annotated[NDArray[np.float64], 2]
+    blocks: Doubles2
     """(blocks, rows * LANES): see `state`."""
     # ---- what envs copy in one piece after each step, up to `ends`: see `Engine.outputs` ----
-    breakdowns: Annotated[NDArray[np.float64], 3]
+    breakdowns: Doubles3
     """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
     `rewards`.
     """
-    answers: Annotated[NDArray[np.float64], 3]
+    answers: Doubles3
     """R5.6: (B, H, 4), or none: of each hunter's request the target's number, 0 for none; the verdict, 0 for no
     request, and then the other numbers are an older one's; the distance [micrometres] and the winner's seat, -1 for
     none.
     """
-    observations: Annotated[NDArray[np.float32], 3]
+    observations: Floats3
     """R7.1: (B, H, D)."""
-    masks: Annotated[NDArray[np.int8], 3]
+    masks: Flags3
     """R7.2: (B, H, K + 1)."""
-    prey_breakdowns: Annotated[NDArray[np.float64], 3]
+    prey_breakdowns: Doubles3
     """(B, P, 1 + parts): the reward, and R12.5's parts in the order of `state.PREY_PART_NAMES`; or none, and
     then `prey_rewards`.
     """
-    prey_observations: Annotated[NDArray[np.float32], 3]
+    prey_observations: Floats3
     """R12.4: (B, P, E)."""
     # ---- what they read in place ----
-    ends: Annotated[NDArray[np.int8], 1]
+    ends: Flags1
     """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
-    rewards: Annotated[NDArray[np.float32], 2]
+    rewards: Floats2
     """(B, H), or none where there are breakdowns."""
-    prey_rewards: Annotated[NDArray[np.float32], 2]
+    prey_rewards: Floats2
     """(B, P), or none where there are breakdowns."""
-    active: Annotated[NDArray[np.int8], 2]
+    active: Flags2
     """R1.7: 1 for hunters that take part, (B, H); or none where nobody drops out."""
-    prey_active: Annotated[NDArray[np.int8], 2]
+    prey_active: Flags2
     """R12.3: 1 for prey that is in play, (B, P)."""
-    team_scores: Annotated[NDArray[np.float64], 2]
+    team_scores: Doubles2
     """R11.1: (B, teams)."""
     # ---- what only auto_reset keeps: last, since engines without it take a saved state up to here ----
-    final_observations: Annotated[NDArray[np.float32], 3]
+    final_observations: Floats3
     """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
-    final_masks: Annotated[NDArray[np.int8], 3]
+    final_masks: Flags3
     """(B, H, K + 1): the masks that belong to them."""
-    lengths: Annotated[NDArray[np.float32], 1]
+    lengths: Floats1
     """(B,): that episode's steps."""
-    records: Annotated[NDArray[np.float32], 3]
+    records: Floats3
     """(B, H, figures): that episode in figures, see `episodes`."""
-    prey_final_observations: Annotated[NDArray[np.float32], 3]
+    prey_final_observations: Floats3
     """(B, P, E): as `final_observations`."""
-    prey_records: Annotated[NDArray[np.float32], 3]
+    prey_records: Floats3
     """(B, P, PREY_RECORD_COLUMNS): see `prey`."""
 
 
-DTYPES: Final = {
-    name: np.dtype(get_args(get_args(kind.__origin__)[1])[0]) for name, kind in Sections.__annotations__.items()
+_KINDS_OF_SECTIONS: Final[dict[str, Section]] = {
+    name: kind.__metadata__[0] for name, kind in Sections.__annotations__.items()
 }
-NDIMS: Final = tuple(kind.__metadata__[0] for kind in Sections.__annotations__.values())
+DTYPES: Final = {name: np.dtype(kind.dtype) for name, kind in _KINDS_OF_SECTIONS.items()}
+NDIMS: Final = tuple(kind.ndim for kind in _KINDS_OF_SECTIONS.values())
 _DIRECTORY: Final = sum(1 + ndim for ndim in NDIMS)
 """How many numbers of int64: where each section begins, and its shape."""
 

@@ -4,7 +4,6 @@ docs/grading.md has the spec's fields and an example.
 """
 
 import json
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -15,6 +14,7 @@ from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
+from catch_arena.files import tomllib
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.text import printable, printable_lines

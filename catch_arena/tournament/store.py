@@ -14,7 +14,7 @@ from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
@@ -127,7 +127,7 @@ class Store:
         self._versions = 0
 
     @classmethod
-    def begin(cls, tournament: Tournament, folder: Path | None = None, *, resume: bool = False) -> Self:
+    def begin(cls, tournament: Tournament, folder: Path | None = None, *, resume: bool = False) -> "Store":
         """The store of a tournament that is to be played, kept in memory where there is no folder.
 
         Raises:
@@ -144,7 +144,7 @@ class Store:
         return store
 
     @classmethod
-    def read(cls, folder: Path) -> Self:
+    def read(cls, folder: Path) -> "Store":
         """The store of a tournament that has begun.
 
         Whatever is read from it was checked (stored_values.py), as it may be damaged, or made by anybody.
@@ -287,7 +287,7 @@ class Store:
         """Give the file back."""
         self._db.close()
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Store":
         return self
 
     def __exit__(

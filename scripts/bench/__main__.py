@@ -14,7 +14,7 @@ import platform
 import shlex
 import sys
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
@@ -135,7 +135,7 @@ def measured_version() -> str:
         version = f"commit {current()}"
     except CheckoutError:
         version = f"version {importlib.metadata.version('catch-arena')}"
-    return f"Catch Arena, {version}, on {datetime.now(UTC).date()}"
+    return f"Catch Arena, {version}, on {datetime.now(timezone.utc).date()}"
 
 
 def beside_a_commit(args: Args) -> tuple[dict[str, Any], str]:

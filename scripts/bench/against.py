@@ -13,7 +13,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from datetime import UTC, datetime
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -254,7 +254,7 @@ def written(figures: Mapping[str, Any]) -> str:
     if within:
         tables.append(table(("within one version", "before", "now", ""), within))
     rounds = max(map(len, before["cpu"].values()))
-    now = f"{figures['now']}, on {datetime.now(UTC).date()}"
+    now = f"{figures['now']}, on {datetime.now(timezone.utc).date()}"
     text = [
         f"{figures['machine']}. Command: `{figures['command']}`.",
         f"Before: the commit {figures['commit'][:12]}. Now: {now}. Medians of {rounds} rounds, in turn.",

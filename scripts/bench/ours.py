@@ -6,7 +6,7 @@ By public names only: `--against` measures older versions with this file.
 import mmap
 import tracemalloc
 from collections.abc import Callable, Iterator
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
@@ -170,7 +170,7 @@ class _Pages(mmap.mmap):
     taken = 0
     """[bytes], by all of them."""
 
-    def __new__(cls, fileno: int, length: int, *arguments: Any, **options: Any) -> Self:
+    def __new__(cls, fileno: int, length: int, *arguments: Any, **options: Any) -> "_Pages":
         cls.taken += length
         return super().__new__(cls, fileno, length, *arguments, **options)
 

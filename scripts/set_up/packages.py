@@ -5,13 +5,13 @@ import re
 import subprocess
 import tempfile
 import time
-import tomllib
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import NamedTuple
 
+import tomllib
 from environment import Environment
 from words import AGAIN, TOLD_EVERY_S, cause, counted, fail, last_line, say
 

@@ -3,11 +3,11 @@
 import ast
 import subprocess
 import sys
-import tomllib
 from importlib import import_module
 from pathlib import Path
 
 import catch_arena
+from catch_arena.files import tomllib
 
 
 def test_the_import_is_light():

@@ -7,7 +7,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
+from catch_arena.files import tomllib
 from catch_arena.policy import Limits, PreyLimits
 from catch_arena.training import LearnerBatch, Mlp
 

@@ -96,6 +96,9 @@ def parameter_services():
     """
 
     def value(*most):
+        def sequence(of):
+            return types.sequence[(of, *most)]
+
         return struct(
             "rcl_interfaces::msg::dds_::ParameterValue_",
             type=types.uint8,
@@ -103,11 +106,11 @@ def parameter_services():
             integer_value=types.int64,
             double_value=_D,
             string_value=str,
-            byte_array_value=types.sequence[types.uint8, *most],
-            bool_array_value=types.sequence[bool, *most],
-            integer_array_value=types.sequence[types.int64, *most],
-            double_array_value=types.sequence[_D, *most],
-            string_array_value=types.sequence[str, *most],
+            byte_array_value=sequence(types.uint8),
+            bool_array_value=sequence(bool),
+            integer_array_value=sequence(types.int64),
+            double_array_value=sequence(_D),
+            string_array_value=sequence(str),
         )
 
     parameter = struct("rcl_interfaces::msg::dds_::Parameter_", name=str, value=value(16))

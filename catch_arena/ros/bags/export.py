@@ -131,7 +131,7 @@ def _call(ruling: Ruling, time_ms: int, number: int) -> tuple[ServiceEvent, Serv
     """The request as it came in, and the response as it went out."""
     seconds, rest = divmod(time_ms, 1000)
     stamp = Time(seconds, rest * _NS)
-    client = (ruling.hunter + 1).to_bytes(16)
+    client = (ruling.hunter + 1).to_bytes(16, "big")
     return (
         ServiceEvent(EventInfo(REQUEST_RECEIVED, stamp, client, number), (CatchTurtleRequest(str(ruling.target)),), ()),
         ServiceEvent(EventInfo(RESPONSE_SENT, stamp, client, number), (), (CatchTurtleResponse(ruling.success),)),

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager, suppre
 from queue import Empty, SimpleQueue
 from threading import Lock
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol
 
 from catch_arena.descendants import end, family
 from catch_arena.engine import Engine
@@ -49,7 +49,7 @@ class Executor(Protocol):
     def process(self) -> AbstractContextManager[WorkerProcess]:
         """A process on this machine that plays nothing, for as long as the context lasts."""
 
-    def __enter__(self) -> Self: ...
+    def __enter__(self) -> "Executor": ...
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -87,7 +87,7 @@ class SerialExecutor:
         """A process on this machine that plays nothing."""
         return fresh_process(self.worker)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "SerialExecutor":
         return self
 
     def __exit__(
@@ -158,7 +158,7 @@ class ProcessExecutor:
             raise
         self._idle.put(process)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "ProcessExecutor":
         self._before = family(os.getpid())
         if self.worker.limits is not None:
             self._context.enter_context(no_newcomers_left())

@@ -8,7 +8,7 @@ from concurrent.futures import Future
 from contextlib import AbstractContextManager, suppress
 from functools import cache
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, install_hint, reason
@@ -91,7 +91,7 @@ class RayExecutor:
         """A process on this machine that plays nothing."""
         return fresh_process(self.worker)
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "RayExecutor":
         return self
 
     def __exit__(

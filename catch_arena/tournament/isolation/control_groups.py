@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 from catch_arena.descendants import LINUX
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -102,7 +102,7 @@ class ControlGroups:
         self._made = 0
 
     @classmethod
-    def here(cls) -> Self | None:
+    def here(cls) -> "ControlGroups | None":
         """Those of this machine, made ready; None where nothing is delegated to us, or it fails."""
         folder = delegated_group()
         if folder is None:

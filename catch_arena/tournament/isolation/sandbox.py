@@ -16,7 +16,7 @@ from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from catch_arena.descendants import family, is_stopped, start, state
 from catch_arena.errors import NoContest
@@ -211,7 +211,7 @@ class Sandbox:
         self._supervisor: _Supervisor | None = None
         self._servers: dict[tuple[str, str], _ForkServer] = {}
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Sandbox":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:

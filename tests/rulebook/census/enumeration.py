@@ -5,7 +5,6 @@ golden` counts anew; a person derives the counts from `review`, by the rulebook,
 """
 
 import itertools
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from oracle.arbiter import judge
 from oracle.arena import OracleArena
 
 from catch_arena.config import ArenaConfig
+from catch_arena.files import tomllib
 from catch_arena.verdicts import Verdict
 
 FOLDER = Path(__file__).parent

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from tournament.attacks import kit
 from tournament.attacks.world import Outcome, World
@@ -87,7 +87,7 @@ class Host:
         )
         assert self._process.stdout.readline() == "ready\n"
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Host":
         return self
 
     def __exit__(self, *_: object) -> None:
