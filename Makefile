@@ -10,23 +10,20 @@ MEASURED := not nightly and not large and not hostile and not torch and not cgro
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
-SET_UP := $(PYTHON) scripts/set_up $(VENV)
 # Formats, lints and type-checks the JavaScript. What it keeps lies in the environment, and it asks nobody for its own updates.
 DENO := DENO_DIR=$(VENV)/deno DENO_NO_UPDATE_CHECK=1 $(BIN)/deno
-PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet --quiet
-
-# Dated now, or as what it was made from where that is dated later, since a clock may jump: it would be made anew each time.
-define STAMP
-@touch $@
-@for source in $^; do test $@ -nt $$source || touch -r $$source $@; done
-endef
+# uv reads no pip.conf: a package index that is set there, such as a mirror, is passed on.
+UV = index=$$($(BIN)/python -m pip config get global.index-url 2>/dev/null || echo "$$PIP_INDEX_URL"); \
+	$${index:+env UV_DEFAULT_INDEX="$$index"} $(BIN)/uv pip install --python $(BIN)/python
+# pip for what torch belongs to: only pip knows where a machine has a build of it without CUDA.
+PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 
 # Bytecode is kept, whatever the environment says: every process would compile all sources anew, some five seconds each.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench wheel pictures golden docs \
-	clean setup always
+	clean setup pythons
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -56,7 +53,7 @@ hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and
 cgroups: $(VENV)/ready-dev ## what the kernel bounds by control groups: needs systemd, or root and cgroup v2 mounted
 	$(if $(wildcard /run/systemd/system),systemd-run --user --scope --quiet -p Delegate=yes) $(BIN)/pytest -m cgroups tests
 
-nightly: long laws interpreted boundscheck coverage mutate compat ## what takes long: the six targets that follow, and compat
+nightly: long laws interpreted boundscheck coverage mutate compat pythons ## what takes long: the six targets that follow, compat and pythons
 
 long: $(VENV)/ready-dev ## the tests that make test leaves out
 	$(BIN)/pytest $(WORKERS) -m nightly tests
@@ -69,7 +66,10 @@ laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
 
-boundscheck: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
+boundspythons: $(VENV)/ready-dev ## the rules, a match, a video and a tournament on each CPython found, with the newest and the oldest dependencies
+	$(BIN)/python scripts/pythons.py
+
+check: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES) tests/vector tests/training/test_opponents.py
 
 # Without the compiler, since compiled code cannot be measured; but first with it, and with an empty cache, for what only the
@@ -90,6 +90,9 @@ browser: $(VENV)/ready-browser ## play videos and open pages in a headless Chrom
 
 window: $(VENV)/ready-window ## play in a real window, on an X server without a screen
 	$(BIN)/pytest tests/window
+
+pythons: $(VENV)/ready-dev ## the rules, a match, a video and a tournament on each CPython found, with the newest and the oldest dependencies
+	$(BIN)/python scripts/pythons.py
 
 check: $(VENV)/ready-dev ## format, lint, types, import contract; of the JavaScript too
 	$(BIN)/ruff format --check .
@@ -132,45 +135,49 @@ setup: $(VENV)/ready-dev ## make .venv with everything that development needs
 clean: ## remove .venv, caches and out/
 	rm -rf $(VENV) out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
-# Looked at each time, and made anew where it serves no longer: half made, moved, copied, or its Python is gone. All that is
-# in it is installed anew then, since this file is newer.
-$(VENV)/set_up.whole: always
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
-		|| { echo "Catch Arena needs Python 3.11 or newer; name one with: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
-	@$(SET_UP)
+$(BIN)/uv:
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' || \
+		{ echo "Catch Arena needs Python 3.10 to 3.13; name one: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
+	@test -x $(BIN)/python || { echo "making $(VENV)"; $(PYTHON) -m venv --clear $(VENV) \
+		|| { $(PYTHON) -m venv --clear --without-pip $(VENV) && $(PYTHON) -m pip --python $(BIN)/python install pip; }; \
+		} > $(VENV).log 2>&1 || { rm -rf $(VENV); echo "$(PYTHON) cannot make a virtual environment: see $(VENV).log;" \
+		"on Debian and Ubuntu: apt-get install python3-venv"; exit 1; }
+	@$(PIP) --upgrade pip uv
 
-$(VENV)/ready: pyproject.toml $(VENV)/set_up.whole
-	@$(SET_UP) --extra video --compile --download 200
-	$(STAMP)
+$(VENV)/ready: pyproject.toml $(BIN)/uv
+	@$(UV) --editable '.[video]'
+	@touch $@
 
 $(VENV)/ready-dev: $(VENV)/ready
-	@$(SET_UP) --group test --group check --download 235
-	$(STAMP)
+	@$(UV) --group test --group check
+	@touch $@
 
 $(VENV)/ready-extras: $(VENV)/ready-dev
-	@$(SET_UP) --group extras
-	$(STAMP)
+	@$(UV) --group extras
+	@touch $@
 
 $(VENV)/ready-torch: $(VENV)/ready-dev
-	@$(SET_UP) --group torch --download 3000
-	$(STAMP)
+	@echo "installing torch (3 GB)"
+	@$(PIP) --group torch
+	@touch $@
 
 # A peer without a wheel for this Python, or a network that fails, leaves out that peer alone; the run names it as skipped.
 $(VENV)/ready-bench: $(VENV)/ready
 	@echo "setting up the peers (a few minutes)"
-	@$(PIP) install --editable '.[bench]' || { echo "not all at once; one by one:"; $(BIN)/python -c \
-		'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"], sep="\n")' \
-		| while read -r peer; do $(PIP) install --editable . "$$peer" || echo "left out: $$peer"; done; }
-	$(STAMP)
+	@$(PIP) --editable '.[bench]' || { echo "not all at once; one by one:"; $(BIN)/python -c \
+		'from catch_arena.files import tomllib; \
+		print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"], sep="\n")' \
+		| while read -r peer; do $(PIP) --editable . "$$peer" || echo "left out: $$peer"; done; }
+	@touch $@
 
 $(VENV)/ready-browser: $(VENV)/ready-dev
 	@command -v chromium >/dev/null || { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq chromium; } \
 		|| { echo "the browser tests need Chromium: apt-get install chromium"; exit 1; }
-	@$(SET_UP) --group browser
-	$(STAMP)
+	@$(UV) --group browser
+	@touch $@
 
 $(VENV)/ready-window: $(VENV)/ready-dev
 	@command -v Xvfb >/dev/null && command -v xdotool >/dev/null && command -v xwd >/dev/null \
 		|| { test "$$(id -u)" = 0 && apt-get update -qq && apt-get install -y -qq xvfb xdotool x11-apps; } \
 		|| { echo "the window's tests need Xvfb, xdotool and xwd: apt-get install xvfb xdotool x11-apps"; exit 1; }
-	$(STAMP)
+	@touch $@

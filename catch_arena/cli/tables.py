@@ -59,7 +59,7 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
             line.name,
             line.group,
             str(line.matches),
-            _with_margin(line.rating, "+z.0f", 1),
+            _with_margin(line.rating, "+.0f", 1),
             _with_margin(line.score, ".1f", 1),
             _with_margin(line.win_share, ".0f", 100) + " %",
         ]
@@ -125,4 +125,5 @@ def interval(estimate: Estimate, form: str, scale: int = 1) -> str:
 
 def _with_margin(estimate: Estimate, form: str, scale: int) -> str:
     margin = "?" if math.isnan(estimate.margin) else format(scale * estimate.margin, form.removeprefix("+"))
-    return f"{scale * estimate.mean:{form}} ± {margin}"
+    mean = f"{scale * estimate.mean:{form}}"
+    return f"{'+0' if mean == '-0' else mean} ± {margin}"

@@ -67,8 +67,6 @@ CREATE TABLE culprit (
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_LONGEST: Final = 1 << 26
-"""Bytes of a value; longer ones are not read."""
 _KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _MATCH: Final = "id, block, seed, seating, agent_seeds"
 _PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(stored_values.RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
@@ -123,7 +121,6 @@ class Store:
         self.path = path
         with self._store_errors():
             self._db = sqlite3.connect(path or ":memory:", isolation_level=None, timeout=_PATIENCE_S)
-            self._db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LONGEST)
         self._versions = 0
 
     @classmethod

@@ -2,6 +2,7 @@
 
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -223,3 +224,15 @@ def test_the_demo_ends_in_the_same_way(tmp_path):
     command.interrupt([0.1, 0.1])
     end = command.ended()
     assert (end.status, end.errors.splitlines()[-1:], end.left) == (130, [LINE.strip()], [])
+
+
+def test_little_is_imported_before_the_command_hears_ctrl_c():
+    """Nothing of setuptools' finder nor of pip's command: a Ctrl-C meanwhile is a traceback."""
+    plain = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
+    command = Path(sys.executable).with_name("catch-arena")
+    asked = [sys.executable, "-X", "importtime", command, "--version"]
+    told = subprocess.run(asked, check=True, capture_output=True, text=True, env=plain).stderr
+    imported = re.findall(r"\| +(\S+)$", told, re.MULTILINE)
+    before = imported[: imported.index("catch_arena.interrupts")]
+    assert "site" in before
+    assert {"pathlib", "re"}.isdisjoint(before)
