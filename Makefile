@@ -138,9 +138,10 @@ clean: ## remove .venv, caches and out/
 $(BIN)/uv:
 	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' || \
 		{ echo "Catch Arena needs Python 3.10 to 3.13; name one: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
-	@test -x $(BIN)/python || { echo "making $(VENV)"; $(PYTHON) -m venv --clear $(VENV) \
+	@test -x $(BIN)/python || echo "making $(VENV)"
+	@test -x $(BIN)/python || { $(PYTHON) -m venv --clear $(VENV) \
 		|| { $(PYTHON) -m venv --clear --without-pip $(VENV) && $(PYTHON) -m pip --python $(BIN)/python install pip; }; \
-		} > $(VENV).log 2>&1 || { rm -rf $(VENV); echo "$(PYTHON) cannot make a virtual environment: see $(VENV).log;" \
+		} > $(VENV).log 2>&1 && rm -f $(VENV).log || { rm -rf $(VENV); echo "$(PYTHON) cannot make a virtual environment: see $(VENV).log;" \
 		"on Debian and Ubuntu: apt-get install python3-venv"; exit 1; }
 	@$(PIP) --upgrade pip uv
 

@@ -203,5 +203,5 @@ def _missing(backend: Backend) -> str:
         return (
             "rclpy is not there: source ROS first (source /opt/ros/jazzy/setup.bash), with the Python it was built for"
         )
-    where = "" if backend == "rosbridge" else " (no wheels for Python 3.14, nor for Linux on ARM: use --bus rosbridge)"
+    where = "" if backend == "rosbridge" else " (no wheels for Linux on ARM: use --bus rosbridge)"
     return f"{backend} needs {_MODULES[backend]}, which is not installed: {_INSTALL}{where}"
