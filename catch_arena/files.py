@@ -14,10 +14,10 @@ from rich.filesize import decimal
 
 from catch_arena.errors import OutputError
 
-if sys.version_info >= (3, 11):
-    import tomllib as tomllib  # noqa: PLC0414 - exported: everything that reads TOML takes it from here
+if sys.version_info >= (3, 11):  # everything that reads TOML imports it from here
+    import tomllib as tomllib  # noqa: PLC0414
 else:
-    pass
+    import tomli as tomllib  # noqa: F401
 
 _FULL: Final = {errno.ENOSPC, errno.EDQUOT}
 LEAST_FREE: Final = 1_000_000
