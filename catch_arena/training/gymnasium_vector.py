@@ -17,7 +17,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
     (DISABLED) they stand still until `reset(options={"reset_mask": rows})` names them: Gymnasium's
     wrappers of observations take only that.
 
-    `infos` holds `action_mask` (N, K + 1) bool (not under velocity control), and where episodes ended `final_obs`
+    `infos` holds `action_mask` (N, K + 1) int8 (not under velocity control), and where episodes ended `final_obs`
     (N, D) and `final_info`: the last mask and the episode's figures. Each has beside it, under its name with `_` before
     it, the mask (N,) of the rows that it is told of. Everything is the caller's own.
 
@@ -41,17 +41,24 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self,
+        *,
+        seed: int | list[int | None] | tuple[int | None, ...] | None = None,
+        options: dict[str, Any] | None = None,
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begin all episodes, or those of `options["reset_mask"]`, (N,) bool: of all learners of an arena or of none.
-        Of a list of seeds the first counts, since the rows of an arena begin together.
+        Of a list of seeds, one for each row, the first counts, since the rows of an arena begin together.
 
         Returns:
             Observations (N, D) float32, and infos.
 
         Raises:
-            ConfigError: for a mask that cannot be.
+            ConfigError: for a mask or a seed that cannot be.
         """
+        if isinstance(seed, list | tuple):
+            if len(seed) != self.num_envs:
+                raise ConfigError(f"seed must be one number, or one for each of {self.num_envs} rows, got {len(seed)}")
+            seed = seed[0]
         arenas = None
         if options is not None and "reset_mask" in options:
             rows = np.asarray(options["reset_mask"])
@@ -61,8 +68,8 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             arenas = together.any(axis=1)
             if (together.all(axis=1) != arenas).any():
                 raise ConfigError("reset_mask must name all learners of an arena or none, got some of them")
-        observations, masks = self.batch.reset(seed[0] if isinstance(seed, list) else seed, arenas)
-        return observations, self._told({"action_mask": masks} if masks.size else {}, np.ones(self.num_envs, np.bool_))
+        observations, masks = self.batch.reset(seed, arenas)
+        return observations, self._told(_masks(masks), np.ones(self.num_envs, np.bool_))
 
     def step(
         self, actions: Any
@@ -82,13 +89,13 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             EpisodeError: before the first reset.
         """
         step = self.batch.step(actions)
-        infos = self._told({"action_mask": step.masks} if step.masks.size else {}, np.ones(self.num_envs, np.bool_))
+        infos = self._told(_masks(step.masks), np.ones(self.num_envs, np.bool_))
         if self._auto_reset and len(step.ended):
             over = np.zeros(self.num_envs, np.bool_)
             over[step.ended] = True
             figures = {name: self._spread(table, step.ended) for name, table in step.figures.items()}
-            if step.masks.size:
-                figures["action_mask"] = self._spread(step.final_masks, step.ended)
+            for name, masks in _masks(step.final_masks).items():
+                figures[name] = self._spread(masks, step.ended)
             final = {
                 "final_obs": self._spread(step.final_observations, step.ended),
                 "final_info": self._told(figures, over),
@@ -108,3 +115,8 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         whole = np.zeros((self.num_envs, *table.shape[1:]), table.dtype)
         whole[rows] = table
         return whole
+
+
+def _masks(masks: NDArray[np.bool_]) -> dict[str, NDArray[np.int8]]:
+    """Masks as Gymnasium's spaces take them; none under velocity control."""
+    return {"action_mask": masks.view(np.int8)} if masks.size else {}

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
+from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from catch_arena.config import ArenaConfig
@@ -18,9 +19,9 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
     """For `PPO("MlpPolicy", env)` and sb3-contrib's `MaskablePPO`, which finds the masks by itself.
 
     Where an episode ends, the row's info has `terminal_observation`, `terminal_mask`, `TimeLimit.truncated` (by both
-    of which values are bootstrapped) and `episode`: `r`, `l`, `t` as stable-baselines3's Monitor gives them, and
-    `score` and `rank`. All arrays are copies: stable-baselines3 keeps an observation for its buffer after the next
-    step, and a buffer that is written anew would hold the wrong one.
+    of which values are bootstrapped), `score`, `rank`, and `episode`: `r`, `l`, `t` as stable-baselines3's Monitor
+    gives them, with `score` and `rank`. All arrays are copies: stable-baselines3 keeps an observation for its buffer
+    after the next step, and a buffer that is written anew would hold the wrong one.
 
     Args:
         scenario: a name or a config; target or velocity control.
@@ -74,6 +75,8 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
                 "terminal_observation": step.final_observations[place],
                 "terminal_mask": step.final_masks[place],
                 "TimeLimit.truncated": cut[row],
+                "score": int(score),
+                "rank": int(rank),
                 "episode": {"r": total, "l": int(length), "t": took, "score": int(score), "rank": int(rank)},
             }
 
@@ -111,5 +114,4 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> Sequence[bool]:
         """A row's figures are those of a Monitor; no row has another wrapper."""
-        del wrapper_class
-        return [False for _ in self._get_indices(indices)]
+        return [wrapper_class is Monitor for _ in self._get_indices(indices)]

@@ -7,6 +7,7 @@ import pickle
 import re
 import sys
 import threading
+import warnings
 
 import gymnasium
 import numpy as np
@@ -347,10 +348,69 @@ def test_gymnasiums_wrappers_of_observations_fit_where_ended_arenas_wait():
         env.reset(options={"reset_mask": np.array([True, False])})
 
 
+@pytest.mark.parametrize(
+    ("seed", "got"), [([], "0"), ((), "0"), ([1], "1"), ((1, 2), "2"), ([1, 2, 3, 4], "4")], ids=str
+)
+def test_seeds_of_a_gymnasium_env_that_are_not_one_for_each_row_are_refused(seed, got):
+    """With their number."""
+    env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
+    with pytest.raises(ConfigError, match=f"^seed must be one number, or one for each of 3 rows, got {got}$"):
+        env.reset(seed=seed)
+
+
+def test_seeds_of_a_gymnasium_env_may_be_a_list_or_a_tuple():
+    """Gymnasium's own envs take both, with None among them; the first counts."""
+    env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
+    expected = env.reset(seed=7)[0]
+    for seed in ([7, 8, None], (7, 7, 7)):
+        assert (env.reset(seed=seed)[0] == expected).all()
+    assert (env.reset(seed=[None, 7, 7])[0] != expected).any()
+
+
+def test_masks_of_a_gymnasium_env_are_those_that_its_spaces_sample_by():
+    """int8, in the reset, in a step, and where an episode has ended."""
+    env = GymnasiumVectorEnv("scarce", 2, opponents="nearest", max_cycles=2)
+    _, infos = env.reset(seed=3)
+    for _ in range(2):
+        assert infos["action_mask"].dtype == np.int8
+        actions = env.action_space.sample(mask=tuple(infos["action_mask"]))
+        assert env.single_action_space.sample(mask=infos["action_mask"][1]) == 0  # there is no target yet
+        *_, infos = env.step(actions)
+    assert infos["final_info"]["action_mask"].dtype == np.int8
+    assert infos["final_info"]["action_mask"].tolist() == [[1, *[0] * 8]] * 2
+
+
+@pytest.mark.torch
+def test_stable_baselines3_finds_the_figures_of_a_monitor():
+    """VecMonitor keeps what `info_keywords` names, and evaluate_policy does not miss a Monitor."""
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.evaluation import evaluate_policy
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    from catch_arena.training import SB3VecEnv
+
+    env = SB3VecEnv("duel", 2, opponents="nearest", max_cycles=30)
+    model = PPO("MlpPolicy", env, n_steps=8, batch_size=16, seed=1, device="cpu")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        returns, lengths = evaluate_policy(model, env, n_eval_episodes=4, return_episode_rewards=True)
+    assert lengths == [30] * 4
+    assert len(returns) == 4
+
+    with pytest.warns(UserWarning, match="already wrapped with a `Monitor`"):  # whose figures it replaces by its own
+        env = VecMonitor(env, info_keywords=("score", "rank"))
+    env.reset()
+    for _ in range(30):
+        *_, infos = env.step(np.ones(2, dtype=np.int64))
+    for info in infos:
+        assert info["episode"]["l"] == 30
+        assert (info["episode"]["score"], info["episode"]["rank"]) == (info["score"], info["rank"])
+
+
 def test_the_rows_of_a_gymnasium_env_are_those_of_the_batch():
     """Observations, last observations and masks, row by row."""
     env, batch = GymnasiumVectorEnv("crowd", 2, max_cycles=3), LearnerBatch("crowd", 2, max_cycles=3)
-    assert (env.reset(seed=[5, 6])[0] == batch.reset(5)[0]).all()
+    assert (env.reset(seed=[5, *[None] * 31])[0] == batch.reset(5)[0]).all()
     for _ in range(4):
         actions = env.action_space.sample()
         observations, rewards, *_, infos = env.step(actions)
