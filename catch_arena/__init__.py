@@ -4,6 +4,8 @@ what.
 What is listed here loads on first use, so that `import catch_arena` stays quick.
 """
 
+from catch_arena.envs.registration import register_scenarios
+
 TYPE_CHECKING = False  # as typing says, which itself takes ten times as long to load as this module
 if TYPE_CHECKING:
     from typing import Any
@@ -67,6 +69,9 @@ _HOMES = {
 }
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - a list of strings, though not a literal one
+
+register_scenarios()
+del register_scenarios
 
 
 def __getattr__(name: str) -> "Any":

@@ -6,6 +6,8 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+import pytest
+
 import catch_arena
 from catch_arena.files import tomllib
 
@@ -18,6 +20,21 @@ def test_the_import_is_light():
         "sys.exit(f'loaded: {heavy}' if heavy else 0)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("order", ["catch_arena, pettingzoo", "pettingzoo, catch_arena"])
+def test_the_import_registers_every_scenario_with_pettingzoo(order):
+    """In either order, in both interfaces, once, and without another import of ours."""
+    code = (
+        f"import sys, {order};"
+        "from pettingzoo.env_registry.registration import aec_registry, parallel_registry;"
+        "made = [pettingzoo.make(api, 'catch_arena/duel_v1') for api in ('parallel', 'aec')];"
+        "found = aec_registry, parallel_registry;"
+        "names = [{key for key in one if key.startswith('catch_arena')} for one in found];"
+        "wanted = {f'catch_arena/{name}-v1' for name in catch_arena.SCENARIOS};"
+        "sys.exit(names != [wanted, wanted] or str(made[0]) != 'catch_arena_v1')"
+    )
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
 def test_every_public_name_is_what_type_checkers_are_told():
