@@ -9,6 +9,7 @@ from typing import Final
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, FaultRates, Gains
 from catch_arena.errors import ConfigError, suggest
+from catch_arena.text import in_short
 
 _STANDARD: Final = ArenaConfig()
 
@@ -65,16 +66,38 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
 )
 
 
+_WORDS_OF_MPE: Final = {
+    "N": "hunters",
+    "num_agents": "hunters",
+    "num_adversaries": "hunters",
+    "num_good": "prey",
+    "max_steps": "max_cycles",
+    "seed": "reset(seed=...)",
+}
+"""What programs for PettingZoo's particle environments call our settings."""
+
+
 def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     """The named scenario's settings, or those given, with any of them overridden.
 
     Args:
         name: one of `SCENARIOS`, or a config.
         overrides: fields of `ArenaConfig` (`gains`, `rewards` and `faults` also as partial dicts).
+            `continuous_actions` may stand for `control`: True is "velocity", False is "target".
 
     Raises:
         ConfigError: that names the nearest right name, or the setting, the requirement and the value.
     """
+    for word in overrides:
+        if word in _WORDS_OF_MPE:
+            raise ConfigError(f"unknown setting {word!r}: here it is {_WORDS_OF_MPE[word]}; see docs/simple_tag.md")
+    if "continuous_actions" in overrides:
+        continuous = overrides.pop("continuous_actions")
+        if not isinstance(continuous, bool):
+            raise ConfigError(f"continuous_actions must be True or False, got {in_short(continuous)}")
+        if "control" in overrides:
+            raise ConfigError("control and continuous_actions must not both be given: they are one setting")
+        overrides["control"] = "velocity" if continuous else "target"
     if isinstance(name, ArenaConfig):
         return name.replace(**overrides)
     if not isinstance(name, str) or name not in SCENARIOS:

@@ -3,6 +3,7 @@ gives it.
 """
 
 import copy
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -160,9 +161,10 @@ def env(
     render_mode: str | None = None,
     *,
     infos: Infos = "full",
+    agent_names: str | Sequence[str] | None = None,
     **overrides: object,
 ) -> CatchArenaAecEnv:
     """The arena as a PettingZoo AEC environment, in which the hunters are asked one after the other and move
     together; arguments as for `parallel_env`.
     """
-    return CatchArenaAecEnv(parallel_env(scenario, render_mode, infos=infos, **overrides))
+    return CatchArenaAecEnv(parallel_env(scenario, render_mode, infos=infos, agent_names=agent_names, **overrides))

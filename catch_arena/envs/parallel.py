@@ -5,11 +5,11 @@ what callers give.
 import copy
 import math
 from bisect import insort
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
-from typing import Any, Final, Literal, NoReturn, get_args
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from gymnasium import spaces
@@ -42,7 +42,7 @@ from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
-from catch_arena.verdicts import REASONS, Verdict
+from catch_arena.verdicts import NO_REQUEST
 from catch_arena.world import World
 
 Infos = Literal["full", "mask", "none"]
@@ -60,7 +60,7 @@ _NO_MORE: Final = (None, (), None)
 _BOUND: Final = ("_play", "_choice_items", "_command_items")
 """What `_bind_engine_buffers` makes anew."""
 _WITHDRAWN = row_of(state.WITHDRAWN)
-_NO_ANSWER: Final[dict[str, Any]] = dict.fromkeys(("verdict", "reason", "target", "distance_um", "winner"))
+_NO_ANSWER: Final = {"verdict": NO_REQUEST, "target": -1, "distance_um": -1, "winner": -1}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +74,11 @@ class SavedEpisode:
     """The arena and what it told last, as the engine keeps them."""
     agents: tuple[str, ...]
     over: bool
-    leaving: Mapping[str, str]
+    leaving: frozenset[str]
     np_random: Any
     """The state of the generator, None where nothing has drawn from it."""
     replay: Replay | None
+    possible_agents: tuple[str, ...]
 
 
 def parallel_env(
@@ -85,6 +86,7 @@ def parallel_env(
     render_mode: str | None = None,
     *,
     infos: Infos = "full",
+    agent_names: str | Sequence[str] | None = None,
     **overrides: object,
 ) -> "CatchArenaEnv":
     """The arena as a PettingZoo parallel environment.
@@ -92,39 +94,43 @@ def parallel_env(
     Args:
         scenario: a name or a config.
         render_mode: None, "rgb_array" or "human".
-        infos: "full", "mask" (the mask alone) or "none": see CatchArenaEnv. Libraries that turn infos into arrays or
-            tensors take no None and no text.
+        infos: "full", "mask" (the mask alone) or "none": see CatchArenaEnv.
+        agent_names: what this env calls its agents: a pattern such as "agent_{seat}", in which prey's seats follow the
+            hunters', or a list with one name for each. The world, replays and digests do not depend on it.
         overrides: fields of ArenaConfig.
 
     Raises:
         ConfigError: that names the setting, the requirement and the value.
     """
-    return CatchArenaEnv(arena_config(scenario, **overrides), render_mode, infos)
+    return CatchArenaEnv(arena_config(scenario, **overrides), render_mode, infos, agent_names)
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
     """Hunters chase targets; the arbiter decides (docs/rulebook.md).
 
-    Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... where there is prey. Observations are float32 vectors
-    (docs/observation.md). Under target control an action is 0 (hold) or a target's rank in view; under velocity control
-    two numbers in [-1, 1]; under full control {"cmd_vel": two such numbers, "catch": a rank or 0}. `infos[agent]` holds
+    Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... where there is prey, unless `agent_names` gives other
+    names. Observations are float32 vectors (docs/observation.md). Under target control an action is 0 (hold) or a
+    target's rank in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such
+    numbers, "catch": a rank or 0}. `infos[agent]` holds numbers and arrays, of one type in every step:
 
-    - `action_mask`: R7.2's mask (not under velocity control);
-    - `verdict`, `reason`, `target`, `distance_um`, `winner`: the answer to the agent's catch request in this step,
-      all None without one;
-    - `reward_parts`: R6.2's parts, unweighted;
+    - `action_mask`: R7.2's mask, int8 (K + 1); not under velocity control;
+    - `verdict`: the answer to the agent's catch request in this step, a number of `Verdict`, 0 without a request;
+    - `target`, `distance_um`, `winner`: the number of the target that was requested, its distance, and the seat that
+      won; each -1 for none;
+    - `reward_parts`: R6.2's parts, unweighted, float64 (7), in the order of `RewardWeights`;
     - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
     - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
     - `TimeLimit.truncated`, True, where the agent is truncated in this step, and absent elsewhere: by it
       stable-baselines3 knows that the value of the last observation still counts.
 
-    With `infos="mask"` an info holds `action_mask` alone, always an int8 array (K + 1): under full control that of the
-    catch; under velocity control, and for prey, nothing. With `infos="none"` it is empty.
+    With `infos="mask"` an info holds `action_mask` alone; under velocity control, and for prey, nothing. With
+    `infos="none"` it is empty.
 
     With `dropouts="leave"` a hunter that drops out is terminated in that step, and no longer among `agents`.
 
     Prey's actions are two numbers in [-1, 1], and its infos hold `active`, whether it is not out; `caught_by`, the seat
-    that caught it in this step, or None; and `reward_parts`, R12.5's. With `prey_returns_s=None` prey that is caught is
+    that caught it in this step, -1 for none; and `reward_parts`, R12.5's, float64 (3), in the order of
+    `PreyRewardWeights`. With `prey_returns_s=None` prey that is caught is
     terminated in that step; else it stays, and its actions are ignored until it returns (R12.3).
 
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
@@ -132,7 +138,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     metadata: dict[str, Any] = {"name": RULESET, "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
 
-    def __init__(self, config: ArenaConfig, render_mode: str | None = None, infos: Infos = "full") -> None:
+    def __init__(
+        self,
+        config: ArenaConfig,
+        render_mode: str | None = None,
+        infos: Infos = "full",
+        agent_names: str | Sequence[str] | None = None,
+    ) -> None:
         require_choice("infos", infos, get_args(Infos))
         require_choice("render_mode", render_mode, (None, *RENDER_MODES))
         if render_mode is not None:
@@ -141,15 +153,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.render_mode = render_mode
         self._infos_level = infos
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
-        self.possible_agents = [*config.hunter_names, *config.prey_names]
+        self.possible_agents = _checked_agent_names(agent_names, [*config.hunter_names, *config.prey_names])
         self.agents: list[str] = []
         self._nobody: dict[str, bool] = {}
         """False for each of `agents`: copied, since a dict made anew takes five times as long."""
         self._views: list[tuple[str, slice]] = []
         """Where each of `agents` stands in what the engine puts out."""
         self.max_cycles = config.max_steps
-        self._seats = {name: seat for seat, name in enumerate(config.hunter_names)}
-        self._prey = {name: index for index, name in enumerate(config.prey_names)}
+        self._seats = {name: seat for seat, name in enumerate(self.possible_agents[: config.hunters])}
+        self._prey = {name: index for index, name in enumerate(self.possible_agents[config.hunters :])}
         drives_itself: tuple[Control] = ("velocity",)
         controls = config.controls + drives_itself * config.prey
         self._places = dict(zip(self.possible_agents, enumerate(controls), strict=True))
@@ -172,8 +184,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._team_by_seat = config.team_by_seat
         self._mask_in_observation = config.mask_in_observation
         self._has_more_for_infos = self._dropouts_stay or config.teams is not None or config.prey > 0
-        self._leaving: dict[str, str] = {}
-        """Who leaves with the end of the next step, and who has left, each with the reason."""
+        self._leaving: set[str] = set()
+        """Who leaves with the end of the next step, and who has left."""
         self._record_as: tuple[tuple[str, ...], str] | None = None
         self._replay: Replay | None = None
         self._painter: Any = None
@@ -241,6 +253,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """R4.1, R4.4, R12.2: what that agent may do; the same object in every call."""
         return self._space(action_space, lambda _config: velocity_space(), self._action_spaces, agent)
 
+    @property
+    def observation_spaces(self) -> dict[str, spaces.Space[Any]]:
+        """The observation space of each of `possible_agents`."""
+        return {agent: self.observation_space(agent) for agent in self.possible_agents}
+
+    @property
+    def action_spaces(self) -> dict[str, spaces.Space[Any]]:
+        """The action space of each of `possible_agents`."""
+        return {agent: self.action_space(agent) for agent in self.possible_agents}
+
     @cached_property
     def state_space(self) -> spaces.Box:
         """R7.3: the global view."""
@@ -300,7 +322,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def step(
         self, actions: Mapping[str, Any]
     ) -> tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]:
-        """R1.4: one control period; an action for each of `agents`.
+        """R1.4: one control period; an action for each of `agents`. Actions of agents that have left are ignored.
 
         Returns:
             observations, rewards, terminations, truncations and infos by agent; after the end, where nobody is left to
@@ -335,12 +357,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             rewards = {agent: rewards[agent] for agent in agents}
         if self._dropouts_leave:
             withdrawn = engine.hunter_rows(0)[:, _WITHDRAWN].tolist()
-            self._note_leaving("had dropped out", (agent for agent, seat in self._seats.items() if withdrawn[seat]))
+            self._leaving.update(agent for agent, seat in self._seats.items() if withdrawn[seat])
         if self._prey_leaves:
             in_play = engine.prey_active[0].tolist()
-            self._note_leaving("was caught", (agent for agent, index in self._prey.items() if not in_play[index]))
+            self._leaving.update(agent for agent, index in self._prey.items() if not in_play[index])
         if self._leaving:
-            for agent in self._leaving.keys() & terminations.keys():
+            for agent in self._leaving & terminations.keys():
                 terminations[agent], truncations[agent] = True, False
         cut = [agent for agent in agents if truncations[agent]] if ended else ()
         observations, infos = self._observations_and_infos(agents, cut)
@@ -353,10 +375,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminations, truncations, infos
-
-    def _note_leaving(self, why: str, agents: Iterable[str]) -> None:
-        for agent in agents:
-            self._leaving.setdefault(agent, why)
 
     def _set_agents(self, agents: list[str]) -> None:
         self.agents = agents
@@ -378,7 +396,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._engine.withdraw_prey(0, self._prey[agent])
         else:
             self._engine.withdraw(0, self._seats[agent])
-        self._leaving[agent] = "was withdrawn"
+        self._leaving.add(agent)
         if self._replay is not None:
             insort(self._replay.withdrawals, (self._replay.steps, self._places[agent][0]))  # agents fail in any order
 
@@ -437,7 +455,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         import catch_arena.player  # noqa: F401 - notebooks show the replay by it
 
-        called = checked_names(self.possible_agents if names is None else names, self.config)
+        agents = self.config.hunter_names + self.config.prey_names
+        called = checked_names(agents if names is None else names, self.config)
         checked_text("name_prefix", self.config.name_prefix)
         self._record_as = (called, checked_text("title", title))
 
@@ -461,9 +480,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             memory=self._engine.save_row(0),
             agents=tuple(self.agents),
             over=self._over,
-            leaving=self._leaving.copy(),
+            leaving=frozenset(self._leaving),
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if self._replay is None else self._replay.copy(),
+            possible_agents=tuple(self.possible_agents),
         )
 
     def restore(self, saved: SavedEpisode) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
@@ -482,13 +502,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"
             )
         memory = require_memory(self._engine, saved.memory, alone=True)
-        if not set(saved.agents) <= set(self.possible_agents):
-            raise ConfigError(f"saved must have agents of {self.possible_agents}, got {in_short(list(saved.agents))}")
+        if list(saved.possible_agents) != self.possible_agents:
+            got = in_short(list(saved.possible_agents))
+            raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         self._seed = saved.seed
         self._engine.restore_row(0, memory)
         self._set_agents(list(saved.agents))
         self._over = saved.over
-        self._leaving = dict(saved.leaving)
+        self._leaving = set(saved.leaving)
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
@@ -560,7 +581,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             raise ActionError(f"actions must map each agent to its action, got {actions!r}")
         agents = self.agents
         if len(actions) != len(agents):
-            self._explain_mismatch(actions)
+            self._require_complete(actions)
         choices, commands = self._choice_items, self._command_items
         ranks, seats = self._ranks, self._seats
         try:
@@ -582,21 +603,20 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                     commands[2 * index] = speed
                     commands[2 * index + 1] = turn_rate
         except KeyError:
-            self._explain_mismatch(actions)
+            self._require_complete(actions)
         for agent in self._leaving:
             if agent not in agents:
                 if agent in seats:
                     choices[seats[agent]] = 0
                 self._commands[0, self._places[agent][0]] = 0.0
 
-    def _explain_mismatch(self, actions: Mapping[str, Any]) -> NoReturn:
+    def _require_complete(self, actions: Mapping[str, Any]) -> None:
+        """An action for each of `agents`, and others only of agents that have left."""
         for agent in actions:
             self._known(agent)
-        for agent in actions:
-            if agent not in self.agents:
-                raise ActionError(f"{agent} must give no action: it {self._leaving[agent]}")
         missing = [agent for agent in self.agents if agent not in actions]
-        raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
+        if missing:
+            raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
     def _observations_and_infos(
         self, agents: Sequence[str], cut: Sequence[str] = ()
@@ -653,63 +673,52 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         masks = self._masks_in(outputs)
         hunters = self.config.hunters
         answers = outputs[self._answers].view(np.float64)[: hunters * ANSWER_COLUMNS].reshape(hunters, -1).tolist()
-        breakdowns = (
-            outputs[self._breakdowns].view(np.float64)[: hunters * (1 + len(PART_NAMES))].reshape(hunters, -1).tolist()
-        )
+        parts = _parts_in(outputs[self._breakdowns], hunters, len(PART_NAMES))
         for agent in agents:
             if agent in self._prey:
                 continue
             seat = self._seats[agent]
             number, verdict, distance, winner = answers[seat]
             infos[agent] = info = _NO_ANSWER.copy()
-            info["reward_parts"] = _named_parts(*breakdowns[seat][1:])
+            info["reward_parts"] = parts[seat]
             if withdrawn is not None:
                 info["active"] = not withdrawn[seat]
             if team_scores:
                 info["team_score"] = int(team_scores[self._team_by_seat[seat]])
-            if self._controls[seat] == "target":
+            if self._controls[seat] != "velocity":
                 info["action_mask"] = masks[seat]
-            elif self._controls[seat] == "full":
-                info["action_mask"] = {"cmd_vel": None, "catch": masks[seat]}
             if verdict:
-                answer = Verdict(int(verdict))
-                info["verdict"] = answer
-                info["reason"] = REASONS[answer]
-                info["target"] = self.config.target_name(int(number)) if number else None
-                info["distance_um"] = None if distance < 0 else int(distance)
-                info["winner"] = None if winner < 0 else int(winner)
+                info["verdict"] = int(verdict)
+                info["target"] = int(number) or -1
+                info["distance_um"] = int(distance)
+                info["winner"] = int(winner)
         if prey is not None:
-            of_prey = outputs[self._prey_breakdowns].view(np.float64)[: len(prey) * (1 + len(PREY_PART_NAMES))]
-            earned = of_prey.reshape(len(prey), -1).tolist()
-            for agent, rows, (_, *parts) in zip(self._prey, prey.tolist(), earned, strict=True):
-                catcher = rows[row_of(state.CAUGHT_BY)]
+            parts = _parts_in(outputs[self._prey_breakdowns], len(prey), len(PREY_PART_NAMES))
+            for agent, rows, of_agent in zip(self._prey, prey.tolist(), parts, strict=True):
                 if agent in agents:
                     infos[agent] = {
                         "active": rows[row_of(state.PREY_SLOT)] != state.NO_TARGET,
-                        "caught_by": None if catcher < 0 else int(catcher),
-                        "reward_parts": dict(zip(PREY_PART_NAMES, parts, strict=True)),
+                        "caught_by": int(rows[row_of(state.CAUGHT_BY)]),
+                        "reward_parts": of_agent,
                     }
         for agent in cut:
             infos[agent]["TimeLimit.truncated"] = True
         return infos
 
 
-def _named_parts(
-    catch: float,
-    rival_catch: float,
-    lost_contest: float,
-    rejected_request: float,
-    progress: float,
-    time: float,
-    mate_catch: float,
-) -> dict[str, float]:
-    """`state.PART_NAMES` to their values, in half the time that dict(zip(...)) takes."""
-    return {
-        "catch": catch,
-        "rival_catch": rival_catch,
-        "lost_contest": lost_contest,
-        "rejected_request": rejected_request,
-        "progress": progress,
-        "time": time,
-        "mate_catch": mate_catch,
-    }
+def _parts_in(breakdowns: NDArray[np.float32], agents: int, parts: int) -> NDArray[np.float64]:
+    """R6.2, R12.5: of each agent the parts of its reward, which stand after their sum."""
+    return breakdowns.view(np.float64)[: agents * (1 + parts)].reshape(agents, 1 + parts)[:, 1:]
+
+
+def _checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
+    if given is None:
+        return usual
+    names = given
+    if isinstance(given, str) and "{seat}" in given:
+        names = [given.replace("{seat}", str(seat)) for seat in range(len(usual))]
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
+        raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {in_short(given)}")
+    if not len(set(names)) == len(names) == len(usual):
+        raise ConfigError(f"agent_names must be {len(usual)} different names, got {in_short(given)}")
+    return list(names)

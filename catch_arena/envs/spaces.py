@@ -26,7 +26,17 @@ def action_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
     choice: spaces.Space[Any] = spaces.Discrete(config.targets_seen + 1)
     if control == "target":
         return choice
-    return velocity_space() if control == "velocity" else spaces.Dict({"cmd_vel": velocity_space(), "catch": choice})
+    return velocity_space() if control == "velocity" else FullActions({"cmd_vel": velocity_space(), "catch": choice})
+
+
+class FullActions(spaces.Dict):
+    """R4.4: the actions of full control; `sample` takes the mask as infos hold it, and as Gymnasium's Dict does."""
+
+    def sample(self, mask: Any = None, probability: Any = None) -> dict[str, Any]:
+        """Return an action, legal by the mask."""
+        if isinstance(mask, np.ndarray):
+            mask = {"cmd_vel": None, "catch": mask}
+        return super().sample(mask, probability)
 
 
 def velocity_space() -> spaces.Box:

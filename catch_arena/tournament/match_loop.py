@@ -16,7 +16,7 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault, Observation, Players, TrustedPlayers
 from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.tournament.secret import agent_seed
-from catch_arena.verdicts import Verdict
+from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
 """What is played for a seat that gives no action."""
@@ -212,10 +212,10 @@ class _RunningMatch:
         """The verdicts of a step, and its contests: each has one winner, and a party wins or loses it once."""
         contests: dict[int, set[int]] = {}  # the parties that lost to each seat
         for agent, info in infos.items():
-            verdict = info.get("verdict")
-            if verdict is not None:
-                self._verdicts_of[agent][verdict.name] += 1
-                if verdict is Verdict.LOST_CONTEST:
+            verdict = info.get("verdict", NO_REQUEST)
+            if verdict != NO_REQUEST:
+                self._verdicts_of[agent][Verdict(verdict).name] += 1
+                if verdict == Verdict.LOST_CONTEST:
                     winner, loser = self._parties.by_seat[info["winner"]], self._party_of[agent]
                     if winner == loser:
                         self._lost_to_mates[loser] += 1
@@ -235,8 +235,6 @@ def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:
 
 def _observation(vector: Any, info: dict[str, Any]) -> Observation:
     mask = info.get("action_mask")
-    if isinstance(mask, dict):  # full control: the mask of "catch"
-        mask = mask["catch"]
     # plain numbers: a scripted agent reads them one by one, which is slow on arrays
     return vector.tolist(), [] if mask is None else mask.tolist()
 

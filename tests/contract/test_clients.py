@@ -3,9 +3,15 @@
 `make compat` trains with the libraries themselves (docs/compatibility.md).
 """
 
+import re
+import warnings
+from io import BytesIO
+
 import numpy as np
 import pytest
 import supersuit
+from gymnasium import spaces
+from pettingzoo.test import api_test
 from pettingzoo.utils.wrappers import TerminateIllegalWrapper
 
 import catch_arena
@@ -17,7 +23,7 @@ MIXED = ("target", "velocity", "full", "target")
 @pytest.mark.rule("R7.2")
 @pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])
 def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make):
-    """TorchRL, BenchMARL and AgileRL make arrays of infos, and take neither None nor dicts in them."""
+    """And nothing else of the arena depends on it."""
     told = {}
     for infos in ("full", "mask", "none"):
         env = make(control=MIXED, max_cycles=5, infos=infos)
@@ -39,9 +45,192 @@ def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make)
             assert told["mask"][agent] == {}
             continue
         (mask,) = told["mask"][agent].values()
-        full = told["full"][agent]["action_mask"]
-        assert (mask == (full["catch"] if control == "full" else full)).all()
+        assert (mask == told["full"][agent]["action_mask"]).all()
         assert (mask.dtype, mask.shape) == (np.int8, (9,))
+
+
+EVERYTHING = {"control": ("target", "full", "target"), "teams": ((0, 1), (2,)), "dropout_rate": 0.05}
+EVERY_KEY = {"verdict", "target", "distance_um", "winner", "reward_parts", "action_mask"}
+
+
+@pytest.mark.rule("R7.2")
+@pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])
+@pytest.mark.parametrize(
+    ("scenario", "settings", "keys", "keys_of_prey"),
+    [
+        ("standard", {}, EVERY_KEY, None),
+        ("duel", {"control": "velocity"}, EVERY_KEY - {"action_mask"}, None),
+        (
+            "tag",
+            {**EVERYTHING, "dropouts": "fixed", "reach_m": 20.0},
+            EVERY_KEY | {"team_score", "active"},
+            {"active", "caught_by", "reward_parts"},
+        ),
+    ],
+)
+def test_r7_2_infos_hold_numbers_and_arrays_of_one_type_each(make, scenario, settings, keys, keys_of_prey):
+    """Replay buffers and tensors are made of them: no None, no text, no dict, for every agent and step."""
+    env = make(scenario, max_cycles=40, **settings)
+    kinds = {}
+    for seed in range(2):
+        for agent, info in steps_of(env, seed):
+            truncated = info.pop("TimeLimit.truncated", True)
+            assert truncated is True
+            assert set(info) == (keys_of_prey if agent.startswith("prey") else keys)
+            for key, value in info.items():
+                assert isinstance(value, int | np.ndarray)
+                array = np.asarray(value)
+                kinds.setdefault((agent[:5], key), set()).add((type(value), array.dtype, array.shape))
+    assert {name: len(found) for name, found in kinds.items()} == dict.fromkeys(kinds, 1)
+
+
+def steps_of(env, seed):
+    """Each agent's info of each step of an episode, while hunters go for the nearest target."""
+    env.reset(seed=seed)
+    rest = np.zeros(2, np.float32)
+    actions = {
+        agent: space.sample() if agent.startswith("prey") or not isinstance(space, spaces.Discrete) else 1
+        for agent, space in ((agent, env.action_space(agent)) for agent in env.possible_agents)
+    }
+    actions |= {agent: {"cmd_vel": rest, "catch": 1} for agent, action in actions.items() if isinstance(action, dict)}
+    if hasattr(env, "agent_iter"):
+        for agent in env.agent_iter():
+            *_, terminated, truncated, info = env.last()
+            yield agent, info
+            env.step(None if terminated or truncated else actions[agent])
+        return
+    while env.agents:
+        *_, infos = env.step({agent: actions[agent] for agent in env.agents})
+        yield from infos.items()
+
+
+def test_an_info_has_the_ruling_in_numbers():
+    """Two hunters ask for one target, and one for nothing."""
+    env = catch_arena.parallel_env(
+        hunters=3, initial_targets=1, max_targets=1, spawning=False, reach_m=20.0, max_cycles=1
+    )
+    env.reset(seed=1)
+    *_, infos = env.step({"hunter_0": 1, "hunter_1": 1, "hunter_2": 0})
+    rulings = env.world().rulings
+    assert {ruling.verdict.name for ruling in rulings} == {"GRANTED", "LOST_CONTEST"}
+    for ruling in rulings:
+        info = infos[f"hunter_{ruling.hunter}"]
+        assert info["verdict"] == ruling.verdict
+        assert (info["target"], info["distance_um"], info["winner"]) == (1, ruling.distance_um, ruling.winner)
+    none = infos["hunter_2"]
+    assert (none["verdict"], none["target"], none["distance_um"], none["winner"]) == (0, -1, -1, -1)
+
+
+@pytest.mark.parametrize("names", [None, "agent_{seat}", ["adversary_0", "adversary_1", "adversary_2", "agent_0"]])
+def test_the_two_dictionaries_of_spaces_hold_each_agents_space(names):
+    """PettingZoo documents both; the same objects as by the methods, so that a seed of theirs counts."""
+    for make in (catch_arena.parallel_env, catch_arena.env):
+        env = make("tag", agent_names=names)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # PettingZoo's remark under AEC, that the methods are preferred
+            seen, done = env.observation_spaces, env.action_spaces
+        assert list(seen) == list(done) == env.possible_agents
+        for agent in env.possible_agents:
+            assert seen[agent] is env.observation_space(agent)
+            assert done[agent] is env.action_space(agent)
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ("agent_{seat}", ["agent_0", "agent_1", "agent_2", "agent_3"]),
+        (["adversary_0", "adversary_1", "adversary_2", "agent_0"],) * 2,
+        (("a", "b", "hunter_0", "prey_0"), ["a", "b", "hunter_0", "prey_0"]),
+    ],
+)
+def test_agents_may_have_other_names_and_nothing_else_changes(given, expected):
+    """Not the digests, the world or the replay; prey's seats follow the hunters'."""
+    usual = catch_arena.parallel_env("tag", max_cycles=30)
+    renamed = catch_arena.parallel_env("tag", max_cycles=30, agent_names=given)
+    assert renamed.possible_agents == expected
+    assert renamed.config == usual.config
+    results = []
+    for env in (usual, renamed):
+        env.record()
+        results.append([env.reset(seed=3)])
+    while usual.agents:
+        for env, told in zip((usual, renamed), results, strict=True):
+            told.append(env.step(dict.fromkeys(env.agents, np.array([1.0, 0.3], np.float32))))
+        assert usual.digest() == renamed.digest()
+        assert usual.world() == renamed.world()
+    files = [BytesIO(), BytesIO()]
+    for env, file in zip((usual, renamed), files, strict=True):
+        env.replay().save(file)
+    assert files[0].getvalue() == files[1].getvalue()
+    for one, other in zip(*results, strict=True):
+        for mine, theirs in zip(one, other, strict=True):
+            assert list(theirs) == expected
+            assert repr(list(mine.values())) == repr(list(theirs.values()))
+    with pytest.raises(ActionError, match="unknown agent 'hunter_1'"):
+        renamed.action_space("hunter_1")
+
+
+def test_an_aec_env_may_have_other_names():
+    """PettingZoo's own test, and its turns."""
+    env = catch_arena.env("duel", agent_names="agent_{seat}", max_cycles=20)
+    api_test(env, num_cycles=50)
+    env.reset(seed=1)
+    assert env.agent_selection == "agent_0"
+    env.step(1)
+    env.restore(env.save())
+    assert env.agent_selection == "agent_1"
+    env.withdraw("agent_0")
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        ("agent", "agent_names must be a pattern with {seat} or a list of names, got 'agent'"),
+        (["a", 2], "agent_names must be a pattern with {seat} or a list of names, got ['a', 2]"),
+        (["a", ""], "agent_names must be a pattern with {seat} or a list of names, got ['a', '']"),
+        (7, "agent_names must be a pattern with {seat} or a list of names, got 7"),
+        (["a"], "agent_names must be 2 different names, got ['a']"),
+        (["a", "a"], "agent_names must be 2 different names, got ['a', 'a']"),
+    ],
+)
+def test_names_that_agents_cannot_have_are_refused(names, message):
+    """By both envs."""
+    for make in (catch_arena.parallel_env, catch_arena.env):
+        with pytest.raises(ConfigError, match=f"^{re.escape(message)}$"):
+            make("duel", agent_names=names)
+
+
+def test_continuous_actions_stand_for_velocity_control():
+    """MPE's word; False is the discrete control, where the scenario would have the other."""
+    for continuous, control in ((True, "velocity"), (False, "target")):
+        for name in ("standard", "tag"):
+            assert catch_arena.parallel_env(name, continuous_actions=continuous).config == catch_arena.scenario(
+                name, control=control
+            )
+    assert catch_arena.VectorArena("duel", 2, continuous_actions=True).config.control == "velocity"
+    with pytest.raises(ConfigError, match="continuous_actions must be True or False, got 'yes'"):
+        catch_arena.env(continuous_actions="yes")
+    with pytest.raises(ConfigError, match="control and continuous_actions must not both be given"):
+        catch_arena.env(continuous_actions=True, control="full")
+
+
+@pytest.mark.parametrize(
+    ("word", "ours"),
+    [
+        ("N", "hunters"),
+        ("num_agents", "hunters"),
+        ("num_adversaries", "hunters"),
+        ("num_good", "prey"),
+        ("max_steps", "max_cycles"),
+        ("seed", "reset(seed=...)"),
+    ],
+)
+def test_other_words_of_mpe_get_ours(word, ours):
+    """And the page for who comes from simple_tag, and not a list of all settings."""
+    message = re.escape(f"unknown setting {word!r}: here it is {ours}; see docs/simple_tag.md")
+    for make in (catch_arena.parallel_env, catch_arena.env, catch_arena.VectorArena, catch_arena.scenario):
+        with pytest.raises(ConfigError, match=f"^{message}$"):
+            make("tag", **{word: 3})
 
 
 def test_masks_that_are_told_alone_are_the_callers_own():

@@ -138,7 +138,7 @@ def some_action(source: Random, config: ArenaConfig, agent: str, info: Any) -> A
     command = np.array([source.uniform(-0.5, 1.0), source.uniform(-1.0, 1.0)], dtype=np.float32)
     if control == "velocity":
         return command
-    mask = info["action_mask"] if control == "target" else info["action_mask"]["catch"]
+    mask = info["action_mask"]
     return int(mask[1]) if control == "target" else {"cmd_vel": command, "catch": int(mask[1])}
 
 

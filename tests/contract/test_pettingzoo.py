@@ -56,7 +56,7 @@ def test_a_mask_in_the_observation_is_used_by_pettingzoo():
         actions = {a: env.action_space(a).sample(observations[a]["action_mask"]) for a in env.agents}
         observations, *_, infos = env.step(actions)
         for agent, info in infos.items():
-            assert info["verdict"] is not catch_arena.Verdict.MALFORMED
+            assert info["verdict"] != catch_arena.Verdict.MALFORMED
             if agent in observations:
                 assert (info["action_mask"] == observations[agent]["action_mask"]).all()
 

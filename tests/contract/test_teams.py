@@ -5,6 +5,7 @@ import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 
 import catch_arena
+from catch_arena.core.state import PART_NAMES
 from catch_arena.layout import columns
 
 BUSY = catch_arena.scenario("pairs", side_m=4.0, spawn_frequency_hz=6.0, reach_m=0.6, max_cycles=60)
@@ -44,7 +45,7 @@ def test_r11_2_team_mates_share_what_they_earn():
         assert rewards["hunter_0"] == rewards["hunter_1"] == (alone["hunter_0"] + alone["hunter_1"]) / 2
         assert rewards["hunter_2"] == rewards["hunter_3"] == (alone["hunter_2"] + alone["hunter_3"]) / 2
         for agent in rewards:
-            assert infos[agent]["reward_parts"] == others[agent]["reward_parts"]
+            assert infos[agent]["reward_parts"].tolist() == others[agent]["reward_parts"].tolist()
         different += rewards != alone
     assert different > 10
 
@@ -55,10 +56,11 @@ def test_r11_2_catches_of_mates_and_of_rivals_are_told_apart():
     env = catch_arena.parallel_env(BUSY.replace(team_share=0.0, rewards={"rival_catch": -1.0, "mate_catch": 0.5}))
     met = 0
     for _, rewards, _, _, infos in played(env, 9):
-        caught = {agent: infos[agent]["reward_parts"]["catch"] for agent in rewards}
+        parts_of = {agent: dict(zip(PART_NAMES, infos[agent]["reward_parts"], strict=True)) for agent in rewards}
+        caught = {agent: parts["catch"] for agent, parts in parts_of.items()}
         for pair in (("hunter_0", "hunter_1"), ("hunter_2", "hunter_3")):
             for agent, mate in (pair, pair[::-1]):
-                parts = infos[agent]["reward_parts"]
+                parts = parts_of[agent]
                 assert parts["mate_catch"] == caught[mate]
                 assert parts["rival_catch"] == sum(caught.values()) - caught[agent] - caught[mate]
                 assert rewards[agent] == caught[agent] - parts["rival_catch"] + 0.5 * caught[mate]

@@ -421,14 +421,12 @@ class EnvAdjudicator(Adjudicator):
     def evidence(self) -> list[Evidence | None]:
         found: list[Evidence | None] = []
         for seat in range(self.config.hunters):
-            info = self.results[4].get(f"hunter_{seat}", {"verdict": None})
-            if info["verdict"] is None:
+            info = self.results[4].get(f"hunter_{seat}", {"verdict": 0})
+            if info["verdict"] == 0:
                 found.append(None)
                 continue
-            number = None
-            if info["target"] is not None:
-                number = int(info["target"].removeprefix(self.config.name_prefix))
-            found.append(Evidence(info["verdict"], number, info["distance_um"], info["winner"]))
+            given = (None if info[name] == -1 else info[name] for name in ("target", "distance_um", "winner"))
+            found.append(Evidence(Verdict(info["verdict"]), *given))
         return found
 
     def observation(self, seat: int) -> list[float]:
@@ -440,7 +438,7 @@ class EnvAdjudicator(Adjudicator):
             return []
         assert self.is_shown, "look first"
         mask = self.results[4][f"hunter_{seat}"]["action_mask"]
-        return [int(bit) for bit in (mask if self.config.controls[seat] == "target" else mask["catch"])]
+        return [int(bit) for bit in mask]
 
     def prey_observation(self, index: int) -> list[float]:
         assert self.is_shown, "look first"
@@ -455,7 +453,7 @@ class EnvAdjudicator(Adjudicator):
     rewards = property(lambda self: self._of_seats(self.results[1], 0.0))
     parts = property(
         lambda self: [
-            tuple(info["reward_parts"].values()) if info else (0.0,) * len(PART_NAMES)
+            tuple(info["reward_parts"].tolist()) if info else (0.0,) * len(PART_NAMES)
             for info in self._of_seats(self.results[4], None)
         ]
     )
@@ -463,12 +461,15 @@ class EnvAdjudicator(Adjudicator):
     prey_rewards = property(lambda self: self._of_prey(self.results[1], 0.0))
     prey_parts = property(
         lambda self: [
-            tuple(info["reward_parts"].values()) if info else (0.0,) * 3
+            tuple(info["reward_parts"].tolist()) if info else (0.0,) * 3
             for info in self._of_prey(self.results[4], None)
         ]
     )
     caught_by = property(
-        lambda self: [info["caught_by"] for info in self._of_prey(self.results[4], {"caught_by": None})]
+        lambda self: [
+            None if info["caught_by"] == -1 else info["caught_by"]
+            for info in self._of_prey(self.results[4], {"caught_by": -1})
+        ]
     )
     terminated = property(lambda self: all(self._of_seats(self.results[2], True)))
     truncated = property(lambda self: any(self._of_seats(self.results[3], False)))

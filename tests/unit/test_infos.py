@@ -1,6 +1,7 @@
 """LazyInfos that are made when they are asked for behave as the dicts that they stand for."""
 
 import copy
+import dataclasses
 import json
 import pickle
 import time
@@ -10,7 +11,8 @@ from threading import Event
 import pytest
 
 from catch_arena import parallel_env
-from catch_arena.core.state import PART_NAMES
+from catch_arena.config import PreyRewardWeights, RewardWeights
+from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
 from catch_arena.envs.infos import LazyInfos
 
 CONTENT = {"hunter_0": {"verdict": None}, "hunter_1": {"verdict": 3}}
@@ -88,14 +90,16 @@ def test_infos_can_be_read_again_as_any_dict(first, reader):
 
 
 def test_parts_stand_in_the_order_of_the_rulebook():
-    """They are named one by one."""
-    env = parallel_env("standard")
+    """That of the fields of the weights, of both sides."""
+    env = parallel_env("tag")
     env.reset(seed=5)
-    env._engine.parts[0] = range(len(PART_NAMES))
+    env._engine.parts[0], env._engine.prey_parts[0] = range(7), range(3)
+    infos = env._observations_and_infos(env.agents)[1]
 
-    assert list(env._observations_and_infos(env.agents)[1]["hunter_0"]["reward_parts"].items()) == list(
-        zip(PART_NAMES, range(len(PART_NAMES)), strict=True)
-    )
+    assert infos["hunter_1"]["reward_parts"].tolist() == list(range(7))
+    assert infos["prey_0"]["reward_parts"].tolist() == list(range(3))
+    assert tuple(field.name for field in dataclasses.fields(RewardWeights)) == PART_NAMES
+    assert tuple(field.name for field in dataclasses.fields(PreyRewardWeights)) == PREY_PART_NAMES
 
 
 def test_infos_tell_of_their_own_step():

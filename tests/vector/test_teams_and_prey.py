@@ -64,7 +64,7 @@ def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes
             assert np.float32(reward) == rewards[side][row, int(index)]
             if side == "prey":
                 returns[int(index)] += reward
-                caught[int(index)] += notes[agent]["caught_by"] is not None
+                caught[int(index)] += notes[agent]["caught_by"] != -1
         over = terminations[row] or truncations[row]
         if not over:
             in_play = [prey.target is not None for prey in env.world().prey]

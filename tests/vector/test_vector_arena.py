@@ -70,7 +70,6 @@ def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(contr
         if env.agents:
             for seat, note in enumerate(notes.values()):
                 mask = note.get("action_mask")
-                mask = mask["catch"] if isinstance(mask, dict) else mask
                 assert mask is None or (mask == infos["action_mask"][row, seat]).all()
             continue
         scores = np.array([hunter.score for hunter in env.world().hunters])
@@ -78,7 +77,6 @@ def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(contr
         assert (infos["final_obs"][row] == np.array(list(seen.values()))).all()
         for seat, note in enumerate(notes.values()):
             mask = note.get("action_mask")
-            mask = mask["catch"] if isinstance(mask, dict) else mask
             assert mask is None or (mask == infos["final_mask"][row, seat]).all()
         assert (figures["length"] == config.max_steps).all()
         assert (figures["score"] == scores).all()
