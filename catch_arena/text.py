@@ -6,6 +6,7 @@ shown as Python writes it: `\x1b`, `\ud800`, `\u202e`. It is done once, where su
 
 import re
 import reprlib
+import unicodedata
 from typing import Final
 
 LONGEST_NAME: Final = 100
@@ -18,6 +19,14 @@ _FOLDERS: Final = re.compile(
 )
 """Of whole paths: in quotes, where they may have spaces, or not; and those of Windows."""
 _FORMULA: Final = ("=", "+", "-", "@")
+
+
+def composed(text: str) -> str:
+    """Return the text in Unicode's composed form (NFC), so that names that look the same are the same.
+
+    Some systems write file names decomposed, and the fonts that names are drawn in have composed letters only.
+    """
+    return unicodedata.normalize("NFC", text)
 
 
 def printable(text: str) -> str:

@@ -21,7 +21,7 @@ from typing import Any, Final, NamedTuple
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
-from catch_arena.text import name_fault, one_line
+from catch_arena.text import composed, name_fault, one_line
 
 COMMAND: Final = "cmd:"
 """What the spec of a command begins with."""
@@ -34,6 +34,8 @@ _PREY: Final = "Prey"
 """What the class is called that plays prey."""
 _LARGEST_SOURCE: Final = 1 << 26
 """Bytes of a file that is taken for a module's source."""
+_GENERIC: Final = frozenset({"agent", "bot", "main", "player", "solution", "submission"})
+"""Names of files that do not tell one agent from another: the folder's name is put before them."""
 _MOST_SOURCES: Final = 3
 """Files of an agent: its module's, and those of its two classes."""
 
@@ -43,8 +45,8 @@ class Entrant:
     """One agent in a tournament; it can be sent to another process, which makes its own instances."""
 
     name: str
-    """Unique in its tournament: `nearest`, and `nearest#2` where it plays against itself; `ann/agent` and `bob/agent`
-    where two files have one name.
+    """Unique in its tournament: `nearest`, and `nearest#2` where it plays against itself; `ann/agent` for a file with a
+    generic name, and `ann/mine` and `bob/mine` where two files have one name.
     """
     spec: str
     """What `agent_class` or `command_of` finds it by, from any folder."""
@@ -369,12 +371,12 @@ _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 
 
 def _name_parts(file: Path) -> tuple[str, ...]:
-    return *file.parts[1:-1], file.stem
+    return tuple(map(composed, (*file.parts[1:-1], file.stem)))
 
 
 def _unique_names(agents: Sequence[_Resolved]) -> list[str]:
-    """A name for each: the last part of its path, and as many before that as tell it from other paths."""
-    depths = dict.fromkeys((one.path for one in agents), 1)
+    """Return a name for each: the last part of its path, and as many before that as tell it from other paths."""
+    depths = {one.path: 2 if one.path[-1] in _GENERIC else 1 for one in agents}
 
     def name(path: tuple[str, ...]) -> str:
         return "/".join(path[-depths[path] :])

@@ -18,6 +18,11 @@ def test_what_is_written_from_right_to_left_is_turned_round_and_the_rest_is_not(
     assert text.printable("\u05d0\u05d1 \u05d2\u05d3") == "\u05d3\u05d2 \u05d1\u05d0"  # a phrase is one run
 
 
+def test_decomposed_letters_are_drawn_as_composed_ones():
+    assert text.printable("n\u0303e\u0301") == "\u00f1\u00e9"
+    assert text.text_width("n\u0303e\u0301", 20, 500) == text.text_width("\u00f1\u00e9", 20, 500)
+
+
 def test_marks_that_nobody_sees_are_left_out():
     """Among them those that would turn the rest of a line round."""
     assert text.printable("a\u202eb\u200dc\ufeff") == "abc"

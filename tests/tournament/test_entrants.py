@@ -65,6 +65,12 @@ def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file
     ]
 
 
+def test_file_names_that_look_the_same_give_two_names_in_composed_form(agent_file):
+    """Two agents that look the same could not be told apart in a table, and decomposed letters are drawn wrongly."""
+    names = [one.name for one in enter([agent_file(HOLDS, "n\u0303e\u0301.py"), agent_file(HOLDS, "\u00f1\u00e9.py")])]
+    assert names == ["\u00f1\u00e9", "\u00f1\u00e9#2"]
+
+
 def test_every_match_gets_an_instance_of_its_own():
     (entrant,) = enter(["random"])
     assert entrant.create() is not entrant.create()

@@ -60,6 +60,16 @@ def test_a_good_agent_has_all_points(grade):
     assert not suite.findall(".//failure")
 
 
+def test_submissions_that_are_all_called_agent_are_told_apart_by_their_folders(grade):
+    for student in ("ann", "bob"):
+        Path(student).mkdir()
+        Path(student, "agent.py").write_text("from catch_arena.agents.idle import Agent\n")
+        result = grade(f"{student}/agent.py", "--json", f"{student}.json", "--junit", f"{student}.xml")
+        assert result.stdout.splitlines()[-1].startswith(f"Exercise 1: {student}/agent has ")
+        assert json.loads(Path(f"{student}.json").read_text())["agent"] == f"{student}/agent"
+        assert f'classname="{student}/agent"' in Path(f"{student}.xml").read_text()
+
+
 def test_trusted_and_isolated_give_the_same_marks(grade):
     grade("contested", "--json", "isolated.json")
     grade("contested", "--json", "trusted.json", "--trusted")
