@@ -66,7 +66,7 @@ def tournament(
         ),
     ] = None,
     rounds: Annotated[
-        int | None, typer.Option(help="Number of rounds.", show_default="1, and enough in a swiss")
+        int | None, typer.Option(help="Number of rounds.", show_default="enough for ten blocks of each agent")
     ] = None,
     until_separated: Annotated[
         float | None,

@@ -79,6 +79,8 @@ def report(tmp_path_factory):
         "0",
         "--jobs",
         "1",
+        "--rounds",
+        "1",
         "--set",
         "time_limit_s=20",
         "--set",

@@ -34,7 +34,9 @@ def catch_arena(tmp_path, monkeypatch):
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):
-    result = catch_arena("tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o", "--record")
+    result = catch_arena(
+        "tournament", "nearest", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--out", "o", "--record"
+    )
     assert result.exit_code == 0, result.output
     assert re.search(r"1 +nearest +1 +2 ", result.output)
     assert sorted(path.name for path in (tmp_path / "o").iterdir()) == [
@@ -52,7 +54,9 @@ def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_pat
 
 
 def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
-    result = catch_arena("tournament", "contested_by_time", "contested_by_time", *QUICK, "--jobs", "1", "--out", "o")
+    result = catch_arena(
+        "tournament", "contested_by_time", "contested_by_time", "--rounds", "1", *QUICK, "--jobs", "1", "--out", "o"
+    )
     lines = result.stdout.splitlines()
     assert max(map(len, lines)) <= 80
     (row,) = (line for line in lines if "#2" in line)  # whole, in one line
@@ -70,7 +74,7 @@ def test_bad_agents_are_isolated_by_default_and_spoil_nothing(catch_arena, tmp_p
     """One ends its process, one is late, one cannot begin, one writes where it plays; the others play on."""
     words = ["nearest", "idle", *(str(BAD / f"{name}.py") for name in ("exits", "hangs", "writes_here"))]
     (tmp_path / "no_agent.py").write_text("1 / 0\n")
-    limits = [*QUICK, "--limit", "bank_s=0", "--limit", "step_ms=1000", "--jobs", jobs, "--out", "o"]
+    limits = ["--rounds", "1", *QUICK, "--limit", "bank_s=0", "--limit", "step_ms=1000", "--jobs", jobs, "--out", "o"]
     result = catch_arena("tournament", *words, "no_agent.py", "--format", "gauntlet", *limits)
     assert result.exit_code == 0, result.output
     assert "warning: no_agent cannot begin, and forfeits its matches: " in result.stderr
@@ -89,7 +93,7 @@ def test_bad_agents_are_isolated_by_default_and_spoil_nothing(catch_arena, tmp_p
 def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(catch_arena, tmp_path):
     """But one does not go on with what the other began, nor do other limits."""
     (tmp_path / "mine.py").write_text((ROOT / "agents" / "contested.py").read_text())
-    words = ["tournament", "mine.py", "nearest", "random", *QUICK, "--seed", "0", "--jobs", "1"]
+    words = ["tournament", "mine.py", "nearest", "random", "--rounds", "1", *QUICK, "--seed", "0", "--jobs", "1"]
     for out, how in (("a", ["--trusted"]), ("b", [])):
         assert catch_arena(*words, "--out", out, *how).exit_code == 0
         catch_arena("export", out, "--no-timing", "-o", f"{out}.csv")
@@ -134,7 +138,9 @@ def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch
     (tmp_path / "ends.py").write_text(
         "import os\nclass Agent:\n    def reset(self, seed): os._exit(1)\n    def act(self, view): return 0\n"
     )
-    result = catch_arena("tournament", "ends.py", "idle", *QUICK, "--trusted", "--jobs", "2", "--out", "o")
+    result = catch_arena(
+        "tournament", "ends.py", "idle", "--rounds", "1", *QUICK, "--trusted", "--jobs", "2", "--out", "o"
+    )
     assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
     assert re.match(r"catch-arena: a worker process died, 3 times, .*; 0 of 2 matches are kept in o; ", result.stderr)
 
@@ -308,7 +314,9 @@ def test_the_script_is_the_command(catch_arena, tmp_path):
 
 
 def test_a_plan_is_printed_with_its_cost_and_nothing_is_played(catch_arena, tmp_path):
-    result = catch_arena("tournament", "nearest", "idle", "random", *QUICK, "--plan", "--record", "--jobs", "2")
+    result = catch_arena(
+        "tournament", "nearest", "idle", "random", "--rounds", "1", *QUICK, "--plan", "--record", "--jobs", "2"
+    )
     assert result.exit_code == 0, result.output
     for line in (
         r"plan +format round-robin, rounds 1",
@@ -369,7 +377,7 @@ def test_who_was_out_is_told(catch_arena):
 
 
 def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alone(catch_arena, tmp_path):
-    first = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--out", "o"]
+    first = ["tournament", "nearest", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--out", "o"]
     begun = catch_arena(*first, "--resume")  # nothing to go on with: it begins
     assert begun.exit_code == 0, begun.output
     content = (tmp_path / "o" / "tournament.sqlite").read_bytes()
@@ -391,7 +399,7 @@ def test_a_tournament_is_not_overwritten_and_is_continued_by_the_same_words_alon
 
 
 def test_an_agent_that_was_changed_does_not_continue_a_tournament(catch_arena, tmp_path):
-    words = ["tournament", "mine.py", "idle", *QUICK, "--jobs", "1", "--out", "o", "--resume"]
+    words = ["tournament", "mine.py", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--out", "o", "--resume"]
     source = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
     (tmp_path / "mine.py").write_text(source)
     assert catch_arena(*words).exit_code == 0
@@ -409,7 +417,7 @@ def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
         "    def act(self, view):\n        while True: pass\n"
     )
     command = [sys.executable, "-m", "catch_arena", "tournament", "hang.py", "idle"]
-    words = [*command, "--scenario", "duel", "--jobs", "2", "--out", "o", *how]
+    words = [*command, "--scenario", "duel", "--rounds", "1", "--jobs", "2", "--out", "o", *how]
     process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     patience = time.monotonic() + 60
     while not (tmp_path / "began").exists() and time.monotonic() < patience:
@@ -439,7 +447,7 @@ def test_names_of_any_script_play_and_are_written_whatever_the_terminal_can_show
         name: value for name, value in os.environ.items() if not name.startswith(("LANG", "LC_", "PYTHONIO"))
     }
     command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "Zoë Müller/jäger_亀.py"]
-    words = [*command, "nearest", *QUICK, "--jobs", "2", "--record", "--out", "größe"]
+    words = [*command, "nearest", "--rounds", "1", *QUICK, "--jobs", "2", "--record", "--out", "größe"]
     done = subprocess.run(
         words, cwd=tmp_path, env={**environment, **settings}, capture_output=True, encoding="utf-8", check=False
     )

@@ -48,7 +48,7 @@ def catch_arena(tmp_path, monkeypatch):
 def commands(*agents):
     return [
         ["match", *agents, *QUICK],
-        ["tournament", *agents, *QUICK, "--jobs", "1"],
+        ["tournament", *agents, "--rounds", "1", *QUICK, "--jobs", "1"],
         ["compare", *agents, *QUICK, "--jobs", "1", "--max-blocks", "2"],
     ]
 
@@ -100,7 +100,9 @@ def test_trust_and_isolation_exclude_each_other(catch_arena):
 def test_no_agent_sees_what_the_command_writes_or_is_given(catch_arena, tmp_path, level):
     (tmp_path / "theirs.py").write_text(AGENT)
     (tmp_path / "weights.npz").touch()
-    catch_arena("tournament", "mine.py", "theirs.py", *QUICK, "--jobs", "1", "--record", "--isolation", level)
+    catch_arena(
+        "tournament", "mine.py", "theirs.py", "--rounds", "1", *QUICK, "--jobs", "1", "--record", "--isolation", level
+    )
     logs = [path.read_text() for path in Path("out/tournament/logs").rglob("*") if path.is_file()]
     assert any("['mine.py', 'weights.npz']" in log for log in logs)
     assert any("['theirs.py', 'weights.npz']" in log for log in logs)

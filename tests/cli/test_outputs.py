@@ -19,7 +19,19 @@ SMALL = ["--size", "320x320", "--fps", "10"]
 def played(tmp_path_factory):
     """A folder with a tournament, its replays, a match in which something happens, and a spec."""
     folder = tmp_path_factory.mktemp("played")
-    words = ["tournament", "nearest", "contested", *QUICK, "--jobs", "1", "--record", "--out", str(folder / "o")]
+    words = [
+        "tournament",
+        "nearest",
+        "contested",
+        "--rounds",
+        "1",
+        *QUICK,
+        "--jobs",
+        "1",
+        "--record",
+        "--out",
+        str(folder / "o"),
+    ]
     assert CliRunner().invoke(main, words).exit_code == 0
     words = ["match", "nearest", "contested", "-s", "duel", "--set", "time_limit_s=20", "--seed", "1"]
     assert CliRunner().invoke(main, [*words, "-o", str(folder / "eventful" / "m.replay")]).exit_code == 0
@@ -133,7 +145,7 @@ def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
 def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(tmp_path, monkeypatch):
     """A folder without a store has nothing that was made from one, so that it would be lost."""
     monkeypatch.chdir(tmp_path)
-    words = ["tournament", "nearest", "idle", *QUICK, "--jobs", "1", "--record", "--out", "other"]
+    words = ["tournament", "nearest", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--record", "--out", "other"]
     names = ["report.html", "standings.csv", "standings.json", "replays/mine.replay"]
     Path("other/replays").mkdir(parents=True)
     Path("other/notes.txt").write_text("stays")

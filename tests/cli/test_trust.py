@@ -46,7 +46,7 @@ SMALL_SUITE = Suite(
 )
 SHORT = ["--scenario", "duel", "--set", "time_limit_s=1"]
 RUNS = {
-    "tournament": ["{}", "nearest", *SHORT, "--jobs", "1", "--out", "out"],
+    "tournament": ["{}", "nearest", *SHORT, "--rounds", "1", "--jobs", "1", "--out", "out"],
     "tournament --plan": ["{}", "nearest", *SHORT, "--jobs", "1", "--plan"],
     "match": ["{}", "nearest", *SHORT],
     "compare": ["{}", "nearest", *SHORT, "--jobs", "1", "--max-blocks", "1"],

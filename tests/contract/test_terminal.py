@@ -120,7 +120,19 @@ def test_the_tables_fit_forty_columns():
 
 def test_a_tournament_fits_forty_columns(tmp_path):
     """The bar, the standings while it runs, and those in the end."""
-    words = ["nearest", "first", "--trusted", "--jobs", "1", "--scenario", "duel", "--set", "time_limit_s=3"]
+    words = [
+        "nearest",
+        "first",
+        "--trusted",
+        "--rounds",
+        "1",
+        "--jobs",
+        "1",
+        "--scenario",
+        "duel",
+        "--set",
+        "time_limit_s=3",
+    ]
     text = on_a_terminal("tournament", *words, "--out", str(tmp_path / "out"), columns=40, **PLAIN)
     assert "…" not in text
     assert "2/2" in text

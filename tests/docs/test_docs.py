@@ -94,6 +94,8 @@ def test_the_readmes_commands_run_with_small_videos(tmp_path, monkeypatch):
     for arguments in commands(text):
         done = CliRunner().invoke(main, arguments)
         assert done.exit_code == 0, (arguments, done.output)
+        if arguments[0] == "tournament":
+            assert "± ?" not in done.output
 
 
 @pytest.mark.nightly

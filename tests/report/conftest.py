@@ -12,7 +12,7 @@ def played(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tournament")
     agents = ["nearest", "contested", "patrol", "first"]
     words = ["--set", "time_limit_s=10", "--scenario", "standard", "--record", "--seed", "0", "--jobs", "1"]
-    words += ["--out", str(folder)]
+    words += ["--rounds", "1", "--out", str(folder)]
     done = CliRunner().invoke(main, ["tournament", *agents, *words])
     assert done.exit_code == 0, done.output
     return folder

@@ -61,7 +61,21 @@ def test_a_watched_report_is_served_until_ctrl_c(tmp_path):
 
 def test_a_tournament_that_was_watched_is_served_until_ctrl_c(tmp_path):
     """All is written by then, and nothing was broken off: however many signals come."""
-    words = ["tournament", "nearest", "idle", "-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
+    words = [
+        "tournament",
+        "nearest",
+        "idle",
+        "-s",
+        "duel",
+        "--set",
+        "time_limit_s=3",
+        "--rounds",
+        "1",
+        "--jobs",
+        "1",
+        "--out",
+        "o",
+    ]
     command = Command(tmp_path, [*words, "--watch"])
     lines = iter(command.process.stdout.readline, "")
     address = next(line for line in lines if line.startswith("watch: ")).split()[1]

@@ -119,7 +119,7 @@ def test_a_disk_that_is_really_full(catch_arena, small_disk):
         ["sheet", "m.replay", "-o", "small/m.png"],
         ["export", "small/o", "-o", "small/m.csv"],
         ["report", "small/o"],
-        ["tournament", "small/mine.py", "idle", *QUICK, "--jobs", "1", "--out", "small/p"],
+        ["tournament", "small/mine.py", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--out", "small/p"],
     ):
         failed = catch_arena(*words)
         assert (failed.exit_code, "Traceback" in failed.output) == (2, False), failed.output

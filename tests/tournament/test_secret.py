@@ -160,7 +160,7 @@ def test_an_agent_that_tries_predicts_no_place_unless_a_number_was_given(tmp_pat
     """The second tournament shows that it could: there it works out where the next targets will appear."""
     monkeypatch.chdir(tmp_path)
     for out, seed, found in (("drawn", [], "nothing found"), ("given", ["--seed", "11"], "predicted")):
-        words = ["tournament", str(GUESSES), "idle", *QUICK[:-1], out, *seed]
+        words = ["tournament", str(GUESSES), "idle", "--rounds", "1", *QUICK[:-1], out, *seed]
         assert CliRunner().invoke(main, words).exit_code == 0
         told = re.findall(r"(predicted|nothing found)", (tmp_path / out / "logs" / "guesses.log").read_text())
         assert told == [found] * 2
@@ -168,7 +168,7 @@ def test_an_agent_that_tries_predicts_no_place_unless_a_number_was_given(tmp_pat
 
 def test_the_seed_is_told_in_the_end_and_repeats_all_of_it(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    words = ["tournament", "random", "nearest", *QUICK[:-1]]
+    words = ["tournament", "random", "nearest", "--rounds", "1", *QUICK[:-1]]
     first = CliRunner().invoke(main, [*words, "a"])
     digits = json.loads(Path("a/standings.json").read_text())["seed"]
     assert re.fullmatch("[0-9a-f]{32}", digits)
@@ -184,7 +184,7 @@ def test_the_seed_is_told_in_the_end_and_repeats_all_of_it(tmp_path, monkeypatch
 
 def test_a_number_can_be_guessed_and_the_results_say_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(main, ["tournament", "random", "idle", *QUICK, "--seed", "7"])
+    done = CliRunner().invoke(main, ["tournament", "random", "idle", "--rounds", "1", *QUICK, "--seed", "7"])
     digits = Secret.of(7).digits
     assert f"seed: {digits} (7, a number, which agents can guess)" in done.output
     assert "it was given as a number (7), which can be guessed" in Path("o/report.html").read_text()

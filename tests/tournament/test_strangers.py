@@ -34,7 +34,20 @@ from catch_arena.tournament.store import STORE, Store, Tournament
 
 ANY = st.text(st.characters(codec=None, exclude_categories=()), max_size=400)
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
-WORDS = ["tournament", "[red]x.py", "=1+1.py", "nearest", *QUICK, "--jobs", "1", "--record", "--out", "out"]
+WORDS = [
+    "tournament",
+    "[red]x.py",
+    "=1+1.py",
+    "nearest",
+    "--rounds",
+    "1",
+    *QUICK,
+    "--jobs",
+    "1",
+    "--record",
+    "--out",
+    "out",
+]
 SHORT = scenario("duel", time_limit_s=1)
 PATIENT = AgentLimits(init_s=60, step_ms=60_000)
 HOSTILE = r"""
@@ -263,7 +276,7 @@ def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
 @pytest.mark.parametrize("name", ["x" * 101 + ".py", "\x1b[31m.py", "\u202ea.py", "a\tb.py"])
 def test_a_name_that_cannot_be_shown_is_refused_in_one_line(tmp_path, name):
     (tmp_path / name).write_text(HOSTILE)
-    words = ["tournament", str(tmp_path / name), "nearest", *QUICK, "--out", str(tmp_path / "o")]
+    words = ["tournament", str(tmp_path / name), "nearest", "--rounds", "1", *QUICK, "--out", str(tmp_path / "o")]
     ended = CliRunner().invoke(main, words)
     assert ended.exit_code == 2
     assert ended.stderr.count("\n") == 1

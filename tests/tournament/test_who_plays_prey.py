@@ -19,7 +19,7 @@ from catch_arena.tournament.store import Store, Tournament
 
 AGENTS = ["nearest", "patrol", "first", "corners", "random"]
 AS_PREY = ["corners", "first (plays flee)", "nearest (plays flee)", "patrol (plays flee)", "random"]
-SHORT = ["--set", "time_limit_s=2", "--seed", "1", "--jobs", "1"]
+SHORT = ["--set", "time_limit_s=2", "--seed", "1", "--jobs", "1", "--rounds", "1"]
 DIGESTS = {entrant.name: entrant.digest for entrant in enter([*AGENTS, "flee"])}
 
 

@@ -24,6 +24,8 @@ _MOST_ROUNDS: Final = 99_999
 """As many as the ids have room for."""
 _MANY_MATCHES: Final = 20_000
 """A round of more than these is cut down to balanced blocks, where nobody asked for all of it."""
+_BLOCKS_OF_EACH: Final = 10
+"""Blocks that each entrant plays at least if no number of rounds is given: all figures have an interval then."""
 
 
 class Plan(Protocol):
@@ -116,7 +118,8 @@ def plan_of(
         wanted: one of FORMATS; None is a round robin, or balanced blocks where that has too many matches.
         entrants: who plays.
         seats: how many play in a block: `Parties.group`.
-        rounds: None for 1, and in a Swiss for as many as leave but one unbeaten where matches are duels.
+        rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals; in a
+            Swiss at least as many as leave but one unbeaten where matches are duels.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
         parties: those of the arena, where there is prey; without, a block is every rotation of its players.
 
@@ -127,10 +130,15 @@ def plan_of(
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
     require_choice("format", wanted, FORMATS)
     if wanted == "swiss":
-        rounds = (entrants - 1).bit_length() or 1 if rounds is None else rounds
+        rounds = max((entrants - 1).bit_length(), _BLOCKS_OF_EACH) if rounds is None else rounds
         return Swiss(entrants, seats, rounds, Secret.of(seed), parties)
     makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
-    return makers[wanted](entrants, seats, 1 if rounds is None else rounds, seed, parties)
+    make = makers[wanted]
+    if rounds is None:
+        challenger = wanted == "gauntlet"  # sits in every block; the others share what it leaves free
+        places = make(entrants, seats, 1, seed, parties).size // _block_size(seats, parties) * (seats - challenger)
+        rounds = -(-_BLOCKS_OF_EACH * (entrants - challenger) // max(places, 1))
+    return make(entrants, seats, rounds, seed, parties)
 
 
 def round_robin(

@@ -126,6 +126,30 @@ def test_the_default_is_a_round_robin_until_that_is_long():
     assert plan_of("round-robin", 30, 4, 1, 0).size == 109_620
 
 
+@pytest.mark.parametrize(
+    ("form", "entrants", "seats", "rounds"),
+    [
+        ("round-robin", 4, 4, 10),
+        ("round-robin", 5, 4, 3),
+        ("round-robin", 4, 2, 4),
+        ("round-robin", 7, 4, 1),
+        ("balanced", 5, 2, 3),
+        ("gauntlet", 21, 2, 10),
+        ("gauntlet", 5, 4, 4),
+        ("swiss", 4, 2, 10),
+        ("swiss", 5000, 2, 13),
+    ],
+)
+def test_without_a_number_of_rounds_each_entrant_plays_ten_blocks(form, entrants, seats, rounds):
+    """So that every figure of the standings has an interval; one round less would not do."""
+    plan = plan_of(form, entrants, seats, None, 5)
+    assert plan.parameters["rounds"] == rounds
+    if form != "swiss":
+        blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)
+        assert min(blocks.values()) >= 10
+        assert min(blocks.values()) * (rounds - 1) < 10 * rounds
+
+
 def test_a_swiss_seats_neighbours_and_those_who_have_not_met():
     """By hand, in duels: 0 beat 1, 2 beat 3, 4 and 5 drew; the lots are the numbers."""
     first = [((0, 1), (1, 2)), ((2, 3), (1, 2)), ((4, 5), (1, 1))]

@@ -47,7 +47,19 @@ def honest(folder: Path, count: int = 2) -> list[str]:
 
 def play(folder: Path, agents, *words: str, lives: int = 1, env=None) -> subprocess.CompletedProcess:
     """The tournament of these agents, resumed until it ends: it may be ended `lives` times at most."""
-    command = [sys.executable, "-m", "catch_arena", "tournament", *agents, *QUICK, "--out", str(folder), *words]
+    command = [
+        sys.executable,
+        "-m",
+        "catch_arena",
+        "tournament",
+        *agents,
+        "--rounds",
+        "1",
+        *QUICK,
+        "--out",
+        str(folder),
+        *words,
+    ]
     for _ in range(lives):
         done = subprocess.run(
             [*command, "--resume"], check=False, capture_output=True, text=True, timeout=900, env=env, cwd=Path.cwd()
@@ -164,7 +176,7 @@ def test_a_tournament_that_is_killed_goes_on_and_meets_no_stop_twice(tmp_path, k
 def test_a_tournament_killed_from_outside_blames_nobody(tmp_path):
     """Its blocks are played again with agents apart, and come out as they would have."""
     agents = honest(tmp_path, 3)
-    command = [sys.executable, "-m", "catch_arena", "tournament", *agents, *QUICK, "--jobs", "2"]
+    command = [sys.executable, "-m", "catch_arena", "tournament", *agents, "--rounds", "1", *QUICK, "--jobs", "2"]
     process = subprocess.Popen([*command, "--out", str(tmp_path / "o")], stdout=subprocess.DEVNULL)
     while not (tmp_path / "o" / "tournament.sqlite").exists() or not begun(tmp_path / "o"):
         assert process.poll() is None
@@ -233,7 +245,19 @@ def test_whoever_takes_the_memory_with_many_processes_harms_nobody_else(tmp_path
     """The kernel ends whom it likes: rivals, supervisors, workers."""
     others = honest(tmp_path)
     agents = [saboteur(tmp_path, "takes_the_memory"), *others]
-    command = [sys.executable, "-m", "catch_arena", "tournament", *agents, *QUICK, "--jobs", "2", "--resume"]
+    command = [
+        sys.executable,
+        "-m",
+        "catch_arena",
+        "tournament",
+        *agents,
+        "--rounds",
+        "1",
+        *QUICK,
+        "--jobs",
+        "2",
+        "--resume",
+    ]
     enter = f'echo $$ > {little_memory}/cgroup.procs; exec "$@"'
     for _ in range(5):
         words = ["sh", "-c", enter, "sh", *command, "--out", str(tmp_path / "o")]
