@@ -106,6 +106,20 @@ def test_the_readmes_commands_run_as_they_stand(tmp_path):
         subprocess.run([program, *arguments], check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
 
 
+def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
+    """The page about agents and the page about grading are read together."""
+    monkeypatch.chdir(tmp_path)
+    agent = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "agents.md").read_text(), re.DOTALL)[1]
+    spec = re.search(r"```toml\n(.*?)```", (ROOT / "docs" / "grading.md").read_text(), re.DOTALL)[1]
+    Path("mine.py").write_text(agent)
+    Path("exercise.toml").write_text(spec)
+    Path("hidden_seed.txt").write_text("c0ffee00" * 4)
+    done = CliRunner().invoke(main, ["grade", "mine.py", "--spec", "exercise.toml", "--trusted"])
+
+    assert done.exit_code == 0, done.output
+    assert done.output.endswith("mine has 10 of 10 points\n")
+
+
 def test_whatever_is_said_to_be_installed_is_an_extra():
     """In the pages, and in the errors of the package and the scripts."""
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
