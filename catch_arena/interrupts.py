@@ -37,7 +37,7 @@ class _Command:
     """What this process runs, and what it has heard."""
 
     def __init__(self) -> None:
-        self.status = 1
+        self.status = 2
         """The process's, if no signal is heard; until the command has ended that of an error nobody expects."""
         self.heard: int | None = None
         """The first signal."""

@@ -4,10 +4,11 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 """
 
 import json
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, cast
+from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn, cast
 
 import typer
 from typer.core import TyperGroup
@@ -15,10 +16,10 @@ from typer.core import TyperGroup
 from catch_arena import interrupts
 from catch_arena.cli.arguments import blank_argument
 from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, folded, let_all_be_written, say
+from catch_arena.cli.usage_errors import usage_error
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
-from catch_arena.text import printable_lines
 from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.secret import Secret
 
@@ -42,7 +43,7 @@ GROUPS: Final = {
 
 
 class _Commands(TyperGroup):
-    """Turns our errors into one line and an exit code, and shows what mistakes quote as it is written."""
+    """Prints each error as one line, with a hint if there is one, and exits as docs/command_line.md says."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         """In the order of GROUPS, each in the box of its own."""
@@ -59,11 +60,21 @@ class _Commands(TyperGroup):
             with formatter.section(group):
                 formatter.write_dl([(name, self.commands[name].get_short_help_str()) for name in names])
 
-    def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Read the command line and run the command, help and mistakes included."""
+    def main(self, *args: Any, **kwargs: Any) -> NoReturn:
+        """Read the command line, run the command, and exit."""
         let_all_be_written()
         fit_help(self)
-        return super().main(*args, **kwargs)
+        try:
+            sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False}))
+        except _UsageError as error:
+            if type(error).__name__ == "NoArgsIsHelpError":  # the help, which Rich has printed already
+                say(str(error))
+            else:
+                text, command = usage_error(error)
+                say(f"error: {text}", err=True)
+                if command is not None:
+                    say(f"hint: {command} --help", err=True)
+            sys.exit(_EXIT_ERROR)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
@@ -71,11 +82,8 @@ class _Commands(TyperGroup):
             return super().invoke(ctx)
         except CatchArenaError as error:
             if not interrupts.received():  # else it is no news that something fails
-                say(f"catch-arena: {error}", err=True)
+                say(f"error: {error}", err=True)
             raise typer.Exit(_EXIT_ERROR) from None
-        except _UsageError as error:
-            error.message = printable_lines(error.message)  # type: ignore[attr-defined]
-            raise
 
 
 main = typer.Typer(

@@ -31,7 +31,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
             replay = Replay.load(path)
         except ReplayError as error:
             codes.append(_EXIT_UNREADABLE)
-            say(str(error), err=True)
+            say(f"error: {error}", err=True)
             continue
         with progress_bar("verifying", late=True) as show:
             faults = verification.verify(replay, show)
@@ -42,7 +42,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         else:
             say(f"{path}: all of {replay.steps} steps play as recorded")
     if codes:
-        say(f"catch-arena: {len(codes)} of {len(replays)} replays failed", err=True)
+        say(f"{len(codes)} of {len(replays)} replays failed", err=True)
         raise typer.Exit(max(codes))
 
 

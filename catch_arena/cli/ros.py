@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catch_arena import interrupts
 from catch_arena.cli import bus_options
 from catch_arena.cli.app import (
     ArenaSeed,
@@ -199,11 +200,15 @@ def controller(
     ):
         node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
         rate = Rate(PERIOD_S)
-        try:
+
+        def drive() -> None:
             while True:
                 rate.sleep()
                 joined.spin()
                 node.tick()
+
+        try:
+            interrupts.linger(drive)
         finally:
             node.stop()
 
@@ -260,10 +265,14 @@ def spawner(
             rate.sleep()
             joined.spin()
         node.begin()
-        while True:
-            rate.sleep()
-            joined.spin()
-            node.tick()
+
+        def judge() -> None:
+            while True:
+                rate.sleep()
+                joined.spin()
+                node.tick()
+
+        interrupts.linger(judge)
 
 
 def checked_turtle(name: str) -> str:

@@ -37,7 +37,9 @@ def printable(text: str) -> str:
     (Hebrew, Arabic) is turned round, since the font's letters are set from left to right. A letter that the font does
     not have is drawn as a question mark.
     """
-    signs = (sign if sign.isprintable() else " " for sign in composed(text[:LONGEST]) if unicodedata.category(sign) != "Cf")
+    signs = (
+        sign if sign.isprintable() else " " for sign in composed(text[:LONGEST]) if unicodedata.category(sign) != "Cf"
+    )
     return _RIGHT_TO_LEFT.sub(lambda run: run[0][::-1], "".join(signs))
 
 

@@ -104,7 +104,7 @@ def test_one_that_is_trusted_and_one_that_is_isolated_play_the_same_tournament(c
     ):
         refused = catch_arena(*words, "--out", out, "--resume", *how)
         assert (refused.exit_code, refused.stderr.count("\n")) == (2, 2)
-        assert refused.stderr.startswith(f"{level_line(LEVELS[0])}\ncatch-arena: ")
+        assert refused.stderr.startswith(f"{level_line(LEVELS[0])}\nerror: ")
         assert message in refused.stderr
 
 
@@ -142,7 +142,7 @@ def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch
         "tournament", "ends.py", "idle", "--rounds", "1", *QUICK, "--trusted", "--jobs", "2", "--out", "o"
     )
     assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
-    assert re.match(r"catch-arena: a worker process died, 3 times, .*; 0 of 2 matches are kept in o; ", result.stderr)
+    assert re.match(r"error: a worker process died, 3 times, .*; 0 of 2 matches are kept in o; ", result.stderr)
 
 
 def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
@@ -260,7 +260,7 @@ def test_our_errors_are_one_line_and_exit_code_2(catch_arena, tmp_path, words, m
     assert result.exit_code == 2
     assert message in result.stderr
     assert "Traceback" not in result.output
-    assert result.stderr.strip().splitlines()[-1].startswith("catch-arena: ")
+    assert result.stderr.strip().splitlines()[-1].startswith("error: ")
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "out") == ["file"]
 
 

@@ -84,7 +84,7 @@ def test_a_level_that_cannot_be_held_is_refused_before_anything_is_written(catch
     for words in commands("nearest", "idle"):
         refused = catch_arena(*words, "--isolation", "namespaces")
         assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
-        assert refused.stderr.startswith("catch-arena: isolation namespaces cannot be held here: bubblewrap is not in")
+        assert refused.stderr.startswith("error: isolation namespaces cannot be held here: bubblewrap is not in")
     assert [path.name for path in tmp_path.iterdir()] == ["mine.py"]
     assert catch_arena("match", "mine.py", "idle", *QUICK).stderr.startswith(level_line("processes"))
 
@@ -92,7 +92,7 @@ def test_a_level_that_cannot_be_held_is_refused_before_anything_is_written(catch
 def test_trust_and_isolation_exclude_each_other(catch_arena):
     refused = catch_arena("match", "nearest", "idle", "--trusted", "--isolation", "processes")
     assert refused.stderr == (
-        "catch-arena: --isolation must be left out with --trusted, which isolates nothing: got processes\n"
+        "error: --isolation must be left out with --trusted, which isolates nothing: got processes\n"
     )
 
 

@@ -63,7 +63,7 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, monk
     Path(name).write_text("mine")
     refused = CliRunner().invoke(main, words)
     assert refused.exit_code == 2
-    assert refused.stderr == f"catch-arena: {name}: is there already: give --force to replace it, or another name\n"
+    assert refused.stderr == f"error: {name}: is there already: give --force to replace it, or another name\n"
     assert not refused.stdout
     assert Path(name).read_text() == "mine"
     CliRunner().invoke(main, [*words, "--force"])
@@ -102,7 +102,7 @@ def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, 
     Path("v.gif.mp4").write_text("mine")
     replay = played / "o" / "replays" / "r00001-g000001-s00.replay"
     refused = CliRunner().invoke(main, ["render", str(replay), "-o", "v.gif", *SMALL])
-    assert refused.stderr.startswith("catch-arena: v.gif.mp4: is there already: ")
+    assert refused.stderr.startswith("error: v.gif.mp4: is there already: ")
 
 
 def commands_below(group, name=""):
@@ -154,7 +154,7 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(t
         for more in ([], ["--resume"]):
             refused = CliRunner().invoke(main, [*words, *more])
             assert refused.exit_code == 2
-            assert re.fullmatch(r"catch-arena: other/\S+: .* already: give --force to replace .*\n", refused.stderr)
+            assert re.fullmatch(r"error: other/\S+: .* already: give --force to replace .*\n", refused.stderr)
             assert Path("other", name).read_text() == "mine"
             assert not Path("other/tournament.sqlite").exists()
         Path("other", name).unlink()
@@ -189,9 +189,7 @@ def test_an_export_whose_name_and_format_contradict_is_refused(played, tmp_path,
     monkeypatch.chdir(tmp_path)
     refused = CliRunner().invoke(main, ["export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl"])
     assert refused.exit_code == 2
-    assert refused.stderr == (
-        "catch-arena: --format must be as the file's name ends or be left out, got jsonl for hh.csv\n"
-    )
+    assert refused.stderr == ("error: --format must be as the file's name ends or be left out, got jsonl for hh.csv\n")
     assert not Path("hh.csv").exists()
 
 

@@ -152,6 +152,6 @@ def test_wrong_words_are_one_line_and_exit_code_2(conformance, tmp_path, words, 
     result = conformance(*words)
     assert result.exit_code == 2
     assert message in result.stderr
-    assert result.stderr.startswith("catch-arena: ")
+    assert result.stderr.startswith("error: ")
     assert result.stderr.count("\n") == 1
     assert result.stdout == ""

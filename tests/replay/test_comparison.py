@@ -121,7 +121,7 @@ def test_diff_exits_with_0_1_or_2(play, mixed, tmp_path, monkeypatch):
     assert different.stdout.startswith("A: a.replay\nB: b.replay\n")
     assert "hunters: 4 in A, 2 in B" in different.stdout
     assert "with different numbers of hunters" in different.stdout
-    assert (unreadable.exit_code, unreadable.stderr[:33]) == (2, "catch-arena: c.replay: cannot be ")
+    assert (unreadable.exit_code, unreadable.stderr[:27]) == (2, "error: c.replay: cannot be ")
 
 
 def test_actions_names_and_captures_of_prey_are_compared(hunted):

@@ -320,7 +320,7 @@ def test_a_damaged_bag_is_one_line_and_no_video(tmp_path, how):
     folder = damaged(tmp_path, how)
     refused = run("ros", "import", folder, "-o", tmp_path / "f.mp4")
     assert refused.exit_code == 2
-    assert refused.stderr.startswith(f"catch-arena: {folder}: ")
+    assert refused.stderr.startswith(f"error: {folder}: ")
     assert refused.stderr.count("\n") == 1
     assert not refused.stdout
     assert [path.name for path in tmp_path.iterdir()] == ["whole"]
@@ -360,7 +360,7 @@ def test_a_folder_without_turtles_and_one_with_targets_alone_say_what_to_record(
         ("nowhere", "no such file"),
     ):
         refused = run("ros", "import", tmp_path / name)
-        assert refused.stderr == f"catch-arena: {tmp_path / name}: {why}\n"
+        assert refused.stderr == f"error: {tmp_path / name}: {why}\n"
 
 
 def test_a_bag_that_lasts_for_years_is_refused_before_its_video_is_made(tmp_path):
@@ -369,6 +369,6 @@ def test_a_bag_that_lasts_for_years_is_refused_before_its_video_is_made(tmp_path
         bag.pose("turtle1", 4e10, 5.0, 5.0)
     refused = run("ros", "import", tmp_path / "b")
     assert refused.stderr == (
-        f"catch-arena: {tmp_path / 'b'}: must last 24 hours at most, and its time must not go backwards\n"
+        f"error: {tmp_path / 'b'}: must last 24 hours at most, and its time must not go backwards\n"
     )
     shutil.rmtree(tmp_path / "b")

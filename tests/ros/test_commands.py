@@ -122,7 +122,7 @@ def served_without_a_network(**variables):
         env=os.environ | variables,
     )
     assert found.returncode == 2
-    (line,) = [line for line in found.stderr.splitlines() if line.startswith("catch-arena")]
+    (line,) = [line for line in found.stderr.splitlines() if line.startswith("error: ")]
     return line
 
 
@@ -130,7 +130,7 @@ def served_without_a_network(**variables):
 def test_without_a_network_interface_it_is_one_line():
     """In a network of its own, whose only interface is down."""
     assert served_without_a_network() == (
-        "catch-arena: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface? "
+        "error: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface? "
         "ROS_LOCALHOST_ONLY=1 keeps to this machine"
     )
 

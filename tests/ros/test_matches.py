@@ -190,9 +190,11 @@ def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():
         judged = [line for _, line in zip(range(3), granted(spawner), strict=False)]
         for process in (controller, spawner, turtlesim):
             process.send_signal(signal.SIGINT)
-        driven, said, _ = finished(controller)
+        driven, said, status = finished(controller)
+        ended = finished(spawner)
     assert [line.split()[3].strip(",") for line in judged] == [f"target_turtle_{number}" for number in (1, 2, 3)], said
     assert driven.count("caught target_turtle_") >= 2
+    assert (status, ended[2]) == (0, 0), ended[1]  # Ctrl-C is their end
 
 
 def granted(spawner):

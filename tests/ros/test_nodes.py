@@ -201,13 +201,13 @@ def test_a_node_that_falls_silent_is_told_where_and_what_it_had_answered(tmp_pat
 def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):
     code, _, stderr = outcomes["silent"]
     assert code == 2
-    assert re.fullmatch(rf"catch-arena: the node fell silent at basics\.[a-z0-9-]+: {GIVEN_UP}\n", stderr)
+    assert re.fullmatch(rf"error: the node fell silent at basics\.[a-z0-9-]+: {GIVEN_UP}\n", stderr)
 
 
 def test_where_nobody_serves_it_one_line_says_so(outcomes):
     code, _, stderr = outcomes["nobody"]
     assert code == 2
-    assert stderr == ("catch-arena: nobody serves /catch_turtle on this bus: does the node run, in the same domain?\n")
+    assert stderr == ("error: nobody serves /catch_turtle on this bus: does the node run, in the same domain?\n")
 
 
 @pytest.mark.nightly
@@ -284,7 +284,7 @@ def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words, tmp_path,
     assert (tried.exit_code, tried.stdout, tried.stderr) == (
         2,
         "",
-        "catch-arena: nobody answers on this bus (/x: Service /x does not exist): does the node run?\n",
+        "error: nobody answers on this bus (/x: Service /x does not exist): does the node run?\n",
     )
 
 
@@ -296,7 +296,7 @@ def test_without_a_rosbridge_server_one_line_says_so(words, tmp_path, monkeypatc
     tried = CliRunner().invoke(main, [command, "ros:/x", *rest, "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"])
     assert (tried.exit_code, tried.stdout) == (2, "")
     (line,) = tried.stderr.splitlines()
-    assert line.startswith("catch-arena: no rosbridge server answers at ws://127.0.0.1:1")
+    assert line.startswith("error: no rosbridge server answers at ws://127.0.0.1:1")
 
 
 def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(tmp_path):
@@ -341,7 +341,7 @@ def test_what_no_service_is_called_is_one_line(word):
     refused = CliRunner().invoke(main, ["conformance", word])
     assert (refused.exit_code, refused.stderr) == (
         2,
-        f"catch-arena: a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}\n",
+        f"error: a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}\n",
     )
 
 
@@ -365,7 +365,7 @@ def test_options_for_a_bus_are_refused_without_a_service(words, option, tmp_path
     refused = CliRunner().invoke(main, [*words, *option])
     assert (refused.exit_code, refused.stderr) == (
         2,
-        f"catch-arena: {option[0]} must come with a service of a node, as ros:/catch_turtle\n",
+        f"error: {option[0]} must come with a service of a node, as ros:/catch_turtle\n",
     )
 
 
@@ -390,7 +390,7 @@ def test_a_spec_that_cannot_be_asked_of_a_node_is_one_line(tmp_path, test, why):
         refused = CliRunner().invoke(main, words)
     assert refused.exit_code == 2
     assert why in refused.stderr
-    assert refused.stderr.splitlines()[-1].startswith("catch-arena: ")
+    assert refused.stderr.splitlines()[-1].startswith("error: ")
 
 
 def test_an_agent_is_not_asked_a_nodes_cases(tmp_path):
@@ -398,6 +398,6 @@ def test_an_agent_is_not_asked_a_nodes_cases(tmp_path):
     refused = CliRunner().invoke(main, ["grade", "nearest", "--spec", str(tmp_path / "spec.toml"), "--trusted"])
     assert refused.exit_code == 2
     assert refused.stderr == (
-        f"catch-arena: {tmp_path / 'spec.toml'}: within reach: cases are asked of a node, as ros:/catch_turtle, not of "
+        f"error: {tmp_path / 'spec.toml'}: within reach: cases are asked of a node, as ros:/catch_turtle, not of "
         "agents\n"
     )

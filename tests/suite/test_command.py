@@ -96,8 +96,7 @@ def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
     again = run("contested")
     assert again.exit_code == 2
     assert again.stderr == (
-        "catch-arena: out/suite/contested: holds matches of contested already: go on with --resume, or give another "
-        "folder\n"
+        "error: out/suite/contested: holds matches of contested already: go on with --resume, or give another folder\n"
     )
     (tmp_path / "out/suite/contested/four/tournament.sqlite").unlink()
     resumed = run("contested", "--resume", "--json", "two.json")

@@ -53,7 +53,7 @@ def test_a_store_that_cannot_grow_says_how_much_is_free_and_needed_and_is_resume
         stopped = catch_arena(*TOURNAMENT, "--out", "o")
     assert stopped.exit_code == 2
     error = re.fullmatch(
-        rf"catch-arena: o/tournament\.sqlite: cannot be written: disk I/O error: {ROOM}, and [\d.]+ kB are needed; "
+        rf"error: o/tournament\.sqlite: cannot be written: disk I/O error: {ROOM}, and [\d.]+ kB are needed; "
         rf"(?P<count>\d+) {KEPT.format('o')}\n",
         stopped.stderr,
     )
@@ -108,7 +108,7 @@ def test_a_disk_that_is_really_full(catch_arena, small_disk):
     assert stopped.exit_code == 2, stopped.output
     full = rf"cannot be written: the disk is full: {ROOM}"
     assert re.fullmatch(
-        rf"catch-arena: small/o/.*{full}, and [\d.]+ \w+ are needed; \d+ {KEPT.format('small/o')}\n",
+        rf"error: small/o/.*{full}, and [\d.]+ \w+ are needed; \d+ {KEPT.format('small/o')}\n",
         re.sub(r"(?m)^playing: .+\n", "", stopped.stderr),  # said every ten seconds: on a slow machine
     )
     left = sorted(small_disk.rglob("*"))
@@ -124,7 +124,7 @@ def test_a_disk_that_is_really_full(catch_arena, small_disk):
         failed = catch_arena(*words)
         assert (failed.exit_code, "Traceback" in failed.output) == (2, False), failed.output
         *_, error = failed.stderr.splitlines()
-        assert re.match(rf"catch-arena: small/.*{full}", error), error
+        assert re.match(rf"error: small/.*{full}", error), error
     assert [path for path in sorted(small_disk.rglob("*")) if "small/p" not in str(path)] == left
 
     subprocess.run(["mount", "-o", "remount,size=20m", small_disk], check=True)

@@ -1,0 +1,62 @@
+"""One style of errors, and one table of exit codes, for every command."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.cli.app import GROUPS
+from catch_arena.cli.ros import ros
+
+PAGE = Path(__file__).parents[2] / "docs" / "command_line.md"
+COMMANDS = [
+    *([name] for names in GROUPS.values() for name in names),
+    *(["ros", one.name or one.callback.__name__] for one in ros.registered_commands),
+]
+
+
+@pytest.mark.parametrize("columns", ["40", "100"])
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_a_wrong_option_of_any_command_is_an_error_and_a_hint(words, columns):
+    result = CliRunner(env={"COLUMNS": columns}).invoke(main, [*words, "--no-such-option"])
+    assert (result.exit_code, result.stdout) == (2, "")
+    error, hint = result.stderr.splitlines()
+    assert re.match(r"error: no such (option|command): --no-such-option", error)
+    assert hint == f"hint: catch-arena {' '.join(words)} --help"
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (["nonsense"], "no such command 'nonsense'"),
+        (["tournament"], "missing argument 'AGENT...'"),
+        (["grade", "x"], "missing option '--spec'"),
+        (["tournament", "a", "--rounds", "abc"], "--rounds must be a whole number, got 'abc'"),
+        (["tournament", "a", "--jobs", "1.5"], "--jobs must be a whole number, got '1.5'"),
+        (["render", "a", "--speed", "fast"], "--speed must be a number, got 'fast'"),
+        (["sheet", "a", "--count", "0"], "--count must be at least 1, got 0"),
+        (["sheet", "a", "--count", "101"], "--count must be at most 100, got 101"),
+        (["match", "a", "--isolation", "x"], "--isolation must be one of namespaces, processes, got 'x'"),
+        (["diff", "a", "b", "c\x1b[2J"], r"got unexpected extra argument(s) (c\x1b[2J)"),
+    ],
+)
+def test_wrong_usage_names_the_option_what_it_must_be_and_the_value(words, error):
+    result = CliRunner().invoke(main, words)
+    assert (result.exit_code, result.stdout) == (2, "")
+    command = " ".join(["catch-arena", *words[:1]]) if words != ["nonsense"] else "catch-arena"
+    assert result.stderr == f"error: {error}\nhint: {command} --help\n"
+
+
+def test_a_command_without_any_word_shows_the_help():
+    for words in ([], ["ros"]):
+        for columns in ("40", "100"):
+            result = CliRunner(env={"COLUMNS": columns}).invoke(main, words)
+            assert (result.exit_code, result.stderr) == (2, "")
+            assert "Usage: catch-arena" in result.stdout
+
+
+def test_the_page_has_every_exit_code_once():
+    codes = re.findall(r"^\| (\d+) \|", PAGE.read_text(), re.MULTILINE)
+    assert codes == ["0", "1", "2", "3", "130"]
