@@ -33,7 +33,7 @@ _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 
 
 GROUPS: Final = {
-    "Play": ("match", "play", "watch", "agents", "scenarios"),
+    "Play": ("match", "play", "watch", "agents", "scenarios", "docs"),
     "Look": ("explain", "verify", "diff", "render", "highlights", "mosaic", "sheet"),
     "Tournaments": ("tournament", "report", "export", "compare", "suite", "audit", "exploit"),
     "Teach": ("check-agent", "grade", "conformance"),
@@ -101,7 +101,7 @@ Agents = Annotated[
     typer.Argument(
         metavar="AGENT...",
         help="A shipped name (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, or "
-        "cmd:COMMAND (docs/isolation.md).",
+        "cmd:COMMAND (`catch-arena docs isolation`).",
     ),
 ]
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
@@ -120,8 +120,8 @@ SettingOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change a setting (docs/settings.md), for example time_limit_s=30 or faults.kill_down=0.2; may be "
-        "repeated.",
+        help="Change a setting (`catch-arena docs settings`), for example time_limit_s=30 or faults.kill_down=0.2; may "
+        "be repeated.",
     ),
 ]
 LimitOption = Annotated[
@@ -129,8 +129,8 @@ LimitOption = Annotated[
     typer.Option(
         "--limit",
         metavar="KEY=VALUE",
-        help="Change a limit of isolated agents, for example step_ms=200 or memory_mib=2048 (docs/isolation.md); may "
-        "be repeated.",
+        help="Change a limit of isolated agents, for example step_ms=200 or memory_mib=2048 "
+        "(`catch-arena docs isolation`); may be repeated.",
     ),
 ]
 Isolation = Annotated[
@@ -138,8 +138,8 @@ Isolation = Annotated[
     typer.Option(
         "--isolation",
         metavar="LEVEL",
-        help="How agents are isolated, in namespaces or in processes (docs/isolation.md); if this machine cannot do "
-        "that, nothing is played.",
+        help="How agents are isolated, in namespaces or in processes (`catch-arena docs isolation`); if this machine "
+        "cannot do that, nothing is played.",
         show_default="the best that works here",
     ),
 ]
@@ -148,7 +148,7 @@ Trusted = Annotated[
     typer.Option(
         "--trusted",
         help="Run all agents inside our own processes: faster, but without limits. Without this option, agents that "
-        "do not come with Catch Arena are isolated (docs/isolation.md).",
+        "do not come with Catch Arena are isolated (`catch-arena docs isolation`).",
     ),
 ]
 MaxForfeits = Annotated[

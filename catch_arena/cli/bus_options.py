@@ -40,7 +40,9 @@ Url = Annotated[
 Package = Annotated[
     str,
     typer.Option(
-        "--interfaces", metavar="PACKAGE", help="Your package with Turtle, TurtleArray and CatchTurtle (docs/ros2.md)."
+        "--interfaces",
+        metavar="PACKAGE",
+        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`).",
     ),
 ]
 Turtlesim = Annotated[
@@ -53,7 +55,7 @@ RosArgs = Annotated[
         _ROS_ARGS,
         metavar="ARGS...",
         help="As for ros2 run, after all other options: -p NAME:=VALUE, --params-file FILE, -r __node:=NAME "
-        "(docs/ros2.md).",
+        "(`catch-arena docs ros2`).",
     ),
 ]
 """Only of a NodeCommand."""

@@ -60,9 +60,9 @@ def conformance(
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
-    It takes the arguments of catch_arena.arbitrate and returns its rulings; docs/conformance.md has an example. A
-    ROS 2 node is asked those cases that a service can be asked (docs/ros2_bags.md); --bus and the options after it are
-    for nodes only.
+    It takes the arguments of catch_arena.arbitrate and returns its rulings; `catch-arena docs conformance` has an
+    example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs ros2_bags`); --bus and
+    the options after it are for nodes only.
     """
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.files import write_whole

@@ -82,7 +82,7 @@ def check_agent(
 def grade(
     agent: Agent,
     *,
-    spec: Annotated[Path, typer.Option(metavar="FILE", help="The spec for the grade (docs/grading.md).")],
+    spec: Annotated[Path, typer.Option(metavar="FILE", help="The spec for the grade (`catch-arena docs grading`).")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JUnit XML.")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
     seeds: Annotated[
@@ -110,8 +110,8 @@ def grade(
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
     The exit code is 0 if every test passed, else 1. A ROS 2 node can be graded too, instead of an agent: give
-    ros:/catch_turtle, and its service is asked the spec's cases (docs/ros2_bags.md). --bus and the options after it are
-    for nodes only.
+    ros:/catch_turtle, and its service is asked the spec's cases (`catch-arena docs ros2_bags`). --bus and the options
+    after it are for nodes only.
     """
     from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, read_spec, seeds_text

@@ -1,14 +1,18 @@
-"""`catch-arena agents` and `scenarios`: what there is."""
+"""`catch-arena agents`, `scenarios` and `docs`: what there is."""
 
 import json
 from collections.abc import Iterator
-from typing import Any, Final
+from pathlib import Path
+from typing import Annotated, Any, Final
 
+import typer
 from rich.console import Console
 
 from catch_arena.cli.app import main
 from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
 
 _LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
@@ -42,6 +46,30 @@ def scenarios() -> None:
             ", ".join(_besides(config)),
         )
     Console().print(listing)
+
+
+@main.command()
+def docs(
+    page: Annotated[
+        str | None,
+        typer.Argument(metavar="PAGE", help="The page to print, for example agents.", show_default=False),
+    ] = None,
+) -> None:
+    """Print a page of the documentation, or list the pages."""
+    package = Path(__file__).parents[1]
+    inside = package / "docs"  # as a wheel has it
+    folder = inside if inside.is_dir() else package.parent / "docs"
+    pages = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
+    if page is None:
+        listing = FittedTable("page", "title", folded="title")
+        for name, text in pages.items():
+            listing.add_row(name, text.partition("\n")[0].removeprefix("# "))
+        Console().print(listing)
+        return
+    name = page.removeprefix("docs/").removesuffix(".md")
+    if name not in pages:
+        raise ConfigError(f"unknown page {page!r}: {suggest(name, pages)}")
+    say(pages[name].rstrip("\n"))
 
 
 def _besides(config: ArenaConfig) -> Iterator[str]:

@@ -92,7 +92,10 @@ def serve(
     settings: SettingOption = None,
     ros_args: bus_options.RosArgs = None,
 ) -> None:
-    """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle (docs/ros2.md)."""
+    """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle.
+
+    `catch-arena docs ros2` has an example.
+    """
     from catch_arena.ros.middleware.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
     from catch_arena.ros.nodes.ros_args import take_ros_args
     from catch_arena.ros.nodes.serving import serve_match

@@ -35,7 +35,7 @@ def bag(
     turtlesim: Turtlesim = TURTLESIM,
     force: Force = False,
 ) -> None:
-    """Write a recorded match as a bag, for ros2 bag play and Foxglove (docs/ros2_bags.md)."""
+    """Write a recorded match as a bag, for ros2 bag play and Foxglove (`catch-arena docs ros2_bags`)."""
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay

@@ -70,7 +70,8 @@ def suite(
 ) -> None:
     """Measure agents in training and held-out scenarios.
 
-    Opponents, matches, seeds and statistics are fixed (docs/suite.md), so that papers can compare their numbers.
+    Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
+    (`catch-arena docs suite`).
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import duration

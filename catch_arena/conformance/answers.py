@@ -128,7 +128,7 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
         got = f"{'' if too_few else 'at least '}{len(given)} of them"
     looks_like = "None or too few rulings are returned" if too_few else "too many rulings, or no list, are returned"
     must = f"{counted(len(expected), 'ruling')}, one for each request, in their order"
-    rule = "An answer is a list with one ruling for each request, in their order (docs/conformance.md)."
+    rule = "An answer is a list with one ruling for each request, in their order (`catch-arena docs conformance`)."
     raise DiffersError(UnreadableAnswer("the answer", must, got, looks_like, rule))
 
 

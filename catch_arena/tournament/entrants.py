@@ -451,5 +451,8 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
         return f"importing it raised {reason(error)}"
     top = missing.partition(".")[0]
     if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
-        return f"it imports {missing}, which is beside it: an agent of several files must be a package (docs/agents.md)"
+        return (
+            f"it imports {missing}, which is beside it: an agent of several files must be a package "
+            "(`catch-arena docs agents`)"
+        )
     return f"it imports {missing}, {NOT_INSTALLED}"

@@ -42,14 +42,14 @@ _HINTS: Final[Mapping[str, str]] = {
     "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",
     "no request": "R4.1, R4.4: it never asked for a target: drive closer than view.limits.reach_m to one",
     "FORFEIT_CRASH": "R7.2: view.targets and view.rivals may be empty",
-    "FORFEIT_TIMEOUT": "docs/isolation.md#limits: an action has step_ms, and all actions of a match together have "
-    "bank_s more: catch-arena check-agent shows how long its steps take",
-    "FORFEIT_ILLEGAL": "R4.1, R4.4: docs/agents.md has the actions of each control; catch-arena check-agent shows "
-    "the view that it failed on",
-    "FORFEIT_INIT": "docs/agents.md: a class Agent with reset(self, seed) and act(self, view): catch-arena check-agent "
-    "shows where it fails",
-    "not installed": "docs/agents.md#what-it-may-import: Python's own modules, NumPy, and what else is installed where "
-    "it plays; it needs no ROS",
+    "FORFEIT_TIMEOUT": "`catch-arena docs isolation`, Limits: an action has step_ms, and all actions of a match "
+    "together have bank_s more: catch-arena check-agent shows how long its steps take",
+    "FORFEIT_ILLEGAL": "R4.1, R4.4: `catch-arena docs agents` has the actions of each control; catch-arena check-agent "
+    "shows the view that it failed on",
+    "FORFEIT_INIT": "`catch-arena docs agents`: a class Agent with reset(self, seed) and act(self, view): catch-arena "
+    "check-agent shows where it fails",
+    "not installed": "`catch-arena docs agents`, What it may import: Python's own modules, NumPy, and what else is "
+    "installed where it plays; it needs no ROS",
 }
 """What to read, by what happened."""
 

@@ -60,8 +60,8 @@ RUNS = {
 }
 """Each command that runs agents, and what it is given."""
 WITHOUT_AGENTS = {
-    *("agents", "conformance", "diff", "explain", "export", "highlights", "mosaic", "render", "report", "scenarios"),
-    *("sheet", "verify"),
+    *("agents", "conformance", "diff", "docs", "explain", "export", "highlights", "mosaic", "render", "report"),
+    *("scenarios", "sheet", "verify"),
 }
 REFUSES = {"exploit"}
 """What plays agents inside our own process alone, and takes none that is not trusted (tests/exploitability)."""

@@ -135,17 +135,20 @@ def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(g
     [
         (
             "import rclpy\nclass Agent: pass\n",
-            ["it imports rclpy, which is not installed here", "hint: docs/agents.md#what-it-may-import: "],
+            ["it imports rclpy, which is not installed here", "hint: `catch-arena docs agents`, What it may import: "],
         ),
         (
             "class Agent:\n    def reset(self, seed): import rclpy\n    def act(self, view): return 0\n",
-            ["reset raised ModuleNotFoundError: No module named 'rclpy'", "hint: docs/agents.md#what-it-may-import: "],
+            [
+                "reset raised ModuleNotFoundError: No module named 'rclpy'",
+                "hint: `catch-arena docs agents`, What it may import: ",
+            ],
         ),
         (
             "import time\nclass Agent:\n    def reset(self, seed): pass\n    def act(self, view): time.sleep(60)\n",
             [
                 "act took longer than step_ms (30 ms) and what was left of bank_s (0.2 s)",
-                "hint: docs/isolation.md#limits: an action has step_ms",
+                "hint: `catch-arena docs isolation`, Limits: an action has step_ms",
             ],
         ),
     ],

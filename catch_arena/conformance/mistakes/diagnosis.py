@@ -271,4 +271,4 @@ def _reading_mistake(reading: WrongReading, case: ArbiterCase | ArenaCase) -> tu
             continue
         if fits:
             return row.looks_like, row.rule
-    return f"{reading.about} cannot be read", "docs/conformance.md says what read() returns."
+    return f"{reading.about} cannot be read", "`catch-arena docs conformance` says what read() returns."

@@ -249,7 +249,7 @@ KNOWN: Final[Sequence[Mistake]] = (
     _mistake("distances are in whole metres", _DISTANCE, finish=wrong.gives_evidence(distance=wrong.in_units(1))),
     _mistake(
         "the rulings are not in the order of the requests",
-        "There is one ruling for each request, in their order (docs/conformance.md).",
+        "There is one ruling for each request, in their order (`catch-arena docs conformance`).",
         arrange=wrong.in_the_answers_order,
     ),
     # The order of the tests

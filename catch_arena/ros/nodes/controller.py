@@ -144,7 +144,10 @@ class Controller:
         ][:most]
         if len(there) < min(len(self._turtles.turtles), most) and not self._warned:
             self._warned = True
-            self._log("warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? (docs/ros2.md)")
+            self._log(
+                "warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? "
+                "(`catch-arena docs ros2`)"
+            )
         now, names = time.monotonic(), [turtle.name for turtle in there]
         self._known = {name: self._known.get(name, now) for name in names}
         ages = [now - self._known[name] + 1e-3 * (len(names) - place) for place, name in enumerate(names)]

@@ -27,5 +27,5 @@ def level_here(asked: Level | None = None) -> Level:
 
 def level_line(level: Level) -> str:
     """What people are told of how agents are held apart, and of what bounds them."""
-    line = f"isolation: {level}" if level == "namespaces" else f"isolation: {level}, see docs/isolation.md"
+    line = f"isolation: {level}" if level == "namespaces" else f"isolation: {level}, see `catch-arena docs isolation`"
     return line if delegated_group() is None else f"{line}; control groups bound memory and processes"

@@ -152,7 +152,7 @@ def test_people_are_told_of_control_groups(tmp_path, monkeypatch):
     assert level_line("namespaces") == "isolation: namespaces"
     monkeypatch.setattr(levels, "delegated_group", lambda: tmp_path)
     assert level_line("processes") == (
-        "isolation: processes, see docs/isolation.md; control groups bound memory and processes"
+        "isolation: processes, see `catch-arena docs isolation`; control groups bound memory and processes"
     )
 
 
