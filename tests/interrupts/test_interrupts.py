@@ -6,25 +6,24 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
-from interrupts.commands import PATIENCE_S, Command
+from interrupts.commands import PATIENCE_S, PATIENT, Command
 
 from catch_arena.descendants import family
 
 ROOT = Path(__file__).parents[2]
 BEGIN = "import os, signal, subprocess, sys, threading, time\nfrom catch_arena import interrupts\ninterrupts.listen()\n"
+BEGUN = "print('begun', flush=True)"
 LOOP = "while True: time.sleep(0.01)"
 LINE = "catch-arena: interrupted\n"
 
 
 def started(folder, code: str) -> Command:
-    """A program that runs this code's `command`, and has got a moment further than where that prints."""
+    """Start a program that runs this code's `command`, and wait until that has printed."""
     command = Command(folder, (), (sys.executable, "-c", f"{BEGIN}{code}\ninterrupts.run(command)"))
     assert command.process.stdout.readline() == "begun\n"
-    time.sleep(0.2)
     return command
 
 
@@ -38,15 +37,15 @@ def ended(folder, code: str, pauses=(0.01, 0.05), number=signal.SIGINT) -> tuple
 
 
 def command(*lines: str) -> str:
-    """A command that says that it has begun, and does this."""
-    return "\n    ".join(["def command():", "print('begun', flush=True)", *lines])
+    """Return the code of a command that prints that it has begun, at once if these lines do not, and does this."""
+    return "\n    ".join(["def command():", *([] if BEGUN in "".join(lines) else [BEGUN]), *lines])
 
 
 UNWINDS = command("try:", f"    {LOOP}", "finally:", "    print('tidied up', flush=True)")
 
 
 def test_an_interrupt_unwinds_what_is_under_way(tmp_path):
-    program = started(tmp_path, UNWINDS)
+    program = started(tmp_path, f"{PATIENT}\n{UNWINDS}")
     program.interrupt()
     end = program.ended()
     assert (end.status, end.said, end.errors) == (130, "tidied up\n", LINE)
@@ -122,33 +121,43 @@ def test_the_line_says_more_where_there_is_more_to_say(tmp_path):
 
 
 def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
-    assert ended(tmp_path, command("interrupts.wait(lambda: None)")) == (0, "")
-    assert ended(tmp_path, command("interrupts.wait(lambda: time.sleep(9))")) == (0, "")  # it is being told
-    assert ended(tmp_path, command("interrupts.wait(lambda: None)", "threading.Event().wait()")) == (0, "")
+    waits = f"interrupts.wait(lambda: {BEGUN})"
+    assert ended(tmp_path, command(waits)) == (0, "")
+    assert ended(tmp_path, command(f"interrupts.wait(lambda: ({BEGUN}, time.sleep(9)))")) == (0, "")  # it is being told
+    assert ended(tmp_path, command(waits, "threading.Event().wait()")) == (0, "")
 
 
 def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
     """Either is the normal end; what comes after it is done too, and an interrupt there is one as ever."""
-    lingers = ("interrupts.linger(lambda: time.sleep({seconds}))", "print('after', flush=True)", "time.sleep({more})")
+    after = "print('after', flush=True)"
+    program = started(tmp_path, command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after))
+    program.interrupt()
+    end = program.ended()
+    assert (end.status, end.said, end.errors) == (0, "after\n", "")
 
-    def end_of(seconds, more, pause):
-        program = started(tmp_path, command(*lingers).format(seconds=seconds, more=more))
-        time.sleep(pause)
-        program.interrupt()
-        end = program.ended()
-        return end.status, end.said, end.errors
-
-    assert end_of(60, 0, 0.2) == (0, "after\n", "")
-    assert end_of(0, 60, 0.5) == (130, "after\n", LINE)
+    program = started(tmp_path, command("interrupts.linger(lambda: None)", after, "time.sleep(60)"))
+    assert program.process.stdout.readline() == "after\n"
+    program.interrupt()
+    end = program.ended()
+    assert (end.status, end.said, end.errors) == (130, "", LINE)
 
 
 SAVES = "interrupts.keep(lambda: (time.sleep(2.5), print('saved', flush=True)))"
 """Longer than what an interrupt unwinds has."""
+SAVES_WHEN_IT_IS_INTERRUPTED = (
+    "def save():",
+    f"    {BEGUN}",
+    "    while not interrupts.received(): time.sleep(0.01)",
+    "    time.sleep(2.5)",
+    "    print('saved', flush=True)",
+    "interrupts.keep(save)",
+    "print('goes on', flush=True)",
+)
 
 
 @pytest.mark.parametrize(
     "lines",
-    [("try:", f"    {LOOP}", "finally:", f"    {SAVES}"), (SAVES, "print('goes on', flush=True)")],
+    [("try:", f"    {LOOP}", "finally:", f"    {SAVES}"), SAVES_WHEN_IT_IS_INTERRUPTED],
     ids=["at_the_end", "under_way"],
 )
 def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
@@ -209,10 +218,15 @@ def test_nothing_is_imported_before_signals_are_heard():
 
 
 def test_an_interrupt_while_the_commands_are_imported(tmp_path):
-    command = Command(tmp_path, ["--help"])
-    command.wait_until_it_listens()
-    command.interrupt([0.01])
-    end = command.ended()
+    code = (
+        "import sys, time\nfrom catch_arena import __main__\nclass Slow:\n    def find_spec(self, name, *_):\n"
+        f"        if name == 'typer':\n            {BEGUN}\n            time.sleep(60)\n"
+        "sys.meta_path.insert(0, Slow())\n__main__.main()"
+    )
+    program = Command(tmp_path, ["--help"], (sys.executable, "-c", code))
+    assert program.process.stdout.readline() == "begun\n"
+    program.interrupt([0.01])
+    end = program.ended()
     assert (end.status, end.errors, end.said) == (130, LINE, "")
 
 
@@ -220,7 +234,6 @@ def test_the_demo_ends_in_the_same_way(tmp_path):
     command = Command(tmp_path, ["--out", "o"], (sys.executable, str(ROOT / "scripts" / "demo.py")))
     command.wait_until_it_listens()
     assert "$ catch-arena tournament patrol" in command.process.stdout.readline() + command.process.stdout.readline()
-    time.sleep(0.3)
     command.interrupt([0.1, 0.1])
     end = command.ended()
     assert (end.status, end.errors.splitlines()[-1:], end.left) == (130, [LINE.strip()], [])

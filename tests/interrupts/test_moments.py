@@ -1,6 +1,7 @@
-"""Interrupts at random moments of a command's whole life: one line, status 130, nothing left behind, nothing lost.
+"""Interrupts of whole commands: one line, status 130, nothing left behind, nothing lost.
 
-The moments follow from their numbers: a failure is repeated by its number, as far as the machine repeats itself.
+They come at chosen events, and by night at random moments of a command's whole life. The moments follow from their
+numbers: a failure is repeated by its number, as far as the machine repeats itself.
 """
 
 import random
@@ -12,7 +13,7 @@ from tempfile import mkdtemp
 from typing import Any
 
 import pytest
-from interrupts.commands import LINE, PROMISED_S, Command, slowness
+from interrupts.commands import LINE, WAITS_WHEN_IT_HAS_KEPT, Command
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -73,12 +74,9 @@ def moment(number: int) -> tuple[float, list[float]]:
 
 
 def fifty(kinds: dict[str, tuple[str, ...]]) -> list[Any]:
-    """The moments that are tried, of each kind in turn; all but the first two are for the night."""
+    """The moments that are tried, of each kind in turn."""
     names = list(kinds)
-    return [
-        pytest.param(number, names[number % len(names)], marks=() if number < 2 else pytest.mark.nightly)
-        for number in range(50)
-    ]
+    return [(number, names[number % len(names)]) for number in range(50)]
 
 
 @pytest.fixture(scope="module")
@@ -124,18 +122,10 @@ def life_s(words: tuple[str, ...], made: Path) -> float:
     return time.monotonic() - begin
 
 
-def interrupted(number: int, words: tuple[str, ...], folder: Path, made: Path) -> re.Match[str] | None:
-    """The line of a command that was interrupted at that moment; None where it had ended."""
-    undisturbed = tuple(word for word in words if word != "--watch")
-    share, pauses = moment(number)
-    wait_s = share * life_s(undisturbed, made)
-    command = Command(folder, words)
-    command.wait_until_it_listens()
-    time.sleep(wait_s)
-    command.interrupt(pauses)
+def line_of(command: Command) -> re.Match[str] | None:
+    """The line of a command that was interrupted; None where it had ended."""
     ended = command.ended()
     assert not ended.left
-    assert ended.seconds is None or ended.seconds < PROMISED_S * slowness()
     assert "Traceback" not in ended.said
     if ended.status == 130:
         line = LINE.fullmatch(ended.errors)
@@ -146,20 +136,57 @@ def interrupted(number: int, words: tuple[str, ...], folder: Path, made: Path) -
     return None
 
 
-@pytest.mark.parametrize(("number", "way"), fifty(WAYS))
-def test_a_tournament_is_interrupted_at_any_moment_and_goes_on_from_there(number, way, folder, made):
+def interrupted(number: int, words: tuple[str, ...], folder: Path, made: Path) -> re.Match[str] | None:
+    """The line of a command that was interrupted at that moment; None where it had ended."""
+    share, pauses = moment(number)
+    wait_s = share * life_s(tuple(word for word in words if word != "--watch"), made)
+    command = Command(folder, words)
+    command.wait_until_it_listens()
+    time.sleep(wait_s)
+    command.interrupt(pauses)
+    return line_of(command)
+
+
+@pytest.mark.parametrize("way", ["isolated, two jobs", "trusted, watched"])
+def test_a_tournament_is_interrupted_after_its_first_block_and_goes_on_from_there(way, folder, made):
     words = (*TOURNAMENT, "--out", "o", *WAYS[way])
-    line = interrupted(number, words, folder, made)
-    if line is not None and line["kept"] is not None:
-        again = called(*(word for word in words if word != "--watch"), "--resume")
-        assert "results: o" in again
-    elif line is not None:
-        assert not list(folder.glob("o/*.csv"))
-        return
+    command = Command(folder, words, WAITS_WHEN_IT_HAS_KEPT)
+    while not (folder / "kept").exists() and command.process.poll() is None:
+        time.sleep(0.01)
+    command.interrupt([0.05])
+    assert line_of(command)["kept"] == "2"
+    require_the_same_when_it_goes_on(words, folder, made)
+
+
+@pytest.mark.parametrize("name", ["help", "match"])
+def test_a_command_is_interrupted_when_it_has_just_begun(name, folder):
+    before = {path.name for path in folder.iterdir()}
+    command = Command(folder, COMMANDS[name])
+    command.wait_until_it_listens()
+    command.interrupt([0.05])
+    line_of(command)
+    assert {path.name for path in folder.iterdir()} - before <= {"match.replay"}  # it may have ended
+
+
+def require_the_same_when_it_goes_on(words: tuple[str, ...], folder: Path, made: Path) -> None:
+    again = called(*(word for word in words if word != "--watch"), "--resume")
+    assert "results: o" in again
     called("export", "o", "--no-timing", "-o", "matches.jsonl")
     assert (folder / "matches.jsonl").read_bytes() == (made / "matches.jsonl").read_bytes()
 
 
+@pytest.mark.nightly
+@pytest.mark.parametrize(("number", "way"), fifty(WAYS))
+def test_a_tournament_is_interrupted_at_any_moment_and_goes_on_from_there(number, way, folder, made):
+    words = (*TOURNAMENT, "--out", "o", *WAYS[way])
+    line = interrupted(number, words, folder, made)
+    if line is not None and line["kept"] is None:
+        assert not list(folder.glob("o/*.csv"))
+        return
+    require_the_same_when_it_goes_on(words, folder, made)
+
+
+@pytest.mark.nightly
 @pytest.mark.parametrize(("number", "name"), fifty(COMMANDS))
 def test_any_command_is_interrupted_at_any_moment_and_leaves_nothing_half_done(number, name, folder, made):
     before = {path.name for path in folder.iterdir()}
