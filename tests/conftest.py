@@ -9,6 +9,9 @@ from hypothesis import HealthCheck, settings
 from isolation_levels import NOT_TESTED
 from progress import Progress
 
+from catch_arena.tournament.isolation import isolated_players, sandbox
+from catch_arena.tournament.isolation.limits import AgentLimits
+
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 """Set by `make laws`: the nightly profile."""
 
@@ -22,6 +25,11 @@ settings.load_profile("nightly" if LONG else "test")
 
 # Commands that tests start run this checkout, whatever is installed.
 os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
+
+# A busy machine makes no agent late, and no match void, unless a test names the limit.
+AgentLimits.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
+isolated_players._STALL_S = 60.0
+sandbox._SERVER_S = 5.0
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)

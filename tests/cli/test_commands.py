@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from interrupts.commands import Command
 from isolation_levels import LEVELS
 from typer.testing import CliRunner
 
@@ -332,18 +333,21 @@ def test_a_plan_is_printed_with_its_cost_and_nothing_is_played(catch_arena, tmp_
 
 
 def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
-    """0.5 s to begin, a step of 20 ms and a bank of 0.1 s; 30 steps where it is only slow."""
+    """30 s to begin, a step of 20 ms and a bank of 0.1 s; 30 steps where it is only slow."""
     (tmp_path / "mine.py").write_text(SPOKEN)
     words = ["tournament", "mine.py", "mine.py", "nearest", *QUICK, "--plan", "--rounds", "5", "--jobs", "1"]
-    words += ["--limit", "init_s=0.5", "--limit", "step_ms=20", "--limit", "bank_s=0.1"]
+    words += ["--limit", "init_s=30", "--limit", "step_ms=20", "--limit", "bank_s=0.1"]
     for most, lines in (
-        ("3", [r"hangs +may take 0\.6 s a match: 2\.5 s for 4, then it is out", r"all 2 that could +5\.0 s with one"]),
-        ("0", [r"hangs +may take 0\.6 s a match: 12\.4 s for 20 *$", r"all 2 that could +24\.8 s with one process"]),
+        (
+            "3",
+            [r"hangs +may take 30\.1 s a match: 0:02:00 for 4, then it is out", r"all 2 that could +0:04:01 with one"],
+        ),
+        ("0", [r"hangs +may take 30\.1 s a match: 0:10:02 for 20 *$", r"all 2 that could +0:20:05 with one process"]),
     ):
         told = catch_arena(*words, "--max-forfeits", most).output
         for line in (
             *lines,
-            r"a slow agent +may take 1\.2 s a match: 24\.0 s for 20, no forfeit",
+            r"a slow agent +may take 30\.7 s a match: 0:10:14 for 20, no forfeit",
             "mine forfeited there: ",
             f"time +{'at most' if most == '3' else 'about'} ",
         ):
@@ -408,7 +412,9 @@ def test_an_agent_that_was_changed_does_not_continue_a_tournament(catch_arena, t
     assert "the digest of agent mine is" in catch_arena(*words).stderr
 
 
-@pytest.mark.parametrize("how", [["--trusted"], ["--limit", "step_ms=1000000", "--isolation", "processes"]])
+@pytest.mark.parametrize(
+    "how", [["--trusted"], ["--limit", "step_ms=1000000", "--limit", "init_s=120", "--isolation", "processes"]]
+)
 def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
     hang = tmp_path / "hang.py"
     hang.write_text(
@@ -416,21 +422,15 @@ def test_ctrl_c_ends_it_with_130_and_says_how_to_go_on(tmp_path, how):
         "    def reset(self, seed): Path(__file__).with_name('began').touch()\n"
         "    def act(self, view):\n        while True: pass\n"
     )
-    command = [sys.executable, "-m", "catch_arena", "tournament", "hang.py", "idle"]
-    words = [*command, "--scenario", "duel", "--rounds", "1", "--jobs", "2", "--out", "o", *how]
-    process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    patience = time.monotonic() + 60
-    while not (tmp_path / "began").exists() and time.monotonic() < patience:
+    words = ["tournament", "hang.py", "idle", "--scenario", "duel", "--rounds", "1", "--jobs", "2", "--out", "o", *how]
+    command = Command(tmp_path, words)
+    while not (tmp_path / "began").exists() and command.process.poll() is None:
         time.sleep(0.05)
-    os.kill(process.pid, signal.SIGINT)
-    try:
-        _, errors = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == 130
-    said = "" if how == ["--trusted"] else f"{level_line('processes')}\n"
-    assert errors == (
-        f"{said}catch-arena: interrupted: 0 of 2 matches are kept in o; the same command with --resume goes on\n"
+    os.kill(command.process.pid, signal.SIGINT)
+    ended = command.ended()
+    assert (ended.status, ended.left) == (130, [])
+    assert ended.errors == (
+        "catch-arena: interrupted: 0 of 2 matches are kept in o; the same command with --resume goes on\n"
     )
     assert [path.name for path in (tmp_path / "o").iterdir()] == ["tournament.sqlite"]
 
@@ -447,7 +447,20 @@ def test_names_of_any_script_play_and_are_written_whatever_the_terminal_can_show
         name: value for name, value in os.environ.items() if not name.startswith(("LANG", "LC_", "PYTHONIO"))
     }
     command = [sys.executable, "-c", "from catch_arena.cli import main; main()", "tournament", "Zoë Müller/jäger_亀.py"]
-    words = [*command, "nearest", "--rounds", "1", *QUICK, "--jobs", "2", "--record", "--out", "größe"]
+    words = [
+        *command,
+        "nearest",
+        "--rounds",
+        "1",
+        *QUICK,
+        "--limit",
+        "init_s=120",
+        "--jobs",
+        "2",
+        "--record",
+        "--out",
+        "größe",
+    ]
     done = subprocess.run(
         words, cwd=tmp_path, env={**environment, **settings}, capture_output=True, encoding="utf-8", check=False
     )

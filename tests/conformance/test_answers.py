@@ -229,12 +229,12 @@ def test_an_arbiter_that_never_answers_is_interrupted_where_it_stands():
             pass
         return []
 
-    report = run_conformance(loops, only=["basics.in-reach", "basics.nobody-is-there"], limit_s=0.05)
+    report = run_conformance(loops, only=["basics.in-reach", "basics.nobody-is-there"], limit_s=1.0)
     (failure,) = report.failures
     (difference,) = failure.differences
     assert failure.case.id == "basics.in-reach"
     assert re.fullmatch(
-        r"none: it raised TimeoutError: no answer within 0.05 s \(test_answers.py, line \d+\)", difference.got
+        r"none: it raised TimeoutError: no answer within 1 s \(test_answers.py, line \d+\)", difference.got
     )
 
 

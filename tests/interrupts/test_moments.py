@@ -32,13 +32,14 @@ TOURNAMENT = (
     "--seed",
     "0",
 )
+PATIENT = ("--limit", "init_s=120", "--limit", "bank_s=120")
 WAYS = {
-    "isolated, two jobs": ("--jobs", "2"),
+    "isolated, two jobs": ("--jobs", "2", *PATIENT),
     "trusted, watched": ("--trusted", "--jobs", "1", "--watch"),
     "trusted": ("--trusted", "--jobs", "1"),
-    "isolated": ("--jobs", "1"),
+    "isolated": ("--jobs", "1", *PATIENT),
     "trusted, two jobs": ("--trusted", "--jobs", "2"),
-    "isolated, two jobs, watched": ("--jobs", "2", "--watch"),
+    "isolated, two jobs, watched": ("--jobs", "2", "--watch", *PATIENT),
 }
 COMMANDS = {
     "help": ("play", "--help"),

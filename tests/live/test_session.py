@@ -64,6 +64,15 @@ def session(monkeypatch, tmp_path):
     pygame.display.quit()
 
 
+@pytest.fixture
+def over(monkeypatch):
+    """A pause in the script until the match is over: nobody knows how many looks an agent's process takes."""
+    ended = []
+    end = match_window.MatchWindow._end
+    monkeypatch.setattr(match_window.MatchWindow, "_end", lambda window, world: (ended.append(1), end(window, world)))
+    return lambda: bool(ended)
+
+
 def nothing(looks: int) -> list[tuple[()]]:
     return [()] * looks
 
@@ -243,9 +252,9 @@ def test_v_says_where_there_is_nothing_to_show(session, monkeypatch):
     assert "hunters see everything here" in notes
 
 
-def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, tmp_path):
+def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, over, tmp_path):
     (tmp_path / "bad.py").write_text("class Agent:\n def reset(self, seed): 0\n def act(self, view): return 1 / 0\n")
-    result = session(["watch", "bad.py", "idle", "--scenario", "duel"], *nothing(150))
+    result = session(["watch", "bad.py", "idle", "--scenario", "duel"], over)
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines() == [
         "  1    0  idle (hunter_1)",
@@ -296,7 +305,7 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monke
         return any(text.startswith("hangs is out") for text in said)
 
     (tmp_path / "hangs.py").write_text(HANGS)
-    short = ["--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
+    short = ["--limit", "init_s=120", "--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
     result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], out, *nothing(150))
     assert result.exit_code == 0, result.output
     assert (
@@ -305,12 +314,12 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monke
     assert Replay.load(tmp_path / "r.replay").withdrawals == [(0, 0)]
 
 
-def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, tmp_path, monkeypatch):
+def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, tmp_path, monkeypatch):
     waited = []
     drawn = match_window.MatchWindow.wait
     monkeypatch.setattr(match_window.MatchWindow, "wait", lambda window: (waited.append(1), drawn(window)))
     (tmp_path / "slow.py").write_text(SLOW)
-    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], *nothing(6000))
+    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], over)
     assert result.exit_code == 0, result.output
     assert "FORFEIT" not in result.output
     assert Replay.load(tmp_path / "r.replay").steps == 10

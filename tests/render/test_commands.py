@@ -139,11 +139,10 @@ def test_bad_words_are_one_line(words, said):
 def test_ctrl_c_leaves_no_half_written_video(tmp_path):
     words = [sys.executable, "-m", "catch_arena", "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 240
         while not list(tmp_path.glob(".grid*")) and time.monotonic() < deadline:
             time.sleep(0.05)
-        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
-        assert "interrupted" in process.communicate(timeout=30)[1]
+        assert "interrupted" in process.communicate(timeout=240)[1]
         assert process.returncode == 130
     assert sorted(path.name for path in tmp_path.iterdir()) == ["replays"]

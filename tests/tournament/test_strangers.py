@@ -34,6 +34,7 @@ from catch_arena.tournament.store import STORE, Store, Tournament
 
 ANY = st.text(st.characters(codec=None, exclude_categories=()), max_size=400)
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
+PATIENCE = ["--limit", "init_s=120", "--limit", "bank_s=120"]
 WORDS = [
     "tournament",
     "[red]x.py",
@@ -42,6 +43,7 @@ WORDS = [
     "--rounds",
     "1",
     *QUICK,
+    *PATIENCE,
     "--jobs",
     "1",
     "--record",
@@ -164,7 +166,19 @@ def test_a_mark_is_xml_and_json_and_one_line_each(played):
     folder, _ = played
     spec = 'seed = 1\n[[test]]\nname = "a\\u001bb"\nscenario = "duel"\nopponents = ["idle"]\nmatches = 1\n'
     (folder / "spec.toml").write_text(spec)
-    ended = run(folder, "grade", "[red]x.py", "--spec", "spec.toml", "--junit", "g.xml", "--json", "g.json", "--force")
+    ended = run(
+        folder,
+        "grade",
+        "[red]x.py",
+        "--spec",
+        "spec.toml",
+        "--junit",
+        "g.xml",
+        "--json",
+        "g.json",
+        "--force",
+        *PATIENCE,
+    )
     assert ended.returncode == 1, ended.stderr.decode()
     assert all(letter.isprintable() or letter == "\n" for letter in ended.stdout.decode())
     (case,) = ET.parse(folder / "g.xml").getroot().iter("testcase")  # noqa: S314 - ours
@@ -176,13 +190,13 @@ def test_a_mark_is_xml_and_json_and_one_line_each(played):
 
 def test_a_look_at_it_shows_the_escapes(played):
     folder, _ = played
-    ended = run(folder, "check-agent", "[red]x.py", *QUICK)
+    ended = run(folder, "check-agent", "[red]x.py", *QUICK, *PATIENCE)
     assert ended.returncode == 1
     assert SHOWN in ended.stdout.decode()
     assert b"\x1b" not in ended.stdout + ended.stderr
 
 
-@pytest.mark.parametrize("trusted", [(), ("--trusted",)])
+@pytest.mark.parametrize("trusted", [PATIENCE, ["--trusted"]], ids=["isolated", "trusted"])
 def test_one_match_shows_them(played, trusted):
     folder, _ = played
     (folder / "quiet.py").write_text(HOSTILE.replace("print(", "str(").replace("sys.stdout.buffer.write", "len"))
@@ -197,7 +211,7 @@ def test_a_real_terminal_is_sent_none_of_its_commands(played):
     folder, _ = played
     ours, theirs = pty.openpty()
     environment = os.environ | {"PYTHONPATH": str(Path(catch_arena.__file__).parents[1]), "TERM": "xterm-256color"}
-    words = [sys.executable, "-m", "catch_arena", "match", "[red]x.py", "nearest", *QUICK, "-o", "t.replay", "--force"]
+    words = [sys.executable, "-m", "catch_arena", "match", "[red]x.py", "nearest", *QUICK, *PATIENCE]
     sent = b""
     with subprocess.Popen(words, cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs, env=environment):
         os.close(theirs)

@@ -278,7 +278,7 @@ def test_a_forked_process_plays_on_after_threads_have_played():
     answers = context.SimpleQueue()
     child = context.Process(target=step_in_a_child, args=(arena, actions, answers))
     child.start()
-    child.join(60)
+    child.join(240)
     alive = child.is_alive()
     child.kill()
     arena.step(actions)

@@ -22,9 +22,9 @@ SHORT = scenario("duel", time_limit_s=4)
 PATIENT = AgentLimits(init_s=60, step_ms=60_000)
 """For agents that fail in other ways than by being late: a busy machine must not make them late."""
 IMPATIENT = {
-    "hangs": AgentLimits(init_s=60, step_ms=1000, bank_s=0.5),
+    "hangs": AgentLimits(init_s=60, step_ms=1000, bank_s=3.0),
     "hangs_at_import": AgentLimits(init_s=1),
-    "never_reads.sh": AgentLimits(init_s=2),
+    "never_reads.sh": AgentLimits(init_s=6),
 }
 
 NAPS = """
@@ -70,9 +70,9 @@ def played(sandbox, name, *others, record=None):
             "hangs",
             "FORFEIT_TIMEOUT",
             5,
-            r"act took longer than step_ms \(1000 ms\) and what was left of bank_s \(0.5 s\)",
+            r"act took longer than step_ms \(1000 ms\) and what was left of bank_s \(3 s\)",
         ),
-        ("never_reads.sh", "FORFEIT_INIT", 0, r"reset took longer than what was left of init_s \(2 s\)"),
+        ("never_reads.sh", "FORFEIT_INIT", 0, r"reset took longer than what was left of init_s \(6 s\)"),
         ("hangs_at_import", "FORFEIT_INIT", 0, r"init took longer than init_s \(1 s\)"),
         (
             "speaks_garbage",
@@ -116,10 +116,10 @@ def test_who_kills_its_fork_server_goes_with_it_unless_it_is_the_first_process_o
 
 
 def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_path):
-    """The first has used up half of its bank when it takes longer than the rest, and answers before the second does."""
-    for name, naps in (("late", "[2.4, 1.5]"), ("slow", "[2.6, 0.0]")):
+    """The first takes longer than what is left of its bank, and answers before the second does."""
+    for name, naps in (("late", "[4.2, 1.0]"), ("slow", "[4.4, 0.0]")):
         (tmp_path / f"{name}.py").write_text(NAPS.format(naps))
-    with Sandbox(AgentLimits(init_s=60, step_ms=200, bank_s=3, level=sandbox.level)) as within:
+    with Sandbox(AgentLimits(init_s=60, step_ms=200, bank_s=4.5, level=sandbox.level)) as within:
         entrants = enter([str(tmp_path / "late.py"), str(tmp_path / "slow.py")], inspector(within))
         with start_players(entrants, within) as players:
             result = play(SHORT, 3, players, ["late", "slow"], most_steps=3)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from dataclasses import fields
 from io import BufferedReader, BytesIO
 from pathlib import Path
 
@@ -73,7 +74,7 @@ class Agent:
 ISOLATED = """
 import sys
 from tournament.isolation.test_sandbox import *
-with Sandbox(AgentLimits(level="processes")) as sandbox:
+with Sandbox(AgentLimits(level="processes", init_s=120, bank_s=120)) as sandbox:
     entrants = enter([sys.argv[1], "nearest"], inspector(sandbox))
     print(played(scenario("duel", time_limit_s=1), entrants, sandbox).logs[0])
 """
@@ -209,8 +210,9 @@ def test_numpys_numbers_are_actions(sandbox, tmp_path):
 
 def test_the_docs_have_every_limit():
     page = (HERE.parents[2] / "docs" / "isolation.md").read_text()
-    for name, usual in AgentLimits().numbers().items():
-        assert f"| `{name}` | {usual:g} |" in page
+    for limit in fields(AgentLimits):
+        if limit.name in AgentLimits().numbers():
+            assert f"| `{limit.name}` | {limit.default:g} |" in page
 
 
 def test_all_are_asked_at_once(tmp_path):
@@ -224,7 +226,7 @@ def test_all_are_asked_at_once(tmp_path):
         "        while len(list(HERE.glob(f'{self.step}-*'))) < 4: time.sleep(0.005)\n        return 0\n"
     )
     config = scenario("standard", time_limit_s=0.3)
-    with Sandbox(AgentLimits(step_ms=20_000, level="processes")) as patient:  # where it may write beside itself
+    with Sandbox(AgentLimits(step_ms=120_000, level="processes")) as patient:  # where it may write beside itself
         result = played(config, enter([str(path)] * 4, inspector(patient)), patient)
     assert result.forfeits == (None,) * 4
     assert len(list(tmp_path.glob("3-*"))) == 4
@@ -245,7 +247,8 @@ def test_the_supervisors_end_is_no_contest_and_the_next_match_starts_anew(sandbo
     assert played(SHORT, entrants, sandbox) == whole
 
 
-def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox):
+def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, monkeypatch):
+    monkeypatch.setattr("catch_arena.tournament.isolation.isolated_players._STALL_S", 1.0)
     entrants = enter([str(HERE / "bad" / "is_slow.py"), "idle"], inspector(sandbox))
     former = signal.signal(signal.SIGALRM, lambda *_: time.sleep(1.5))
     try:
@@ -273,7 +276,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
         "from catch_arena.tournament.match_loop import play\n"
         "from catch_arena.tournament.isolation.limits import AgentLimits\n"
         "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
-        f"sandbox = Sandbox(AgentLimits(level={level!r}))\n"
+        f"sandbox = Sandbox(AgentLimits(level={level!r}, init_s=120, bank_s=120))\n"
         f"entrants = enter([{str(agent)!r}, {alone('idle')!r}], inspector(sandbox))\n"
         "with start_players(entrants, sandbox) as players:\n"
         "    def tell(env):\n"
