@@ -211,7 +211,8 @@ def test_a_real_terminal_is_sent_none_of_its_commands(played):
     folder, _ = played
     ours, theirs = pty.openpty()
     environment = os.environ | {"PYTHONPATH": str(Path(catch_arena.__file__).parents[1]), "TERM": "xterm-256color"}
-    words = [sys.executable, "-m", "catch_arena", "match", "[red]x.py", "nearest", *QUICK, *PATIENCE]
+    words = ["match", "[red]x.py", "nearest", *QUICK, *PATIENCE, "-o", "t.replay", "--force"]
+    words = [sys.executable, "-m", "catch_arena", *words]
     sent = b""
     with subprocess.Popen(words, cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs, env=environment):
         os.close(theirs)
