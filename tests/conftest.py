@@ -1,5 +1,6 @@
 """How many examples hypothesis tries, and what a run says of itself."""
 
+import math
 import os
 import signal
 from pathlib import Path
@@ -9,6 +10,7 @@ from hypothesis import HealthCheck, settings
 from isolation_levels import NOT_TESTED
 from progress import Progress
 
+from catch_arena.cli import progress
 from catch_arena.tournament.isolation import isolated_players, sandbox
 from catch_arena.tournament.isolation.limits import AgentLimits
 
@@ -26,10 +28,11 @@ settings.load_profile("nightly" if LONG else "test")
 # Commands that tests start run this checkout, whatever is installed.
 os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
 
-# A busy machine makes no agent late, and no match void, unless a test names the limit.
+# A busy machine makes no agent late, no match void and no output longer, unless a test names the limit.
 AgentLimits.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
 isolated_players._STALL_S = 60.0
 sandbox._SERVER_S = 5.0
+progress._LINE_EVERY_S = math.inf
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -27,7 +27,8 @@ def test_a_terminal_is_shown_the_standings_and_how_far_it_is():
     assert "8/8" in shown.getvalue()
 
 
-def test_a_file_is_told_every_ten_seconds_how_far_it_is():
+def test_a_file_is_told_every_ten_seconds_how_far_it_is(monkeypatch):
+    monkeypatch.setattr("catch_arena.cli.progress._LINE_EVERY_S", 10.0)
     entrants, plan, told, now = enter(["nearest", "idle"]), round_robin(2, 2, 4, 0), io.StringIO(), [0.0]
     played = run(scenario("duel", time_limit_s=3), entrants, plan)
     with LiveStandings(
