@@ -28,8 +28,8 @@ position, which is in the world's. The bounds are those of the observation space
 every column into [0, 1].
 
 The mask of the legal actions is `infos[agent]["action_mask"]`. With `mask_in_observation=True` an observation is
-`{"observation": vector, "action_mask": mask}`, as PettingZoo's examples and Tianshou expect. `action_space(agent).sample`
-takes either mask.
+`{"observation": vector, "action_mask": mask}`, as PettingZoo's examples and Tianshou expect.
+`action_space(agent).sample` takes either mask.
 
 Below is the scenario `standard`: 4 hunters, 8 targets and 3 rivals in view. The columns of `target_2` to `target_8`
 and of `rival_2` and `rival_3` repeat those of the first.

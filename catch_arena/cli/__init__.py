@@ -6,7 +6,8 @@ the results are.
   exploitation (exploit), live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
   sheet), report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
 - ros_nodes: what conformance and grade do with a node on a ROS 2 bus. bus_options: which bus that is.
-- arguments: secrets on the command line. outputs: files that are not replaced unasked.
+- arguments: secrets on the command line. usage_errors: errors of the command line in one line. outputs: files that are
+  not replaced unless told to.
 - terminal, tables, fitted_table, progress, live_standings: what a terminal shows.
 """
 
