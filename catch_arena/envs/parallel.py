@@ -120,8 +120,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     - `reward_parts`: R6.2's parts, unweighted, float64 (7), in the order of `RewardWeights`;
     - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
     - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
-    - `TimeLimit.truncated`, True, where the agent is truncated in this step, and absent elsewhere: by it
-      stable-baselines3 knows that the value of the last observation still counts.
+    - `TimeLimit.truncated`: whether the agent is truncated in this step; by it stable-baselines3 knows that the value of
+      the last observation still counts. A reset without a seed tells it again, since SuperSuit writes the infos of the
+      next reset over those of the last step.
 
     With `infos="mask"` an info holds `action_mask` alone; under velocity control, and for prey, nothing. With
     `infos="none"` it is empty.
@@ -304,6 +305,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             observations and infos by agent.
         """
         del options
+        follows = seed is None and self._engine.ends.item() == state.TRUNCATED
+        cut = [agent for agent in self.possible_agents if agent not in self._leaving] if follows else ()
         self._seed = episode_seed(seed, self._seed)
         self._np_random = None
         self._engine.reset([self._seed])
@@ -317,7 +320,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
-        return self._observations_and_infos(self.agents)
+        return self._observations_and_infos(self.agents, cut)
 
     def step(
         self, actions: Mapping[str, Any]
@@ -701,8 +704,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                         "caught_by": int(rows[row_of(state.CAUGHT_BY)]),
                         "reward_parts": of_agent,
                     }
-        for agent in cut:
-            infos[agent]["TimeLimit.truncated"] = True
+        for agent, info in infos.items():
+            info["TimeLimit.truncated"] = agent in cut
         return infos
 
 

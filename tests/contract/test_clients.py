@@ -50,7 +50,15 @@ def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make)
 
 
 EVERYTHING = {"control": ("target", "full", "target"), "teams": ((0, 1), (2,)), "dropout_rate": 0.05}
-EVERY_KEY = {"verdict", "target", "distance_um", "winner", "reward_parts", "action_mask"}
+EVERY_KEY = {
+    "verdict",
+    "target",
+    "distance_um",
+    "winner",
+    "reward_parts",
+    "action_mask",
+    "TimeLimit.truncated",
+}
 
 
 @pytest.mark.rule("R7.2")
@@ -64,7 +72,7 @@ EVERY_KEY = {"verdict", "target", "distance_um", "winner", "reward_parts", "acti
             "tag",
             {**EVERYTHING, "dropouts": "fixed", "reach_m": 20.0},
             EVERY_KEY | {"team_score", "active"},
-            {"active", "caught_by", "reward_parts"},
+            {"active", "caught_by", "reward_parts", "TimeLimit.truncated"},
         ),
     ],
 )
@@ -74,8 +82,6 @@ def test_r7_2_infos_hold_numbers_and_arrays_of_one_type_each(make, scenario, set
     kinds = {}
     for seed in range(2):
         for agent, info in steps_of(env, seed):
-            truncated = info.pop("TimeLimit.truncated", True)
-            assert truncated is True
             assert set(info) == (keys_of_prey if agent.startswith("prey") else keys)
             for key, value in info.items():
                 assert isinstance(value, int | np.ndarray)
@@ -85,8 +91,9 @@ def test_r7_2_infos_hold_numbers_and_arrays_of_one_type_each(make, scenario, set
 
 
 def steps_of(env, seed):
-    """Each agent's info of each step of an episode, while hunters go for the nearest target."""
-    env.reset(seed=seed)
+    """Each agent's info of each step of an episode, while hunters go for the nearest target, and of its reset."""
+    begun = env.reset(seed=seed)
+    yield from (begun[1] if begun else env.infos).items()
     rest = np.zeros(2, np.float32)
     actions = {
         agent: space.sample() if agent.startswith("prey") or not isinstance(space, spaces.Discrete) else 1
@@ -358,22 +365,22 @@ def test_pettingzoos_wrapper_ends_an_episode_at_an_illegal_action():
 
 
 def test_a_time_limit_is_told_to_stable_baselines3():
-    """`TimeLimit.truncated` stands where an episode is truncated, and nowhere else: SuperSuit lays the next reset's
-    infos over the last step's.
-    """
+    """By `TimeLimit.truncated`; the next reset tells it again, for SuperSuit lays its infos over the last step's."""
     env = catch_arena.parallel_env("duel", max_cycles=3)
     batch = supersuit.pettingzoo_env_to_vec_env_v1(catch_arena.parallel_env("duel", max_cycles=3))
     _, infos = env.reset(seed=1)
     batch.reset(seed=1)
     for step in range(3):
-        assert not any("TimeLimit.truncated" in info for info in infos.values())
+        assert not any(info["TimeLimit.truncated"] for info in infos.values())
         observations, *_, infos = env.step(dict.fromkeys(env.agents, 1))
         *_, told = batch.step(np.array([1, 1]))
-        assert any("TimeLimit.truncated" in info for info in told) == (step == 2)
+        assert any(info["TimeLimit.truncated"] for info in told) == (step == 2)
     assert all(info["TimeLimit.truncated"] for info in infos.values())
     for info, observation in zip(told, observations.values(), strict=True):
         assert info["TimeLimit.truncated"] is True
         assert (info["terminal_observation"] == observation).all()
+    for seed, expected in ((None, True), (None, False), (1, False)):
+        assert all(info["TimeLimit.truncated"] is expected for info in env.reset(seed=seed)[1].values())
 
 
 def test_who_is_terminated_in_the_last_step_is_not_told_of_a_time_limit():
@@ -382,10 +389,12 @@ def test_who_is_terminated_in_the_last_step_is_not_told_of_a_time_limit():
     env.reset(seed=1)
     env.withdraw("hunter_0")
     *_, infos = env.step({"hunter_0": 0, "hunter_1": 0})
-    assert ["TimeLimit.truncated" in info for info in infos.values()] == [False, True]
+    assert [info["TimeLimit.truncated"] for info in infos.values()] == [False, True]
+    assert [info["TimeLimit.truncated"] for info in env.reset()[1].values()] == [False, True]
 
     env = catch_arena.parallel_env("duel", initial_targets=1, target_budget=1, reach_m=100.0)
     env.reset(seed=1)
     _, _, terminations, _, infos = env.step({"hunter_0": 1, "hunter_1": 1})
     assert all(terminations.values())
-    assert not any("TimeLimit.truncated" in info for info in infos.values())
+    assert not any(info["TimeLimit.truncated"] for info in infos.values())
+    assert not any(info["TimeLimit.truncated"] for info in env.reset()[1].values())
