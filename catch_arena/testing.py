@@ -3,7 +3,7 @@ cases of the conformance suite. docs/conformance.md shows how.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf
 
 from catch_arena.conformance.answers import DiffersError, RaisedError, time_limit
@@ -28,6 +28,7 @@ def run_conformance(
     evidence: bool = True,
     exact_lots: bool = False,
     limit_s: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Report:
     """Try an arbiter, an arena or both with the cases of the suite.
 
@@ -39,6 +40,7 @@ def run_conformance(
         exact_lots: requires of lots what the rulebook's appendix draws, where any one of the tied would do.
         limit_s: how long a case may take before it is given up: without a limit, code that loops for ever is waited
             for.
+        progress: called with (done, total) after each case.
 
     Returns:
         a report with `passed`, `failures` and `diagnoses`, which are the failures by mistake. Whatever the adapter does
@@ -52,9 +54,12 @@ def run_conformance(
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     strictness = Strictness(evidence=evidence, exact_lots=exact_lots)
-    return Report(
-        tuple(_run_case(case, adapter, arena, strictness, limit_s) for case in select_cases(only)), strictness
-    )
+    cases, results = select_cases(only), []
+    for case in cases:
+        results.append(_run_case(case, adapter, arena, strictness, limit_s))
+        if progress is not None:
+            progress(len(results), len(cases))
+    return Report(tuple(results), strictness)
 
 
 def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...]:

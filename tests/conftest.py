@@ -3,6 +3,7 @@
 import math
 import os
 import signal
+import sys
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,13 @@ progress._LINE_EVERY_S = math.inf
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(autouse=True)
+def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slow machine adds no lines to what a command prints here; tests of these lines choose their own pause."""
+    if (module := sys.modules.get("catch_arena.cli.progress")) is not None:
+        monkeypatch.setattr(module, "_LINE_EVERY_S", math.inf)
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -7,6 +7,7 @@ import json
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn, cast
 
@@ -24,7 +25,7 @@ from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.entrants import Entrant
+    from catch_arena.tournament.entrants import Entrant, Inspection
     from catch_arena.tournament.inspection_journal import InspectionJournal
 
 _EXIT_ERROR = 2
@@ -320,17 +321,21 @@ def enter_agents(
     Raises:
         AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter, is_shipped
     from catch_arena.tournament.isolation.inspecting import inspector
     from catch_arena.tournament.isolation.processes import missing_protections
     from catch_arena.tournament.isolation.starting import sandbox_for
 
-    with sandbox_for(limits) as sandbox:
-        look = inspector(sandbox)
-        if journal is None or sandbox is None:
-            entrants = enter(specs, look)
-        else:
-            entrants = enter(specs, lambda spec: look(spec) if is_shipped(spec) else journal.inspect(spec, look))
+    with sandbox_for(limits) as sandbox, progress_bar("looking at agents", late=True) as show:
+        inspect, seen = inspector(sandbox), count(1)
+
+        def look(spec: str) -> "Inspection":
+            show(next(seen), len(specs))
+            trusted = sandbox is None or is_shipped(spec)
+            return inspect(spec) if trusted or journal is None else journal.inspect(spec, inspect)
+
+        entrants = enter(specs, look)
     say_level(limits)
     for entrant in entrants:
         if entrant.fault is not None:

@@ -64,6 +64,7 @@ def conformance(
     example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs ros2_bags`); --bus and
     the options after it are for nodes only.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.files import write_whole
     from catch_arena.testing import run_conformance, select_cases
@@ -86,14 +87,17 @@ def conformance(
             report = run_on_node(node, select_cases(only or ()))
     else:
         given_bus.refuse()
-        report = run_conformance(
-            None if arbiter is None else _function(arbiter),
-            arena=None if arena is None else _made(arena),
-            only=only or (),
-            evidence=not verdicts_only,
-            exact_lots=exact_lots,
-            limit_s=limit_s,
-        )
+        tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _made(arena)
+        with progress_bar("cases", late=True) as show:
+            report = run_conformance(
+                tried,
+                arena=made,
+                only=only or (),
+                evidence=not verdicts_only,
+                exact_lots=exact_lots,
+                limit_s=limit_s,
+                progress=show,
+            )
     width = min(WIDTH, columns())
     say(report.in_full(width) if everything else report.by_mistake(width))
     if report.failures and not everything:

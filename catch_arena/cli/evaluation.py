@@ -69,6 +69,7 @@ def compare(
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
+    from catch_arena.cli.progress import progress_lines
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
@@ -105,6 +106,7 @@ def compare(
             limits=allowed,
             max_forfeits=max_forfeits,
             progress=show,
+            on_played=None if console.is_terminal else progress_lines("playing", console),
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")

@@ -58,6 +58,7 @@ def check_agent(
 
     The exit code is 1 if it would forfeit, else 0.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
     from catch_arena.tournament.isolation.processes import missing_protections
     from catch_arena.tournament.isolation.starting import sandbox_for
@@ -67,8 +68,8 @@ def check_agent(
     for line in missing_protections() if allowed is not None else ():
         say(folded(line, "note: ", " " * 6), err=True)
     wrong = 0
-    with sandbox_for(allowed) as sandbox:
-        for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox)):
+    with sandbox_for(allowed) as sandbox, progress_bar("playing", late=True) as show:
+        for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox, show)):
             if number == 0:  # it could be entered
                 say_level(allowed)
             wrong += finding.level == "error"
@@ -98,7 +99,8 @@ def grade(
         typer.Option(
             metavar="N",
             min=0,
-            help="After N forfeits in a row a test has failed, and its other matches are not played. 0: play all.",
+            help="After N forfeits in a row, or two time-outs, the other matches of a test are not played. 0: play "
+            "all.",
         ),
     ] = MAX_FORFEITS,
     bus: bus_options.BusOption = None,
@@ -163,6 +165,7 @@ def _grade_agent(
     grades: "list[TestGrade]",
 ) -> tuple[str, str | None]:
     """Play the tests, and say and collect what each gave: the agent's name and digest."""
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent
     from catch_arena.tournament.isolation.inspecting import inspector
@@ -177,6 +180,7 @@ def _grade_agent(
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
-            grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits))
+            with progress_bar(test.name, test.matches) as show:
+                grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits, show))
             say(str(grades[-1]))
     return student.name, student.digest

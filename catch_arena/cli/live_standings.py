@@ -47,10 +47,18 @@ class LiveStandings:
         self._played: list[PlayedMatch] = []
         self._total = total
         self._say = progress_lines("playing", self._console, clock)
+        self._say_planned = progress_lines("planning", self._console, clock)
         self._next = clock() + _PAUSE_S
         self._bar = Progress(*bar_columns())
         self._task = self._bar.add_task("playing", total=total)
         self._live = Live(self._bar, console=self._console, transient=True)
+
+    def planned(self, matches: int) -> None:
+        """Show how many matches are planned: hundreds of agents take minutes."""
+        if self._console.is_terminal:
+            self._bar.update(self._task, description="planning", completed=matches)
+        else:
+            self._say_planned(matches, self._total)
 
     def update(self, played: Sequence[PlayedMatch]) -> None:
         """More matches have been played, in whatever order."""
@@ -58,7 +66,7 @@ class LiveStandings:
         if not self._console.is_terminal:
             self._say(len(self._played), self._total)
             return
-        self._bar.update(self._task, completed=len(self._played))
+        self._bar.update(self._task, description="playing", completed=len(self._played))
         begin = self._clock()
         if begin < self._next:
             return

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
@@ -114,6 +115,7 @@ def tournament(
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
     from catch_arena.cli.live_standings import LiveStandings
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table, standings_tables
     from catch_arena.files import prepare_folder
     from catch_arena.report import REPORT, write_report
@@ -139,7 +141,10 @@ def tournament(
     plan = _plan(entrants, parties, secret, _PlanOptions(form, rounds, until_separated, max_matches))
     worker = Worker(config, entrants, record, allowed)
     if plan_only:
-        Console().print(plan_table(plan, worker, measure_cost(worker, plan), jobs, max_forfeits))
+        cost = measure_cost(worker, plan)
+        with progress_bar("planning", late=True) as show:
+            table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
+        Console().print(table)
         return
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
@@ -170,7 +175,15 @@ def tournament(
                 _executor(executor, worker, jobs, address) as ready,
                 LiveStandings(entrants, parties, plan.size) as live,
             ):
-                play_plan(store, plan, ready, max_forfeits=max_forfeits, folder=out, on_results=live.update)
+                play_plan(
+                    store,
+                    plan,
+                    ready,
+                    max_forfeits=max_forfeits,
+                    folder=out,
+                    on_results=live.update,
+                    on_planned=live.planned,
+                )
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
@@ -301,6 +314,7 @@ def match(
 
     An agent for each hunter, or for each team where there are teams, and then one for each prey.
     """
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.playing import play_entrants
     from catch_arena.tournament.isolation.starting import in_parties, sandbox_for
@@ -317,8 +331,17 @@ def match(
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
     output_file(target, force=force)
     drawn = arena_seed(seed)
-    with sandbox_for(allowed) as sandbox:
-        result = play_entrants(config, drawn, entrants, sandbox, title=scenario, record=target)
+    steps = count()
+    with sandbox_for(allowed) as sandbox, progress_bar("playing", late=True) as show:
+        result = play_entrants(
+            config,
+            drawn,
+            entrants,
+            sandbox,
+            title=scenario,
+            record=target,
+            watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
+        )
     names = [entrant.name for entrant in in_parties(config, entrants)]
     print_logs(names, result.logs)
     print_result(parties, result, names)

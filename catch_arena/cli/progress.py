@@ -1,5 +1,6 @@
 """How far some work is: a bar on a terminal, a line now and then elsewhere."""
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,7 +9,7 @@ from typing import Final
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 
-_LINE_EVERY_S: Final = 10.0
+_LINE_EVERY_S: Final = 5.0
 _LATE_S: Final = 2.0
 
 
@@ -28,7 +29,8 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
         yield progress_lines(what, console)
         return
     begin = time.monotonic()
-    bar = Progress(*bar_columns(), console=console, transient=True)
+    # Rich would print on stderr what goes to a file or a pipe meanwhile
+    bar = Progress(*bar_columns(), console=console, transient=True, redirect_stdout=sys.stdout.isatty())
     task = bar.add_task(what, total=total)
 
     def show(done: int, total: int) -> None:
@@ -47,7 +49,7 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
 def progress_lines(
     what: str, console: Console, clock: Callable[[], float] = time.monotonic
 ) -> Callable[[int, int], None]:
-    """For logs and pipes: says how far it is, to be called with (done, total), in a line every ten seconds."""
+    """For logs and pipes: says how far it is, to be called with (done, total), in a line every few seconds."""
     began = clock()
     said = began
 

@@ -1,7 +1,7 @@
 """The standings and the cost of a plan as tables, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import timedelta
 from typing import Final
 
@@ -73,15 +73,17 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
     return shown
 
 
-def plan_table(plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: int) -> Table:
-    """What would be played, and what it costs."""
+def plan_table(
+    plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: int, progress: Callable[[int, int], None]
+) -> Table:
+    """What would be played, and what it costs; `progress` is called with the matches that were counted, and all."""
     shown = Table(box=None, show_header=False, pad_edge=False)
     alone_s = plan.size * cost.seconds
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most = plan.size
     if isinstance(plan, FixedPlan):
-        played, met = match_counts(plan, len(worker.entrants))
+        played, met = match_counts(plan, len(worker.entrants), progress)
         most = played[1]
         shown.add_row("an agent plays", f"{_span(*played)} matches")
         shown.add_row("a pair meets in", f"{_span(*met)} matches")

@@ -1,6 +1,6 @@
 """Whether an agent is fit to play: it plays itself, and what is wrong is said in plain words."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -30,7 +30,11 @@ class Finding:
 
 
 def check_fitness(
-    spec: str, arenas: Mapping[str, ArenaConfig], seed: int, sandbox: Sandbox | None
+    spec: str,
+    arenas: Mapping[str, ArenaConfig],
+    seed: int,
+    sandbox: Sandbox | None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Iterator[Finding]:
     """Try the first step of each arena; then play the agent against itself, in every seat of those where it did not
     fail at once, and twice in the first that nobody forfeits.
@@ -40,6 +44,7 @@ def check_fitness(
         arenas: by name.
         seed: a whole number in [0, 2^64).
         sandbox: how agents that are not trusted run; None where all are trusted.
+        progress: called with (done, total) before each match.
 
     Raises:
         AgentError: where the spec names no agent.
@@ -65,13 +70,15 @@ def check_fitness(
     whole: dict[str, list[bytes]] = {}
     reported: set[tuple[str, str]] = set()
     begun = {}
-    for name, config in arenas.items():
+    for number, (name, config) in enumerate(arenas.items()):
+        progress(number, 2 * len(arenas) + 1)
         result = play_first_step(config, seed, enter([spec] * len(Parties.of(config)), look), sandbox)
         if any(result.forfeits):  # a whole match would say the same of every seat
             yield from _findings(name, config, result, limits.step_ms, reported)
         else:
             begun[name] = config
-    for name, config in begun.items():
+    for number, (name, config) in enumerate(begun.items(), len(arenas)):
+        progress(number, 2 * len(arenas) + 1)
         digests: list[bytes] = []
         copies = enter([spec] * len(Parties.of(config)), look)
         result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
@@ -83,6 +90,7 @@ def check_fitness(
     name, first = next(iter(whole.items()))
     config = arenas[name]
     again: list[bytes] = []
+    progress(2 * len(arenas), 2 * len(arenas) + 1)
     copies = enter([spec] * len(Parties.of(config)), look)
     play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))
     if again == first:

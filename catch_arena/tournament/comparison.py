@@ -159,6 +159,7 @@ def compare(
     limits: AgentLimits | None = None,
     max_forfeits: int = 0,
     progress: Callable[[int, Sprt], None] | None = None,
+    on_played: Callable[[int, int], None] | None = None,
 ) -> Comparison:
     """Play until `test` has decided, or `max_blocks` blocks.
 
@@ -174,6 +175,7 @@ def compare(
         limits: those of isolated agents, None where all are trusted.
         max_forfeits: as of `runner.play_plan`.
         progress: called with (blocks, test) after each stage.
+        on_played: called with (matches played, the most that may be) after each block.
 
     Raises:
         ConfigError: for no blocks, and a field that does not fit the scenario's seats.
@@ -185,7 +187,7 @@ def compare(
     parties = Parties.of(config)
     design = ComparisonDesign(parties.group, len(entrants) - _FIELD, parties if len(parties.sides) > 1 else None)
     plan = _UntilDecided(design, test, max_blocks, secret, progress)
-    played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits)
+    played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits, progress=on_played)
     forfeits: dict[str, Counter[str]] = {}
     for one in played:
         for index, code in zip(one.match.seating, one.result.forfeits, strict=True):

@@ -5,7 +5,7 @@ docs/grading.md has the spec's fields and an example.
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import cycle, islice
 from pathlib import Path
@@ -30,6 +30,8 @@ _MOST_MATCHES: Final = 10_000
 _OFTEN: Final = 0.1
 """The part of an agent's requests that a verdict must have for its hint."""
 _LOG_SHOWN: Final = 4000
+_MOST_TIMEOUTS: Final = 2
+"""Each costs seconds, and one has failed the test already."""
 _KINDS: Final = {"str": "text", "list": "a list", "dict": "a table"}
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
@@ -205,10 +207,18 @@ def grade_agent(
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
     max_forfeits: int = 0,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Grade:
     """Play the matches of one of a spec's tests, the student in each seat in turn.
 
-    After `max_forfeits` in a row the rest is not played, 0 for never.
+    Args:
+        spec: the student is graded by.
+        test: one of its tests.
+        student: who is graded.
+        opponents: who plays in the other seats, from the first again if there are more seats.
+        sandbox: how agents that are not trusted run.
+        max_forfeits: after so many forfeits in a row, and after two time-outs, the rest is not played; 0 for never.
+        progress: called with (played, in all) after each match.
 
     Raises:
         NoContest: where a match could not be held.
@@ -218,19 +228,27 @@ def grade_agent(
     others = list(islice(cycle(opponents), len(parties) - 1)) if opponents else []
     others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
-    forfeited = 0
+    forfeited = timeouts = 0
+    stopped = ""
     for match in spec.matches(test):
         party = match.seating.index(0)
         seating = [*others[:party], student, *others[party:]]
         result = play_entrants(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds)
         played.append((party, result))
+        if progress is not None:
+            progress(len(played), test.matches)
         forfeited = 0 if result.forfeits[party] is None else forfeited + 1
-        if max_forfeits and forfeited == max_forfeits:
+        timeouts += result.forfeits[party] == "FORFEIT_TIMEOUT"
+        if max_forfeits and timeouts == _MOST_TIMEOUTS:
+            stopped = f"it took too long in {timeouts} matches"
+        elif max_forfeits and forfeited == max_forfeits:
+            stopped = f"it had forfeited {forfeited} matches in a row"
+        if stopped:
             break
-    return _grade(test, played, parties, max_forfeits)
+    return _grade(test, played, parties, stopped)
 
 
-def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties: Parties, max_forfeits: int) -> Grade:
+def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties: Parties, stopped: str) -> Grade:
     verdicts: Counter[str] = Counter()
     reasons: dict[str, str] = {}
     causes: list[str] = []
@@ -258,7 +276,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
     failures = list(reasons.values())
     if count < test.matches:
         left = test.matches - count
-        failures.append(f"FORFEIT_OUT: it had forfeited {max_forfeits} matches in a row; {left} more were not played")
+        failures.append(f"FORFEIT_OUT: {stopped}; {left} more were not played")
     for name, value in measured.items():
         least, most = getattr(test, f"min_{name}", None), getattr(test, f"max_{name}", None)
         if least is not None and value < least:

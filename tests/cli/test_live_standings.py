@@ -5,6 +5,7 @@ import io
 from rich.console import Console
 
 from catch_arena import scenario
+from catch_arena.cli import progress
 from catch_arena.cli.live_standings import LiveStandings
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
@@ -27,13 +28,13 @@ def test_a_terminal_is_shown_the_standings_and_how_far_it_is():
     assert "8/8" in shown.getvalue()
 
 
-def test_a_file_is_told_every_ten_seconds_how_far_it_is(monkeypatch):
-    monkeypatch.setattr("catch_arena.cli.progress._LINE_EVERY_S", 10.0)
+def test_a_file_is_told_every_five_seconds_how_far_it_is(monkeypatch):
+    monkeypatch.setattr(progress, "_LINE_EVERY_S", 5.0)
     entrants, plan, told, now = enter(["nearest", "idle"]), round_robin(2, 2, 4, 0), io.StringIO(), [0.0]
     played = run(scenario("duel", time_limit_s=3), entrants, plan)
     with LiveStandings(
         entrants, Parties.of(scenario("duel")), len(plan), console=Console(file=told), clock=lambda: now[0]
     ) as live:
-        for one, now[0] in zip(played, (1.0, 11.0, 12.0, 20.0, 21.0, 30.0, 40.0, 41.0), strict=True):
+        for one, now[0] in zip(played, (1.0, 6.0, 7.0, 10.0, 11.0, 15.0, 20.0, 21.0), strict=True):
             live.update([one])
-    assert told.getvalue().splitlines() == ["playing: 2 of 8, 11 s", "playing: 5 of 8, 21 s", "playing: 7 of 8, 40 s"]
+    assert told.getvalue().splitlines() == ["playing: 2 of 8, 6 s", "playing: 5 of 8, 11 s", "playing: 7 of 8, 20 s"]

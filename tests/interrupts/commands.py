@@ -13,8 +13,8 @@ from pathlib import Path
 
 PATIENCE_S = 240.0
 """What takes longer hangs."""
-PROGRESS = re.compile(r"^(playing|isolation): .+\n", re.MULTILINE)
-"""What a command says every ten seconds (more on a slow machine), and how it holds agents apart."""
+PROGRESS = re.compile(r"^(playing|planning|looking at agents|isolation): .+\n", re.MULTILINE)
+"""What a command says every few seconds (more on a slow machine), and how it holds agents apart."""
 LINE = re.compile(
     r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
 )

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from typer.testing import CliRunner
 
-from catch_arena.cli import main
+from catch_arena.cli import main, progress
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.grading import _HINTS, read_spec
 
@@ -128,6 +128,22 @@ def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(g
     assert result.stdout.count("FORFEIT_OUT: it had forfeited 3 matches in a row; 2 more were not played") == 2
     assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [3, 3]
     assert "FORFEIT_OUT" not in grade(BAD / "crashes.py", "--max-forfeits", "0", spec=spec).output
+
+
+def test_two_time_outs_end_a_test_and_how_far_it_is_is_shown(grade, tmp_path, monkeypatch):
+    """An agent that hangs used to take ten matches of five seconds in each test, without a line."""
+    monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
+    (tmp_path / "hangs.py").write_text(
+        "class Agent:\n    def reset(self, seed): pass\n    def act(self, view):\n        while True: pass\n"
+    )
+    words = ["--limit", "step_ms=50", "--limit", "bank_s=0", "--json", "grades.json"]
+    spec = SPEC.replace("matches = 2", "matches = 5")
+    result = grade("hangs.py", *words, spec=spec)
+    assert result.exit_code == 1
+    assert result.stdout.count("FORFEIT_OUT: it took too long in 2 matches; 3 more were not played") == 2
+    assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [2, 2]
+    for name in ("alone", "against one that holds"):
+        assert re.findall(rf"^{name}: (\d) of 5, \d+ s$", result.stderr, re.MULTILINE) == ["1", "2"]
 
 
 @pytest.mark.parametrize(

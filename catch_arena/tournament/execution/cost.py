@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
@@ -96,11 +96,16 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost:
     return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried, tried, forfeits)
 
 
-def match_counts(plan: FixedPlan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
+def match_counts(
+    plan: FixedPlan, entrants: int, progress: Callable[[int, int], None] = lambda *_: None
+) -> tuple[tuple[int, int], tuple[int, int]]:
     """How many matches an entrant plays, and how many a pair of them has in common: (least, most) of each."""
     played = [0] * entrants
     met: Counter[tuple[int, ...]] = Counter()
+    counted = 0
     for block in plan.blocks():
+        counted += len(block)
+        progress(counted, plan.size)
         for match in block:
             group = sorted(match.seating)
             for one in group:

@@ -1,6 +1,6 @@
 """Plays a plan, and keeps every match as it ends; what comes out does not depend on where it is played."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Final
@@ -16,7 +16,7 @@ from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.quarantine import Quarantine
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.match import Match, PlayedMatch
+from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan, listed
 from catch_arena.tournament.store import Store, Tournament
@@ -77,6 +77,7 @@ def play_plan(
     max_forfeits: int = 0,
     folder: Path | None = None,
     on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
+    on_planned: Callable[[int], None] | None = None,
 ) -> None:
     """Play what is not in the store yet, stage by stage, until the plan has no further.
 
@@ -90,6 +91,7 @@ def play_plan(
         max_forfeits: after how many forfeits in a row an entrant is excluded, 0 for never.
         folder: in which agents' logs are kept, and replays where the executor's worker makes them.
         on_results: called with what was played before, and then with the matches of each block.
+        on_planned: called with the number of matches that are planned, after each block of the plan.
 
     Raises:
         ConfigError: for max_forfeits below 0.
@@ -120,8 +122,17 @@ def play_plan(
     if on_results is not None:
         on_results(list(store.played()))
     planned = 0
+
+    def reported(blocks: Iterable[Block]) -> Iterator[Block]:
+        so_far = planned
+        for block in blocks:
+            so_far += len(block)
+            if on_planned is not None:
+                on_planned(so_far)
+            yield block
+
     for number in count():
-        stage = store.plan(plan.stage(number, store.played(planned)))
+        stage = store.plan(reported(plan.stage(number, store.played(planned))))
         if not stage:
             store.end()
             return

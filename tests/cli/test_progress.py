@@ -1,0 +1,34 @@
+"""Commands that take more than seconds show how far they are: here without a terminal, with no pause between lines."""
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from catch_arena.cli import main, progress
+
+QUICK = ["--set", "time_limit_s=1"]
+DUEL = ["--scenario", "duel", *QUICK]
+
+
+@pytest.mark.parametrize(
+    ("words", "what", "lines"),
+    [
+        (["match", "nearest", "idle", *DUEL], "playing", range(11)),
+        (["match", "nearest", "idle", *DUEL], "looking at agents", [1, 2]),
+        (["check-agent", "nearest", "-s", "duel", "-s", "standard", *QUICK], "playing", range(5)),
+        (["conformance", "catch_arena:arbitrate", "--only", "basics"], "cases", None),
+        (["compare", "nearest", "idle", *QUICK, "--jobs", "1", "--max-blocks", "1", "--seed", "1"], "playing", [0, 2]),
+        (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--jobs", "1"], "planning", [2, 4]),
+        (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--jobs", "1"], "playing", [0, 2, 4]),
+        (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--plan"], "planning", [2, 4]),
+    ],
+)
+def test_how_far_it_is_stands_on_stderr(tmp_path, monkeypatch, words, what, lines):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
+    result = CliRunner().invoke(main, words)
+    found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s$", result.stderr, re.MULTILINE)
+    assert found, result.output
+    every = range(1, int(found[-1][1]) + 1)
+    assert [int(done) for done, _ in found] == list(every if lines is None else lines)
