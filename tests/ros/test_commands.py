@@ -118,7 +118,7 @@ def served_without_a_network(**variables):
         check=False,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=240,
         env=os.environ | variables,
     )
     assert found.returncode == 2
