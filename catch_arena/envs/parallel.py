@@ -120,8 +120,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     - `reward_parts`: R6.2's parts, unweighted, float64 (7), in the order of `RewardWeights`;
     - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
     - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
-    - `TimeLimit.truncated`: whether the agent is truncated in this step; by it stable-baselines3 knows that the value of
-      the last observation still counts. A reset without a seed tells it again, since SuperSuit writes the infos of the
+    - `TimeLimit.truncated`: whether the agent is truncated in this step; by it stable-baselines3 knows that the value
+      of the last observation still counts. A reset without a seed repeats it, since SuperSuit writes the infos of the
       next reset over those of the last step.
 
     With `infos="mask"` an info holds `action_mask` alone; under velocity control, and for prey, nothing. With
