@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from interrupts.commands import LINE, PATIENCE_S, Command
+from interrupts.commands import LINE, WAITS_WHEN_IT_HAS_KEPT, Command
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -328,13 +328,11 @@ def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch)
 
 def test_ctrl_c_ends_it_with_one_line_and_leaves_nothing(tmp_path):
     (tmp_path / "mine.py").write_text(NEAREST)
-    command = Command(tmp_path, ("suite", "mine.py", "--quick", "--out", "o", "--jobs", "1"))
-    command.wait_until_it_listens()
-    store = tmp_path / "o" / "mine" / "standard" / "tournament.sqlite"
-    patience = time.monotonic() + PATIENCE_S
-    while not store.exists() and time.monotonic() < patience:
+    words = ("suite", "mine.py", "--quick", "--out", "o", "--jobs", "1")
+    command = Command(tmp_path, words, WAITS_WHEN_IT_HAS_KEPT)
+    while not (tmp_path / "kept").exists() and command.process.poll() is None:
         time.sleep(0.05)
-    command.interrupt([])
+    command.interrupt()
     ended = command.ended()
     assert ended.status == 130
     assert LINE.fullmatch(ended.errors)["kept"], ended.errors
