@@ -4,19 +4,22 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 """
 
 import json
+import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from functools import wraps
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn, cast
+from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn, TypeVar, cast
 
 import typer
 from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.arguments import blank_argument
-from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, folded, let_all_be_written, say
+from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, folded, let_all_be_written, own_streams, say
 from catch_arena.cli.usage_errors import usage_error
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from catch_arena.tournament.inspection_journal import InspectionJournal
 
 _EXIT_ERROR = 2
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 """Click's, which newer versions of typer carry inside."""
 
@@ -41,6 +45,14 @@ GROUPS: Final = {
     "ROS 2": ("ros",),
 }
 """Every command, as the help of the program lists them."""
+
+
+def _in_words(error: OSError) -> str:
+    if error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    if isinstance(error, FileNotFoundError):  # os.getcwd
+        return "the working folder was deleted: go to another one"
+    return f"the output cannot be written: {error.strerror or error}"
 
 
 class _Commands(TyperGroup):
@@ -65,16 +77,20 @@ class _Commands(TyperGroup):
         """Read the command line, run the command, and exit."""
         let_all_be_written()
         fit_help(self)
-        try:
-            sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False}))
-        except _UsageError as error:
-            if type(error).__name__ == "NoArgsIsHelpError":  # the help, which Rich has printed already
-                say(str(error))
-            else:
-                text, command = usage_error(error)
-                say(f"error: {text}", err=True)
-                if command is not None:
-                    say(f"hint: {command} --help", err=True)
+        with own_streams():
+            try:
+                sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False}))
+            except _UsageError as error:
+                if type(error).__name__ == "NoArgsIsHelpError":  # the help, which Rich has printed already
+                    say(str(error))
+                else:
+                    text, command = usage_error(error)
+                    say(f"error: {text}", err=True)
+                    if command is not None:
+                        say(f"hint: {command} --help", err=True)
+            except OSError as error:
+                with suppress(OSError):  # stderr may be full too
+                    say(f"error: {_in_words(error)}", err=True)
             sys.exit(_EXIT_ERROR)
 
     def invoke(self, ctx: Any) -> Any:
@@ -87,7 +103,32 @@ class _Commands(TyperGroup):
             raise typer.Exit(_EXIT_ERROR) from None
 
 
-main = typer.Typer(
+class Program(typer.Typer):
+    """Commands whose paths are absolute from the start: a trusted agent may leave our working folder."""
+
+    def command(self, *args: Any, **kwargs: Any) -> Callable[[_Function], _Function]:
+        """Register a command, as of `typer.Typer`."""
+        register = super().command(*args, **kwargs)
+
+        def decorate(command: _Function) -> _Function:
+            @wraps(command)
+            def run(**given: Any) -> Any:
+                return command(**{name: _absolute(value) for name, value in given.items()})
+
+            register(run)
+            return command
+
+        return decorate
+
+
+def _absolute(value: Any) -> Any:
+    """A path, or a list of them, from the root on; any other value as it is."""
+    if isinstance(value, list):
+        return [_absolute(one) for one in value]
+    return Path(os.path.expanduser(value)).absolute() if isinstance(value, Path) else value  # noqa: PTH111 - a user without a home is no error
+
+
+main = Program(
     name="catch-arena",
     help="Hunters chase turtles, and an arbiter decides who caught what.",
     cls=_Commands,
@@ -293,7 +334,7 @@ def limits_or_trust(
     specs = tuple(resolve_spec(agent) for agent in agents)
     if level is not None:
         level_here(level)
-    places = tuple(str(path.expanduser().resolve()) for path in hidden if path is not None)
+    places = tuple(os.path.realpath(path) for path in hidden if path is not None)
     return replace(limits, level=level, entrants=specs, hidden=places)
 
 

@@ -77,7 +77,7 @@ def conformance(
     if arbiter is None and arena is None:
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
-        output_file(junit, force=force)
+        output_file(junit, ".xml", force=force)
     if arbiter is not None and names_a_service(arbiter):
         from catch_arena.ros.node_tests.cases import run_on_node
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
 from catch_arena.cli.app import (
     MAX_FORFEITS,
@@ -30,7 +29,7 @@ from catch_arena.cli.app import (
     seed_told,
 )
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import plain, say
+from catch_arena.cli.terminal import own_console, plain, say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -89,7 +88,7 @@ def compare(
         say_who_needs_prey(entrants)
     first, second = entrants[:2]
     low, high = test.bounds
-    console = Console(stderr=True)
+    console = own_console(err=True)
     with console.status(plain(f"{first.name} against {second.name}: the first blocks")) as status:
 
         def show(blocks: int, test: Sprt) -> None:
@@ -172,7 +171,7 @@ def audit(
         wins = ("-", "-") if alone else (f"{100 * seat.wins.mean:.1f} %", interval)
         seats.add_row(name, *wins, f"{seat.score:.2f}")
     say(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
-    Console().print(seats)
+    own_console().print(seats)
     for check in found.checks:
         chance = "" if check.p is None else f" (p = {check.p:.3f})"
         say(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import TABLE, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
@@ -38,7 +38,7 @@ def export(
 
     with Store.read(folder) as store:
         chosen = _format(form, output)
-        output_file(output, force=force)
+        output_file(output, *TABLE, ".json", force=force)
         write(store, chosen, output, timing=timing)
         say(f"{store.count_played()} of {store.count_planned()} matches: {output}")
 

@@ -120,9 +120,9 @@ def grade(
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     exercise = read_spec(spec)
-    for path in (junit, json, seeds):
+    for path, ending in ((junit, ".xml"), (json, ".json"), (seeds, ".json")):
         if path is not None:
-            output_file(path, force=force)
+            output_file(path, ending, force=force)
     grades: list[TestGrade] = []
     if names_a_service(agent):
         from catch_arena.ros.node_tests.grading import grade_node
@@ -151,7 +151,7 @@ def grade(
     if json is not None:
         write_whole(json, json_text(exercise, name, digest, grades).encode())
     if seeds is not None:
-        write_whole(seeds, seeds_text(exercise).encode())
+        write_whole(seeds, seeds_text(exercise).encode(), private=True)
     if any(one.failures for one in grades):
         raise typer.Exit(_EXIT_NOT_PASSED)
 

@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 import typer
-from rich.console import Console
 
 from catch_arena.cli.app import main
 from catch_arena.cli.fitted_table import FittedTable
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import own_console, say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
@@ -27,7 +26,7 @@ def agents() -> None:
     listing = FittedTable("agent", "what it does", folded="what it does")
     for name, line in shipped().items():
         listing.add_row(name, line)
-    Console().print(listing)
+    own_console().print(listing)
 
 
 @main.command()
@@ -45,7 +44,7 @@ def scenarios() -> None:
             f"{1000 / config.spawn_period_ms:g}",
             ", ".join(_besides(config)),
         )
-    Console().print(listing)
+    own_console().print(listing)
 
 
 @main.command()
@@ -64,7 +63,7 @@ def docs(
         listing = FittedTable("page", "title", folded="title")
         for name, text in pages.items():
             listing.add_row(name, text.partition("\n")[0].removeprefix("# "))
-        Console().print(listing)
+        own_console().print(listing)
         return
     name = page.removeprefix("docs/").removesuffix(".md")
     if name not in pages:

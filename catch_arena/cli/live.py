@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.matches import print_logs, print_result
-from catch_arena.cli.outputs import Force, given_or_free, output_file
+from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
 from catch_arena.config import ArenaConfig
@@ -144,13 +144,16 @@ def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, o
     window = checked_size(width_and_height(size))
     players = enter_agents([agents[index % len(agents)] for index in range(free)], limits, prey=config.prey > 0)
     lineup = line_up(config, players, person)
-    usual = Path("match.replay")
-    output_file(given_or_free(record, usual, force=force), force=force)
+    usual = "match.replay"
+    if record is not None:
+        output_file(record, *REPLAY, force=force)
+    with given_or_free(record, usual, force=force):  # it can be written
+        pass
 
     def save(replay: "Replay") -> str:
-        target = given_or_free(record, usual, force=force)  # another match may have taken the name meanwhile
-        replay.save(target)
-        return str(target)
+        with given_or_free(record, usual, force=force) as target:
+            replay.save(target)
+            return str(target)
 
     shown = show_match(config, arena_seed(seed), lineup, limits, title=scenario, size=window, save=save)
     print_logs(shown.replay.names, shown.logs)

@@ -11,6 +11,7 @@ from rich.progress import Progress
 
 from catch_arena.cli.progress import bar_columns, progress_lines
 from catch_arena.cli.tables import standings_tables
+from catch_arena.cli.terminal import own_console
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
@@ -42,7 +43,7 @@ class LiveStandings:
     ) -> None:
         self._entrants = entrants
         self._parties = parties
-        self._console = console or Console(stderr=True)
+        self._console = console or own_console(err=True)
         self._clock = clock
         self._played: list[PlayedMatch] = []
         self._total = total

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
-from rich.console import Console
 
 from catch_arena import interrupts
 from catch_arena.cli.app import (
@@ -32,8 +31,8 @@ from catch_arena.cli.app import (
     secret_of,
     seed_told,
 )
-from catch_arena.cli.outputs import Force, given_or_free, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file
+from catch_arena.cli.terminal import own_console, say, shown
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
@@ -144,7 +143,7 @@ def tournament(
         cost = measure_cost(worker, plan)
         with progress_bar("planning", late=True) as show:
             table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
-        Console().print(table)
+        own_console().print(table)
         return
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
@@ -159,7 +158,7 @@ def tournament(
     most = "at most " if isinstance(plan, UntilSeparated) else ""
 
     def kept(count: int) -> str:
-        return f"{count} of {most}{plan.size} matches are kept in {out}; the same command with --resume goes on"
+        return shown(f"{count} of {most}{plan.size} matches are kept in {out}; the same command with --resume goes on")
 
     def kept_by_now() -> str:
         with Store.read(out) as store:  # of its own: any thread may ask
@@ -191,7 +190,7 @@ def tournament(
             error.args = (f"{error}; {kept(store.count_played())}",)
             raise
         for table in standings_tables(tables):
-            Console().print(table)
+            own_console().print(table)
         for line in tables["hunter"]:
             (entrant,) = (one for one in entrants if one.name == line.name)
             lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
@@ -323,16 +322,20 @@ def match(
 
     config = arena(scenario, settings, team_size)
     parties = Parties.of(config)
-    target = given_or_free(output, Path("match.replay"), force=force)
-    allowed = limits_or_trust(limits, isolation, agents, target, trusted=trusted)
+    if output is not None:
+        output_file(output, *REPLAY, force=force)
+    allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
     entrants = enter_agents(agents, allowed, prey=config.prey > 0)
     require_enough(len(entrants), config, scenario)
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
-    output_file(target, force=force)
     drawn = arena_seed(seed)
     steps = count()
-    with sandbox_for(allowed) as sandbox, progress_bar("playing", late=True) as show:
+    with (
+        given_or_free(output, "match.replay", force=force) as target,
+        sandbox_for(allowed) as sandbox,
+        progress_bar("playing", late=True) as show,
+    ):
         result = play_entrants(
             config,
             drawn,

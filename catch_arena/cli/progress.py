@@ -9,6 +9,8 @@ from typing import Final
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 
+from catch_arena.cli.terminal import own_console
+
 _LINE_EVERY_S: Final = 5.0
 _LATE_S: Final = 2.0
 
@@ -24,7 +26,7 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
         total: how much there is to do, where that is known before.
         late: whether a terminal shows nothing of work that is over soon.
     """
-    console = Console(stderr=True)
+    console = own_console(err=True)
     if not console.is_terminal:
         yield progress_lines(what, console)
         return

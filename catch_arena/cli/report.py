@@ -7,6 +7,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
+from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
@@ -17,6 +18,10 @@ _MOST_MB = 1000
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a tournament, ended or under way.")],
     *,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The HTML file to write.", show_default="DIR/report.html")
+    ] = None,
+    force: Force = False,
     budget: Annotated[
         float | None, typer.Option(metavar="MB", help="Room for replays in the page.", show_default="1")
     ] = None,
@@ -32,7 +37,7 @@ def report(
     ] = False,
     port: Annotated[int | None, typer.Option(help="For --watch.", show_default="the first free one")] = None,
 ) -> None:
-    """Write DIR/report.html: one file with the standings, the figures behind them, and replays to watch."""
+    """Write a report: one file with the standings, the figures behind them, and replays to watch."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if port is not None and not watch:
@@ -40,6 +45,8 @@ def report(
     if watch:
         if budget is not None or match:
             raise ConfigError("--budget and --match must be left out with --watch, whose page plays every replay")
+        if output is not None:
+            raise ConfigError(f"--output must be left out with --watch, which serves the page, got {output}")
         from catch_arena.report.watch import LiveReport, serve
 
         live = LiveReport(folder)
@@ -49,5 +56,7 @@ def report(
         return
     from catch_arena.report import BUDGET, write_report
 
+    if output is not None:
+        output_file(output, ".html", force=force)
     size = BUDGET if budget is None else round(1e6 * budget)
-    say(f"report: {write_report(folder, budget=size, matches=match or ())}")
+    say(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")

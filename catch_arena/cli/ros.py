@@ -13,6 +13,7 @@ from catch_arena.cli.app import (
     ArenaSeed,
     Isolation,
     LimitOption,
+    Program,
     SettingOption,
     Trusted,
     arena,
@@ -20,7 +21,7 @@ from catch_arena.cli.app import (
     limits_or_trust,
     main,
 )
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
@@ -30,7 +31,7 @@ from catch_arena.text import name_fault
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
 
-ros = typer.Typer(
+ros = Program(
     name="ros",
     help="On a ROS 2 bus: the arena for your nodes, and our nodes for turtlesim.",
     no_args_is_help=True,
@@ -117,7 +118,7 @@ def serve(
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
     if record is not None:
-        output_file(record, force=force)
+        output_file(record, *REPLAY, force=force)
     types = given_bus.types()
     entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
     names = [

@@ -1,5 +1,6 @@
 """`catch-arena ros bag` and `ros import`: matches as bags of rosbag2, and bags as videos."""
 
+import os
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
@@ -8,7 +9,7 @@ import typer
 
 from catch_arena.cli.app import Recorded
 from catch_arena.cli.bus_options import Package, Turtlesim, interfaces_of
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import Force, output_video
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
@@ -78,13 +79,10 @@ def import_(
     from catch_arena.ros.bags.reading import read_bag
     from catch_arena.ros.bags.rulings import judge_bag, summary
 
-    whole = bag.resolve()
+    whole = Path(os.path.realpath(bag))
     target = whole.with_suffix(".mp4") if output is None else output
     if not listing:
-        from catch_arena.render.encoders import format_of, output_path
-
-        format_of(target)
-        output_file(output_path(target), force=force)
+        output_video(target, force=force)
     with progress_bar("reading", late=True) as show:
         contents = read_bag(bag, show)
     judged = judge_bag(contents, reach)

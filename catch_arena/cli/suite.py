@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from catch_arena import interrupts
 from catch_arena.cli.app import (
@@ -23,7 +22,7 @@ from catch_arena.cli.app import (
 )
 from catch_arena.cli.fitted_table import FittedTable
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import folded, say
+from catch_arena.cli.terminal import folded, own_console, say, shown
 from catch_arena.errors import NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:
@@ -90,7 +89,7 @@ def suite(
     require_jobs(workers)
     allowed = limits_or_trust(limits, isolation, agents, out, json, trusted=trusted)
     if json is not None:
-        output_file(json, force=force)
+        output_file(json, ".json", force=force)
     entered = enter_agents(agents, allowed, InspectionJournal(out))
     opponents = enter_opponents(SUITE)
     blocks = QUICK_BLOCKS if quick else SUITE.blocks
@@ -126,7 +125,7 @@ def suite(
     done = 0
 
     def kept() -> str:
-        return f"{done} of {total} matches are kept in {out}; the same command with --resume goes on"
+        return shown(f"{done} of {total} matches are kept in {out}; the same command with --resume goes on")
 
     interrupts.also_say(kept)
     try:
@@ -184,7 +183,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                     "?" if one.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[one.first],
                     str(sum(one.forfeits.values())),
                 )
-        Console().print(shown)
+        own_console().print(shown)
     say(_KEY)
     say(f"interquartile mean, training: {_figure(measures.training)}")
     say(f"interquartile mean, held out: {_figure(measures.held_out)}")

@@ -2,14 +2,19 @@
 
 import codecs
 import os
+import re
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from inspect import cleandoc
 from io import TextIOWrapper
+from pathlib import Path
 from textwrap import wrap
-from typing import Any, Final
+from typing import IO, Any, Final, cast
 
 import typer
+from rich.console import Console
+from rich.file_proxy import FileProxy
 from rich.text import Text
 
 from catch_arena.text import printable, printable_lines
@@ -18,13 +23,36 @@ WIDE: Final = 80
 """So many columns hold our tables and the help's boxes."""
 HELP_OPTIONS: Final = ("-h", "--help")
 _LEAST: Final = 20
+_OWN: Final[dict[bool, IO[str] | None]] = {}
+"""Where this command prints, stdout at False and stderr at True: see `own_streams`."""
+_FOLDER: Final[list[str]] = []
+"""Where this command was started; also what an interrupt says after it has ended may name a path."""
 _INDENT: Final = 6
 """Of the explanations on a narrow terminal."""
 
 
 def say(text: str, *, err: bool = False) -> None:
     """Print lines, `err` on stderr. Control characters that a stranger's text may hold are shown, not sent."""
-    typer.echo(printable_lines(_as_utf8(text)), err=err)  # noqa: TID251 - here
+    typer.echo(printable_lines(_as_utf8(shown(text))), file=_stream(err=err), err=err)  # noqa: TID251 - here
+
+
+def shown(text: str) -> str:
+    """Shorten paths in a text that begin with our working folder, as they may be on the command line."""
+    return re.sub(rf"(?<!\S){re.escape(_FOLDER[0])}{re.escape(os.sep)}", "", text) if _FOLDER else text
+
+
+def own_console(*, err: bool = False) -> Console:
+    """For tables and progress bars, on stdout or stderr."""
+    return Console(file=_stream(err=err))
+
+
+def _stream(*, err: bool) -> IO[str] | None:
+    current: Any = sys.stderr if err else sys.stdout
+    with suppress(AttributeError, OSError, ValueError):
+        current.flush()  # what a trusted agent has printed comes first
+    if isinstance(current, FileProxy):  # rich's, while it shows a bar
+        return cast(IO[str], current)
+    return _OWN.get(err, current)
 
 
 def plain(text: str) -> Text:
@@ -76,6 +104,27 @@ def _terminal_columns() -> int | None:
             if width := os.get_terminal_size(stream).columns:
                 return max(_LEAST, width)
     return None
+
+
+@contextmanager
+def own_streams() -> Iterator[None]:
+    """Print to copies of stdout and stderr from here on: a trusted agent may close, replace or change those in sys."""
+    copies = []
+    _FOLDER.clear()
+    with suppress(FileNotFoundError):
+        _FOLDER.append(str(Path.cwd()))
+    for err, stream in ((False, sys.stdout), (True, sys.stderr)):
+        _OWN[err] = stream
+        with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
+            copies.append(os.fdopen(os.dup(stream.fileno()), "w", encoding=stream.encoding, errors=stream.errors))
+            _OWN[err] = copies[-1]
+    try:
+        yield
+    finally:
+        _OWN.clear()
+        for copy in copies:
+            with suppress(OSError):  # of a full disk, which was told
+                copy.close()
 
 
 def let_all_be_written() -> None:

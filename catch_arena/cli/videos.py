@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.outputs import Force, given_or_free, output_file
+from catch_arena.cli.outputs import VIDEO, Force, given_or_free, output_file, output_video, require_ending
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -60,13 +60,12 @@ def render(
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.encoders import output_path
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
-    output_file(output_path(target), force=force)
+    output_video(target, force=force)
     with progress_bar("rendering") as show:
         report = render_replay(
             recorded,
@@ -113,11 +112,12 @@ def mosaic(
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.encoders import format_of, output_path
+    from catch_arena.render.encoders import format_of
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
 
     frame_size = None if size is None else width_and_height(size)
+    require_ending(output, *VIDEO)
     format_of(output)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
@@ -129,7 +129,7 @@ def mosaic(
         except ReplayError as error:
             _print_skipped(error)
     _require_some(folder, len(found), len(paths))
-    output_file(output_path(output), force=force)
+    output_video(output, force=force)
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, view_of=view_of, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
@@ -160,14 +160,15 @@ def highlights(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import select_highlights
-    from catch_arena.render.encoders import format_of, output_path
+    from catch_arena.render.encoders import format_of
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
 
     frame_size = None if size is None else width_and_height(size)
-    target = given_or_free(output, Path("highlights.mp4"), force=force)
-    format_of(target)
-    if not listing:
-        output_file(output_path(target), force=force)
+    if output is not None:
+        require_ending(output, *VIDEO)
+        format_of(output)
+        if not listing:
+            output_video(output, force=force)
     found = _highlights_in(folder)
     selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not selected:
@@ -178,7 +179,7 @@ def highlights(
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
-    with progress_bar("rendering") as show:
+    with given_or_free(output, "highlights.mp4", force=force) as target, progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
         report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
     print_report(report)
@@ -221,12 +222,14 @@ def sheet(
     from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
     from catch_arena.replay import Replay
 
-    target = given_or_free(output, Path("sheet.png"), force=force)
-    if target.suffix.lower() != ".png":
-        raise ConfigError(f"output must end in .png, got {str(target)!r}")
+    if output is not None:
+        require_ending(output, ".png")
+        if output.suffix.lower() != ".png":
+            raise ConfigError(f"output must end in .png, got {str(output)!r}")
     frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
-    output_file(target, force=force)
+    if output is not None:
+        output_file(output, ".png", force=force)
     with progress_bar("looking", late=True) as show:
         if pick == "even":
             instants = even_instants(recorded, count)
@@ -239,7 +242,8 @@ def sheet(
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
         picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
-    write_whole(target, picture)
+    with given_or_free(output, "sheet.png", force=force) as target:
+        write_whole(target, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
     say(f"sheet: {target} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
 

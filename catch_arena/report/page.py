@@ -31,13 +31,16 @@ _MOST_WAYS: Final = 100
 """To forfeit; more are counted."""
 
 
-def write_report(folder: Path, *, budget: int = BUDGET, matches: Sequence[str] = ()) -> Path:
-    """Write the report into a tournament's folder, whole or not at all.
+def write_report(
+    folder: Path, *, budget: int = BUDGET, matches: Sequence[str] = (), output: Path | None = None
+) -> Path:
+    """Write the report of a tournament, whole or not at all.
 
     Args:
         folder: the tournament's folder.
         budget: how many bytes of replays it may have.
         matches: the ids of some that it has in any case.
+        output: the file; if None, it is in the folder.
 
     Raises:
         StoreError: where there is nothing to report.
@@ -45,7 +48,7 @@ def write_report(folder: Path, *, budget: int = BUDGET, matches: Sequence[str] =
         OutputError: where it cannot be written.
     """
     data = ReportData.of(folder)
-    path = folder / REPORT
+    path = output or folder / REPORT
     write_whole(path, page(data, select_matches(data, budget, matches)).encode())
     return path
 

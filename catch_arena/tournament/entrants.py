@@ -3,16 +3,19 @@
 import hashlib
 import importlib
 import importlib.util
+import locale
 import os
 import pkgutil
 import shlex
 import shutil
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from inspect import signature
+from io import TextIOWrapper
 from pathlib import Path
 from stat import S_ISREG
 from types import ModuleType
@@ -284,11 +287,12 @@ def load_module(name: str) -> ModuleType:
     Raises:
         AgentError: where importing it raises.
     """
-    if name.endswith(".py"):
-        return _import_file(Path(name))
-    if str(Path.cwd()) not in sys.path and "" not in sys.path:
-        sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
-    return _import(name)
+    with _process_restored():
+        if name.endswith(".py"):
+            return _import_file(Path(name))
+        if str(Path.cwd()) not in sys.path and "" not in sys.path:
+            sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
+        return _import(name)
 
 
 def resolve_spec(spec: str) -> str:
@@ -314,9 +318,9 @@ def _resolve(spec: str) -> _Resolved:
     if spec.startswith(COMMAND):
         return _resolve_command(spec)
     if spec.endswith(".py"):
-        path = Path(spec).expanduser().resolve()
+        path = Path(os.path.realpath(Path(spec).expanduser()))
         if not path.is_file():
-            raise AgentError(f"{spec}: no such file")
+            raise AgentError(f"{spec}: {'is a link that leads to itself' if path.is_symlink() else 'no such file'}")
         return _Resolved(str(path), _name_parts(path), path.read_bytes() + _beside(path))
     if (file := spec.rpartition(":")[0]).endswith(".py"):
         raise AgentError(f"{spec}: a file is given alone, and its class is called Agent: {file}")
@@ -396,7 +400,7 @@ def _resolve_command(spec: str) -> _Resolved:
         raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
     if not words:
         raise AgentError(f"{spec}: must name a command, as in {COMMAND}./my_bot")
-    files = {word: path.resolve() for word in words if (path := Path(word).expanduser()).is_file()}
+    files = {word: Path(os.path.realpath(path)) for word in words if (path := Path(word).expanduser()).is_file()}
     program, *arguments = [str(files.get(word, word)) for word in words]
     found = shutil.which(program)
     if found is None:
@@ -414,6 +418,35 @@ def _takes_one_argument(method: Callable[..., object]) -> bool:
     except ValueError:  # some callables tell no signature
         return True
     return True
+
+
+@contextmanager
+def _process_restored() -> Iterator[None]:
+    """Restore what a stranger's module may change while it is imported: the folder, streams, locale and umask."""
+    folder, language, umask = Path.cwd(), locale.setlocale(locale.LC_ALL), os.umask(0o077)
+    os.umask(umask)
+    streams = {name: getattr(sys, name) for name in ("stdin", "stdout", "stderr")}
+    forms = {name: (stream.encoding, stream.errors) for name, stream in streams.items() if _is_text(stream)}
+    try:
+        yield
+    finally:
+        os.chdir(folder)
+        os.umask(umask)
+        locale.setlocale(locale.LC_ALL, language)
+        for number, (name, stream) in enumerate(streams.items()):
+            setattr(sys, name, stream)
+            if name not in forms:
+                continue
+            encoding, errors = forms[name]
+            if stream.closed:
+                mode = "w" if number else "r"
+                setattr(sys, name, os.fdopen(number, mode, encoding=encoding, errors=errors, closefd=False))
+            elif (stream.encoding, stream.errors) != forms[name]:
+                stream.reconfigure(encoding=encoding, errors=errors)
+
+
+def _is_text(stream: object) -> bool:
+    return isinstance(stream, TextIOWrapper) and not stream.closed
 
 
 def _import_file(path: Path) -> ModuleType:

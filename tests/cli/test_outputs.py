@@ -1,6 +1,8 @@
 """A command that writes a file replaces none without --force."""
 
+import os
 import re
+import stat
 import sys
 from pathlib import Path
 
@@ -8,8 +10,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from catch_arena import Replay
 from catch_arena.cli import main
-from catch_arena.cli.outputs import free_name
+from catch_arena.cli.outputs import given_or_free
+from catch_arena.tournament.isolation import playing
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 SMALL = ["--size", "320x320", "--fps", "10"]
@@ -129,7 +133,7 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
             assert any("--force" in parameter.opts for parameter in command.params), name
     assert writers == {
         *("audit", "conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
-        *("ros import", "ros serve", "sheet", "suite", "tournament", "watch"),
+        *("report", "ros import", "ros serve", "sheet", "suite", "tournament", "watch"),
     }
 
 
@@ -193,9 +197,87 @@ def test_an_export_whose_name_and_format_contradict_is_refused(played, tmp_path,
     assert not Path("hh.csv").exists()
 
 
-def test_a_free_name_has_the_next_number(tmp_path):
-    names = []
-    for _ in range(3):
-        names.append(free_name(tmp_path / "match.replay"))
-        names[-1].touch()
-    assert [path.name for path in names] == ["match.replay", "match-2.replay", "match-3.replay"]
+def test_a_free_name_has_the_next_number_and_is_reserved(tmp_path):
+    """What nothing was written to is free again."""
+    usual = str(tmp_path / "match.replay")
+    with given_or_free(None, usual, force=False) as first, given_or_free(None, usual, force=False) as second:
+        assert [first.name, second.name] == ["match.replay", "match-2.replay"]
+        second.write_bytes(b"written")
+    assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
+    with given_or_free(None, usual, force=False) as third:
+        assert third == first
+    with given_or_free(second, usual, force=False) as given, given_or_free(None, usual, force=True) as forced:
+        assert (given, forced) == (second, first)
+    assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
+
+
+def test_matches_at_the_same_time_write_files_of_their_own(tmp_path, monkeypatch):
+    """A second one begins and ends while the first one plays."""
+    monkeypatch.chdir(tmp_path)
+    seeds, play, lines = ["1", "2"], playing.play_entrants, []
+
+    def begin():
+        done = CliRunner().invoke(main, ["match", "nearest", "idle", *QUICK, "--seed", seeds.pop()])
+        lines.append(done.stdout.splitlines()[-1])
+
+    def slow(*arguments, **options):
+        if seeds:
+            begin()
+        return play(*arguments, **options)
+
+    monkeypatch.setattr(playing, "play_entrants", slow)
+    begin()
+    assert lines == ["replay: match-2.replay", "replay: match.replay"]
+    assert [Replay.load(name).seed for name in ("match.replay", "match-2.replay")] == [2, 1]
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["match", "nearest", "idle", *QUICK, "-o", "m.mp4"], ".replay, got .mp4: `catch-arena render` writes that"),
+        (["match", "nearest", "idle", *QUICK, "-o", "m.CSV"], ".replay, got .csv: `catch-arena export` writes that"),
+        (["watch", "nearest", "--record", "m.gif"], ".replay, got .gif: `catch-arena render` writes that"),
+        (
+            ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.png"],
+            ".mp4 or .webm or .gif or .webp, got .png: `catch-arena sheet` writes that",
+        ),
+        (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html: `catch-arena report` writes that"),
+        (["highlights", "{o}/replays", "-o", "g.json"], ".webp, got .json: `catch-arena explain --json` writes that"),
+        (["sheet", "{o}/replays/r00001-g000001-s00.replay", "-o", "s.webm"], ".png, got .webm: `catch-arena render`"),
+        (["export", "{o}", "-o", "e.replay"], ".json, got .replay: `catch-arena match` writes that"),
+        (["report", "{o}", "-o", "r.csv"], ".html, got .csv: `catch-arena export` writes that"),
+        (["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"], ".xml, got .json: "),
+        (["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "g.xml"], ".json, got .xml: "),
+        (["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.json"], ".xml, got .json: "),
+    ],
+)
+def test_the_name_of_another_format_is_refused_with_the_command_that_writes_it(
+    played, tmp_path, monkeypatch, words, why
+):
+    monkeypatch.chdir(tmp_path)
+    refused = CliRunner().invoke(main, [word.replace("{o}", str(played / "o")) for word in words])
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert len(refused.stderr.splitlines()) == 1
+    assert f"catch-arena: {words[-1]}: the name must end in " in refused.stderr
+    assert why in refused.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_seeds_are_for_their_owner_alone(played, tmp_path):
+    """Others may read grades, if the umask allows it."""
+    spec, grades, seeds = played / "spec.toml", tmp_path / "grades.json", tmp_path / "seeds.json"
+    seeds.touch(0o644)
+    words = ["grade", "idle", "--spec", str(spec), "--json", str(grades), "--seeds", str(seeds), "--force"]
+    umask = os.umask(0o027)
+    try:
+        assert CliRunner().invoke(main, words).exit_code == 0
+    finally:
+        os.umask(umask)
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (grades, seeds)] == [0o640, 0o600]
+
+
+def test_a_report_can_be_written_elsewhere(played, tmp_path):
+    own, other = played / "o" / "report.html", tmp_path / "other.html"
+    done = CliRunner().invoke(main, ["report", str(played / "o"), "-o", str(other)])
+    assert (done.exit_code, done.stdout) == (0, f"report: {other}\n")
+    assert other.read_bytes() == own.read_bytes()

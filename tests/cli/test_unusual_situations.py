@@ -1,0 +1,139 @@
+"""Modules of strangers, full disks, folders that are gone and links that lead to themselves: no command ends in a
+traceback, and its output is where it was asked for.
+"""
+
+import locale
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from catch_arena import Replay
+from catch_arena.tournament.entrants import load_module
+
+QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--trusted"]
+MODULE = """
+import locale, os, sys
+{change}
+class Agent:
+    def reset(self, seed):
+        {late}
+    def act(self, view):
+        return 1 if view.targets else 0
+def arbiter(**given):
+    return {{}}
+"""
+CHANGES = {
+    "folder": "os.chdir('/')",
+    "replaced": "sys.stdout = sys.stderr = open(os.devnull, 'w')",
+    "closed": "sys.stdout.close(); sys.stderr.close()",
+    "ascii": "sys.stdout.reconfigure(encoding='ascii', errors='strict')",
+    "umask": "os.umask(0o777)",
+}
+
+
+def run(folder, *words, **options):
+    """The command, in a process of its own: `catch-arena WORDS`."""
+    return subprocess.run(
+        [sys.executable, "-m", "catch_arena", *words],
+        cwd=folder,
+        env={**os.environ, "PYTHONIOENCODING": "utf-8"},
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        check=False,
+        **({"stdout": subprocess.PIPE} | options),
+    )
+
+
+@pytest.mark.parametrize("change", [*CHANGES, "in a match"])
+def test_a_trusted_agent_moves_and_silences_nothing(tmp_path, change):
+    late = f"{CHANGES['folder']}; {CHANGES['closed']}" if change == "in a match" else "pass"
+    (tmp_path / "dé.py").write_text(MODULE.format(change=CHANGES.get(change, ""), late=late), encoding="utf-8")
+    done = run(tmp_path, "match", "dé.py", "idle", *QUICK, "-o", "m.replay", "--seed", "1")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "dé (hunter_0)" in done.stdout
+    assert done.stdout.endswith("seed: 1\nreplay: m.replay\n")
+    assert (tmp_path / "m.replay").stat().st_mode & 0o600 == 0o600
+    assert Replay.load(tmp_path / "m.replay").names == ("dé", "idle")
+
+
+@pytest.mark.parametrize("change", ["folder", "closed"])
+def test_an_arbiter_moves_and_silences_nothing(tmp_path, change):
+    (tmp_path / "mine.py").write_text(MODULE.format(change=CHANGES[change], late="pass"))
+    done = run(tmp_path, "conformance", "mine.py:arbiter", "--only", "reach.299999", "--junit", "cases.xml")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert done.stdout.endswith("JUnit XML: cases.xml\n")
+    assert (tmp_path / "cases.xml").stat().st_size > 0
+
+
+def test_after_an_import_the_process_is_as_it_was(tmp_path):
+    changes = ["os.chdir('/')", "os.umask(0o777)", "locale.setlocale(locale.LC_ALL, 'C')"]
+    streams = "sys.stdin = sys.stdout = sys.stderr = None"
+    (tmp_path / "mine.py").write_text("\n".join(["import locale, os, sys", *changes, streams, "1 / 0"]))
+
+    def state():
+        umask = os.umask(0o077)
+        os.umask(umask)
+        return Path.cwd(), umask, locale.setlocale(locale.LC_ALL), sys.stdin, sys.stdout, sys.stderr
+
+    language = locale.setlocale(locale.LC_ALL)
+    try:
+        locale.setlocale(locale.LC_ALL, "C.UTF-8")
+        before = state()
+        with pytest.raises(Exception, match="ZeroDivisionError"):
+            load_module(str(tmp_path / "mine.py"))
+        assert state() == before
+    finally:
+        locale.setlocale(locale.LC_ALL, language)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+@pytest.mark.parametrize(
+    "words",
+    [["--version"], ["match", "--help"], ["scenarios"], ["match", "idle", "idle"]],
+)
+def test_a_full_disk_behind_stdout_is_one_line(tmp_path, words):
+    with Path("/dev/full").open("w") as full:
+        done = run(tmp_path, *words, *(QUICK if words[-1] == "idle" else ()), stdout=full)
+    assert done.returncode == 2
+    assert done.stderr == "catch-arena: the output cannot be written: No space left on device\n"
+
+
+def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
+    (tmp_path / "gone").mkdir()
+    words = ["match", "nearest", "idle", *QUICK]
+    script = "import os, sys, runpy; os.rmdir(os.getcwd()); runpy.run_module('catch_arena', run_name='__main__')"
+    done = subprocess.run(
+        [sys.executable, "-c", script, *words], cwd=tmp_path / "gone", capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "catch-arena: the working folder was deleted: go to another one\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["match", "loop.py", "idle"], "loop.py: is a link that leads to itself"),
+        (["match", "idle", "idle", "-o", "loop.py"], "loop.py: cannot be written: Too many levels of symbolic links"),
+        (["match", "idle", "idle", "-o", "loop.py/x"], "loop.py: cannot be written: is a file, not a folder"),
+        (["match", "idle", "idle", "-o", 300 * "x"], "x: cannot be written: File name too long"),
+        (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),
+    ],
+)
+def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
+    for name in ("loop.py", "loop.mp4"):
+        (tmp_path / name).symlink_to(name)
+    done = run(tmp_path, *words, *(QUICK if words[0] == "match" else ()))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.endswith(f"{why}\n")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_paths_begin_at_home_and_are_absolute(tmp_path, monkeypatch):
+    """A shell does not replace the ~ of --output=~/m.replay."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    done = run("/", "match", "idle", "idle", *QUICK, "--output=~/out/m.replay")
+    assert done.stdout.endswith(f"replay: {tmp_path / 'out' / 'm.replay'}\n")
+    assert run("/", "verify", "~/out/m.replay").returncode == 0
