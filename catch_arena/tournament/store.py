@@ -116,11 +116,15 @@ class Store:
         StoreError: for whatever SQLite refuses.
     """
 
-    def __init__(self, path: Path | None = None) -> None:
+    def __init__(self, path: Path | None = None, *, writable: bool = True) -> None:
         """Open the file, or one in memory; see `begin` and `read`."""
         self.path = path
+        name = ":memory:" if path is None else path.absolute().as_uri()
+        if path is not None and not writable:
+            # without a log there is no writer; with immutable=1, SQLite makes no files of its own to wait for one
+            name += "?mode=ro" if path.with_name(f"{path.name}-wal").exists() else "?mode=ro&immutable=1"
         with self._store_errors():
-            self._db = sqlite3.connect(path or ":memory:", isolation_level=None, timeout=_PATIENCE_S)
+            self._db = sqlite3.connect(name, isolation_level=None, timeout=_PATIENCE_S, uri=True)
         self._versions = 0
 
     @classmethod
@@ -152,7 +156,7 @@ class Store:
         path = folder / STORE
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
-        store = cls(path)
+        store = cls(path, writable=False)
         with store._closed_on_error():
             if not store._has_tables():
                 raise StoreError(f"{folder}: holds a tournament that has not begun")
@@ -168,7 +172,7 @@ class Store:
         path = folder / STORE
         if not path.is_file():
             return None
-        with cls(path) as store:
+        with cls(path, writable=False) as store:
             return store.tournament.secret if store._has_tables() else None
 
     @property

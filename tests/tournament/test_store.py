@@ -238,6 +238,26 @@ def test_it_is_read_while_it_is_written(store, tmp_path, played):
         assert list(reader.played()) == played[:2]
 
 
+def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
+    """A folder in the place of the file that SQLite needs next to a log, as it cannot be made on a read-only disk."""
+    with Store.begin(FACTS, tmp_path) as store:
+        store.plan(PLAN.stage(0, ()))
+        store.keep(played)
+        store.end()
+    assert [path.name for path in tmp_path.iterdir()] == [STORE]
+    (tmp_path / f"{STORE}-shm").mkdir()
+    with Store.read(tmp_path) as reader:
+        assert list(reader.played()) == played
+    assert Store.secret_in(tmp_path) == FACTS.secret
+    assert sorted(path.name for path in tmp_path.iterdir()) == [STORE, f"{STORE}-shm"]
+
+
+@pytest.mark.usefixtures("store")
+def test_a_reader_changes_nothing(tmp_path):
+    with Store.read(tmp_path) as reader, pytest.raises(StoreError, match="readonly database"):
+        reader.end()
+
+
 def test_its_size_is_what_a_plan_says(tmp_path):
     """Within a quarter, on matches of the standard length."""
     config, entrants = scenario("standard"), enter(["nearest", "contested", "first", "random"])
