@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
-from catch_arena.files import tomllib
+from catch_arena.files import read_text, tomllib
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.text import printable, printable_lines
@@ -179,10 +179,10 @@ def read_spec(path: Path) -> GradingSpec:
         ConfigError: one line, that names the field, the requirement and the value.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(read_text(path))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except tomllib.TOMLDecodeError as error:
         raise ConfigError(f"{path}: is no TOML: {error}") from None
     try:
         _require_known("spec", table, ("title", "seed", "seed_file", "matches", "test"))
@@ -422,9 +422,11 @@ def _secret(table: Mapping[str, Any], folder: Path) -> Secret:
     if "seed_file" in table:
         path = folder / _checked("seed_file", table["seed_file"], str)
         try:
-            return Secret.parse(path.read_text(encoding="utf-8").strip())
-        except (OSError, UnicodeDecodeError) as error:
+            text = read_text(path)
+        except OSError as error:
             raise ConfigError(f"seed_file must be a file: {error}") from None
+        try:
+            return Secret.parse(text.strip())
         except ConfigError:  # which would show what is to be hidden
             raise ConfigError(f"seed_file must hold 32 hexadecimal digits or a number, and {path} does not") from None
     seed = table.get("seed")

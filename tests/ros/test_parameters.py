@@ -102,6 +102,11 @@ def written(tmp_path, text):
     return ("--params-file", str(file))
 
 
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    text = f"\ufeff/**:\n  ros__parameters: {{{FREQUENCY}: 2.0}}\n"
+    assert given(*written(tmp_path, text)) == given("-p", f"{FREQUENCY}:=2.0")
+
+
 def test_a_file_has_values_for_several_nodes(tmp_path):
     """What it says of this one counts more than what it says of all; others' parameters are left out with a line."""
     file = written(

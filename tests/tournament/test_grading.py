@@ -287,6 +287,34 @@ def test_a_spec_that_cannot_be_is_one_line(tmp_path, monkeypatch, change, messag
     assert "\n" not in str(raised.value)
 
 
+def test_files_that_an_editor_of_windows_wrote_are_read(tmp_path):
+    """With a byte order mark and its ends of lines."""
+    (tmp_path / "seed.txt").write_bytes(b"\xef\xbb\xbf00112233445566778899aabbccddeeff\r\n")
+    spec = tmp_path / "spec.toml"
+    spec.write_bytes(b"\xef\xbb\xbf" + SPEC.replace(SEED, "seed_file = 'seed.txt'").replace("\n", "\r\n").encode())
+    read = read_spec(spec)
+    assert (read.title, read.secret.digits) == ("Exercise 1", "00112233445566778899aabbccddeeff")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "why"),
+    [
+        ("utf-16", "is text in UTF-16: save it as UTF-8"),
+        ("utf-16-le", "is text in UTF-16: save it as UTF-8"),
+        ("utf-16-be", "is text in UTF-16: save it as UTF-8"),
+        ("latin-1", "must be text in UTF-8, and byte 10 is none"),
+    ],
+)
+def test_text_in_another_encoding_is_named(tmp_path, encoding, why):
+    (tmp_path / "spec.toml").write_text('title = "\u00e9"\n', encoding=encoding)
+    (tmp_path / "of_seed.toml").write_text(SPEC.replace(SEED, "seed_file = 'seed.txt'"))
+    (tmp_path / "seed.txt").write_text("12345678 \u00e9.", encoding=encoding)
+    for spec, file in (("spec.toml", "spec.toml"), ("of_seed.toml", "seed.txt")):
+        with pytest.raises(ConfigError) as raised:
+            read_spec(tmp_path / spec)
+        assert str(raised.value).endswith(f"{tmp_path / file}: {why}")
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.errors import BusError, ConfigError, install_hint
+from catch_arena.files import read_text
 from catch_arena.ros.middleware.bus import Log
 from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import in_short, one_line
@@ -85,8 +86,8 @@ def _assignment(text: str, node: str) -> tuple[str, Any]:
 
 def _take_file(file: Path, node: str, parameters: Parameters, log: Log) -> None:
     try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_text(file)
+    except OSError as error:
         raise ConfigError(f"--params-file {file} cannot be read: {one_line(str(error))}") from None
     nodes = _mapping(_load(text, f"--params-file {file}") or {}, str(file))
     for key in (*_ANY_NODE, node, f"/{node}"):  # what is said of all nodes counts less
