@@ -73,6 +73,23 @@ class MissingServiceError(BusError):
     """A service of a ROS 2 bus that was to be tried, and that nobody serves."""
 
 
+def require_type(name: str, value: object, kind: type, made_by: str) -> None:
+    """Require of an argument that it has a type.
+
+    Args:
+        name: the argument's.
+        value: what was given.
+        kind: the type.
+        made_by: a call that returns one.
+
+    Raises:
+        ConfigError: for another type.
+    """
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise ConfigError(f"{name} must be {article} {kind.__name__}, as of {made_by}, got {value!r}")
+
+
 def suggest(name: object, known: Iterable[str]) -> str:
     """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
     choices = sorted(known)

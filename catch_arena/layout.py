@@ -11,6 +11,7 @@ from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import require_type
 
 _FARTHEST_BLUR: Final = 3.4642
 """R7.6: the greatest error of a place, in standard deviations."""
@@ -53,6 +54,7 @@ class _Arena(NamedTuple):
     @classmethod
     def of(cls, config: ArenaConfig) -> "_Arena":
         """Of one config."""
+        require_type("config", config, ArenaConfig, "scenario(name)")
         # one part in a thousand of slack: sums and rotations round
         diagonal = 1.001 * math.sqrt(2.0) * config.side_m
         fastest, fastest_target = max(config.max_speeds), config.target_speed_mps

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.errors import AgentError, ConfigError
+from catch_arena.errors import AgentError, ConfigError, require_type
 from catch_arena.layout import (
     BodyFeatures,
     MovingTargetFeatures,
@@ -81,10 +81,13 @@ class Limits:
         Raises:
             ConfigError: without a seat, where hunters differ (R2.7, R4.1).
         """
+        require_type("config", config, ArenaConfig, "scenario(name)")
         if seat is None:
             if len({*zip(config.reaches, config.max_speeds, config.max_turn_rates, config.controls, strict=True)}) > 1:
                 raise ConfigError("seat must be given where hunters differ, Limits.of(config, seat), got none")
             seat = 0
+        if seat not in range(config.hunters):
+            raise ConfigError(f"seat must be from 0 to {config.hunters - 1}, got {seat!r}")
         return cls(
             side_m=config.side_m,
             reach_m=config.reaches[seat],
@@ -149,6 +152,7 @@ class PreyLimits:
     @classmethod
     def of(cls, config: ArenaConfig) -> "PreyLimits":
         """The limits of all prey of an arena."""
+        require_type("config", config, ArenaConfig, "scenario(name)")
         return cls(
             side_m=config.side_m,
             reach_m=max(config.reaches),

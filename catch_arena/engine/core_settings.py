@@ -13,6 +13,7 @@ from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
 from catch_arena.core.state import COUNTER_BITS, COUNTERS, LANES, MOTIONS, SeatLimits, Settings, slot_rows
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
+from catch_arena.errors import require_type
 
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
@@ -20,6 +21,7 @@ _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
 def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = False) -> Settings:
     """The scalars of a config, as the core reads them."""
+    require_type("config", config, ArenaConfig, "scenario(name)")
     high = config.side_m - _SPAWN_WALL_M
     return Settings(
         hunters=config.hunters,

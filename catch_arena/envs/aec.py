@@ -64,6 +64,18 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         result: tuple[Any, float, bool, bool, dict[str, Any]] = super().last(observe)
         return result
 
+    def observe(self, agent: str) -> Any:
+        """Return what that agent sees.
+
+        Raises:
+            ActionError: for an unknown agent.
+        """
+        try:
+            return super().observe(agent)
+        except KeyError:
+            self._parallel.action_space(agent)  # raises
+            raise
+
     def save(self) -> SavedTurn:
         """R10.2: the episode as it stands, between two turns too; `restore` takes it back, here or in an env of an
         equal config, at any time and as often as one likes.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from catch_arena.errors import ConfigError, suggest
+from catch_arena.errors import ConfigError, require_type, suggest
 from catch_arena.replay import Replay
 
 
@@ -57,14 +57,15 @@ def find_subjects(replay: Replay, who: int | str | None) -> Subjects:
     Raises:
         ConfigError: for whom the match does not have.
     """
+    require_type("replay", replay, Replay, "Replay.load(path)")
     config = replay.config
     seats = tuple(range(config.hunters))
     if who is None:
         return Subjects(seats, tuple(range(config.prey)))
     if str(who) in map(str, seats):
         return Subjects((int(who),), ())
-    if isinstance(who, int) or who.isdecimal():
-        raise ConfigError(f"hunter must be a seat from 0 to {seats[-1]}, got {who}")
+    if not isinstance(who, str) or who.isdecimal():
+        raise ConfigError(f"hunter must be a seat from 0 to {seats[-1]}, got {who!r}")
     teams = {team_label(replay, members): members for members in config.teams or ()}
     if who in teams:
         return Subjects(teams[who], ())

@@ -4,10 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
+from operator import index
 from typing import Any
 
 from catch_arena.core.arbiter import measure_um
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Answer, Contest, HunterAction, PreyAction, facts_as_json
 from catch_arena.explanation.formatting import seconds
@@ -87,6 +88,7 @@ def step_at(replay: Replay, at_s: float) -> int:
     Raises:
         ConfigError: for a time at which no step begins any more.
     """
+    require_type("replay", replay, Replay, "Replay.load(path)")
     period_ms = replay.config.control_period_ms
     step = round(1000 * at_s) // period_ms + 1 if math.isfinite(at_s) else 0
     if not 1 <= step <= replay.steps:
@@ -107,6 +109,11 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         ReplayError: where the match does not play as recorded.
         ConfigError: for a step or a hunter that it does not have.
     """
+    require_type("replay", replay, Replay, "Replay.load(path)")
+    try:
+        step = index(step)
+    except TypeError:
+        raise ConfigError(f"step must be a whole number, as of step_at(replay, at_s), got {step!r}") from None
     if not 1 <= step <= replay.steps:
         has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"
         raise ConfigError(f"step must be {has}, got {step}")

@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Final
 
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.seats import find_seat
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
@@ -78,6 +78,7 @@ def render_replay(
         ReplayError: where the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written
             file is left, and what stood under the name before stands there still.
     """
+    require_type("replay", replay, Replay, "Replay.load(path)")
     kind = format_of(Path(path))
     within = frame_size(kind, size)
     clip = clip_of(replay, kind, fps, start_s, end_s, speed)

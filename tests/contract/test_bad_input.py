@@ -305,3 +305,24 @@ def test_limits_of_hunters_that_differ_need_a_seat():
     ):
         catch_arena.Limits.of(config)
     assert [catch_arena.Limits.of(config, seat).reach_m for seat in range(4)] == [0.2, 0.3, 0.4, 0.5]
+
+
+@pytest.mark.parametrize(
+    "call", [catch_arena.Limits.of, catch_arena.PreyLimits.of, catch_arena.columns, catch_arena.Engine]
+)
+def test_what_is_no_config_is_refused(call):
+    with pytest.raises(ConfigError, match=r"^config must be an ArenaConfig, as of scenario\(name\), got 'duel'$"):
+        call("duel")
+
+
+def test_a_seat_that_an_arena_lacks_has_no_limits():
+    with pytest.raises(ConfigError, match=r"^seat must be from 0 to 1, got 2$"):
+        catch_arena.Limits.of(catch_arena.scenario("duel"), 2)
+
+
+def test_an_unknown_agent_of_the_aec_env_is_named():
+    arena = catch_arena.env("duel")
+    arena.reset(seed=1)
+    with pytest.raises(ActionError, match=r"^unknown agent 'x': known: hunter_0, hunter_1$"):
+        arena.observe("x")
+    assert arena.observe("hunter_1").dtype == np.float32

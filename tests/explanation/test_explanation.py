@@ -514,3 +514,16 @@ def test_rivals_are_ranked_as_the_engine_ranks_them_also_where_they_stand_in_one
             ranks = range(1, len(scores) + 1)
             told = [engine.observations[0, seat, places[f"rival_{rank}.score_difference"]] for rank in ranks]
             assert told == scores
+
+
+def test_what_is_no_replay_or_no_step_is_refused(crowded):
+    why = r"^replay must be a Replay, as of Replay\.load\(path\), got 'v\.replay'$"
+    for call in (explain, lambda what: explain_step(what, 1), lambda what: step_at(what, 1.0)):
+        with pytest.raises(ConfigError, match=why):
+            call("v.replay")
+    for step in (1.0, "1"):
+        with pytest.raises(ConfigError, match=f"^step must be a whole number, as of step_at.*, got {step!r}$"):
+            explain_step(crowded, step)
+    assert explain_step(crowded, np.int64(3)) == explain_step(crowded, 3)
+    with pytest.raises(ConfigError, match=r"^hunter must be a seat from 0 to 3, got 1\.5$"):
+        explain(crowded, 1.5)
