@@ -1,10 +1,11 @@
 """Folders made before they are needed, files that appear whole or not at all, and what is said where neither can be."""
 
+import codecs
 import errno
 import os
+import secrets
 import shutil
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import IO, Final
 
 from rich.filesize import decimal
 
-from catch_arena.errors import OutputError
+from catch_arena.errors import ConfigError, OutputError
 
 if sys.version_info >= (3, 11):  # everything that reads TOML imports it from here
     import tomllib as tomllib  # noqa: PLC0414
@@ -28,48 +29,97 @@ def regular_file(path: Path) -> Path:
     """Where a file of that name is or would be, links followed.
 
     Raises:
-        OutputError: for a device or a folder.
+        OutputError: for a device or a folder, and a link that leads to itself.
     """
-    target = path.resolve()
-    if target.exists() and not target.is_file():
-        raise OutputError(f"{path}: cannot be written: is not a regular file")
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_symlink():
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        if target.exists() and not target.is_file():
+            raise OutputError(f"{path}: cannot be written: is not a regular file")
+    except OSError as error:
+        raise unwritable(path, error) from None
     return target
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def read_text(path: Path) -> str:
+    """Return the text of a file that a person wrote: UTF-8, with or without a byte order mark.
+
+    Raises:
+        OSError: if it cannot be read.
+        ConfigError: for another encoding.
+    """
+    content = path.read_bytes()
+    two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
+    if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise ConfigError(f"{path}: is text in UTF-16: save it as UTF-8")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: must be text in UTF-8, and byte {error.start + 1} is none") from None
+
+
+def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
     """Write a file of this content: whoever looks finds it whole or not at all.
+
+    Args:
+        path: where it is written.
+        content: all of it.
+        private: whether only its owner may read it.
 
     Raises:
         OutputError: where it cannot be written.
     """
-    with whole_file(path, len(content)) as file:
+    with whole_file(path, len(content), private=private) as file:
         file.write(content)
 
 
 @contextmanager
-def whole_file(path: Path, size: int | None = None) -> Iterator[IO[bytes]]:
+def whole_file(path: Path, size: int | None = None, *, private: bool = False) -> Iterator[IO[bytes]]:
     """A file under a temporary name, which is renamed when all has been written.
 
     Args:
         path: where it is written.
         size: how many bytes will be, where that is known.
+        private: see `write_whole`.
 
     Raises:
         OutputError: where it cannot be written.
     """
     target = regular_file(path)
     try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as file:
-            try:
-                yield file
-                file.flush()
-                Path(file.name).chmod(0o644)
-                Path(file.name).replace(target)
-            except BaseException:
-                Path(file.name).unlink(missing_ok=True)
-                raise
+        with unfinished_file(target, private=private) as unfinished, unfinished.open("wb") as file:
+            yield file
     except OSError as error:
         raise unwritable(path, error, size) from None
+
+
+@contextmanager
+def unfinished_file(target: Path, *, ending: str = "", private: bool = False) -> Iterator[Path]:
+    """Create an empty file next to the target, which replaces the target at the end, or is removed after an error.
+
+    It has the permissions of the file that it replaces, or those that the umask leaves.
+
+    Args:
+        target: a regular file, or none yet.
+        ending: of the temporary name, which holds nothing of the target's: a name may be as long as the disk allows.
+        private: see `write_whole`.
+
+    Raises:
+        OSError: where it cannot be created or renamed.
+    """
+    unfinished = target.with_name(f".catch-arena-{secrets.token_hex(4)}{ending}")
+    replaced = target.exists()
+    mode = 0o600 if private or replaced else 0o666
+    os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, mode))
+    try:
+        yield unfinished
+        if replaced and not private:
+            shutil.copymode(target, unfinished)
+        unfinished.replace(target)
+    except BaseException:
+        unfinished.unlink(missing_ok=True)
+        raise
 
 
 def prepare_folder(folder: Path) -> Path:
@@ -82,7 +132,7 @@ def prepare_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / ".catch-arena-probe"
         probe.touch()
-        probe.unlink()
+        probe.unlink(missing_ok=True)  # another process may probe the folder at the same time
     except (FileExistsError, NotADirectoryError):
         taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
         raise OutputError(f"{taken}: cannot be written: is a file, not a folder") from None

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.errors import ConfigError, OutputError, install_hint
-from catch_arena.files import regular_file, room, unwritable
+from catch_arena.files import regular_file, room, unfinished_file, unwritable
 from catch_arena.render.gif_palette import ColorHistogram
 from catch_arena.render.optional_imports import cv2
 
@@ -29,6 +29,8 @@ class Format:
     """One kind of file, and what is usual for it."""
 
     name: str
+    container: str
+    """FFmpeg's name."""
     encoder: str
     """FFmpeg's name."""
     codec: str
@@ -45,6 +47,7 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
     {
         ".mp4": Format(
             "MP4",
+            "mp4",
             "libx264",
             "h264",
             (1280, 720),
@@ -55,6 +58,7 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
         ),
         ".webm": Format(
             "WebM",
+            "webm",
             "libvpx-vp9",
             "vp9",
             (1280, 720),
@@ -62,9 +66,12 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
             options={"deadline": "realtime", "cpu-used": "7", "row-mt": "1", "crf": "34", "b": "0"},
         ),
         # browsers show a GIF's frames for at least 20 ms, and its times are hundredths of a second
-        ".gif": Format("GIF", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False),
+        ".gif": Format(
+            "GIF", "gif", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False
+        ),
         ".webp": Format(
             "animated WebP",
+            "webp",
             "libwebp_anim",
             "webp",
             (640, 360),
@@ -174,26 +181,21 @@ def video_file(
             f"{path} is MPEG-4 Part 2, which no browser plays: {kind.name} needs PyAV with {kind.encoder} "
             f"({install_hint('video')})"
         )
+    failures: tuple[type[Exception], ...] = (OSError,)
     target = regular_file(path)
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{path.stem}.", suffix=f".part{path.suffix}")
-    except OSError as error:
-        raise unwritable(path, error) from None
-    os.close(handle)
-    unfinished = Path(name)
-    encoder: Encoder | None = None
-    try:
-        encoder = _Cv2Encoder(unfinished, size, fps) if av is None else _encoder(av, kind, unfinished, size, fps)
-        yield VideoFile(path, encoder.codec, encoder.write, notice)
-        encoder.finish(progress)
-        _require_frames(path, encoder.count(), frames)
-        unfinished.chmod(0o644)  # mkstemp's files are for their owner alone
-        unfinished.replace(target)
+        with unfinished_file(target, ending=path.suffix) as unfinished:
+            encoder = _Cv2Encoder(unfinished, size, fps) if av is None else _encoder(av, kind, unfinished, size, fps)
+            failures = encoder.failures
+            try:
+                yield VideoFile(path, encoder.codec, encoder.write, notice)
+                encoder.finish(progress)
+                _require_frames(path, encoder.count(), frames)
+            except BaseException:
+                encoder.abort()
+                raise
     except BaseException as error:
-        if encoder is not None:
-            encoder.abort()
-        unfinished.unlink(missing_ok=True)
-        if isinstance(error, (OSError,) if encoder is None else encoder.failures):
+        if isinstance(error, failures):
             raise unwritable(path, error) from None
         raise
 
@@ -231,7 +233,9 @@ class _AvEncoder:
         self._size = size
         self._written = 0
         self._time_base = Fraction(1, fps)
-        self._container = av.open(str(path), "w", options=dict(kind.container_options))
+        self._form = kind.container
+        # the format is given: in a name, FFmpeg takes %d for the number of a picture
+        self._container = av.open(str(path), "w", format=self._form, options=dict(kind.container_options))
         self._stream = self._container.add_stream(kind.encoder, rate=fps, options=dict(kind.options))
         self._stream.width, self._stream.height = size
         self._stream.codec_context.time_base = self._time_base
@@ -252,7 +256,7 @@ class _AvEncoder:
             self._container.close()
 
     def count(self) -> int:
-        with self._av.open(str(self._path)) as container:
+        with self._av.open(str(self._path), format=self._form) as container:
             return sum(packet.size > 0 for packet in container.demux(video=0))
 
 

@@ -140,7 +140,7 @@ def test_ctrl_c_leaves_no_half_written_video(tmp_path):
     words = [sys.executable, "-m", "catch_arena", "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
         deadline = time.monotonic() + 240
-        while not list(tmp_path.glob(".grid*")) and time.monotonic() < deadline:
+        while not list(tmp_path.glob(".catch-arena-*.mp4")) and time.monotonic() < deadline:
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
         assert "interrupted" in process.communicate(timeout=240)[1]

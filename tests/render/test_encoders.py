@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import stat
 import subprocess
 import sys
 import time
@@ -34,6 +35,32 @@ def test_places_that_cannot_be_written_to(match, tmp_path):
         with pytest.raises(OutputError, match=r"\.mp4: cannot be written: "):
             render_replay(match, path, **SMALL)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.mp4"]
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_any_name_that_the_disk_allows_is_a_videos(match, tmp_path, ending):
+    """FFmpeg takes %d for the number of a picture, and a name before a colon for a protocol."""
+    folder = tmp_path / "run%d"
+    folder.mkdir()
+    for name in (f"seed%d{ending}", f"http:{ending}", ending.rjust(255, "x")):
+        video = render_replay(match, folder / name, **SMALL)
+        assert len(decoded(video.path)) > 1
+        assert [path.name for path in folder.iterdir()] == [name]
+        video.path.unlink()
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_video_has_the_permissions_that_the_umask_leaves_or_those_of_the_file_that_it_replaces(tmp_path, ending):
+    path = tmp_path / f"still{ending}"
+    umask = os.umask(0o037)
+    try:
+        for mode in (0o640, 0o604):
+            with video_file(path, (480, 320), 30, 1) as video:
+                video.write(np.zeros((320, 480, 4), dtype=np.uint8))
+            assert stat.S_IMODE(path.stat().st_mode) == mode
+            path.chmod(0o604)
+    finally:
+        os.umask(umask)
 
 
 def test_a_folder_without_permission(match):
@@ -141,9 +168,9 @@ def test_ctrl_c_leaves_nothing_behind(play, tmp_path, ending):
     paths = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(command, cwd=tmp_path, env=paths, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         deadline = time.monotonic() + 240.0
-        while not list(tmp_path.glob(".out*")) and time.monotonic() < deadline:
+        while not list(tmp_path.glob(f".catch-arena-*{ending}")) and time.monotonic() < deadline:
             time.sleep(0.02)
-        assert list(tmp_path.glob(".out*"))  # it has begun to write
+        assert list(tmp_path.glob(f".catch-arena-*{ending}"))  # it has begun to write
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=240.0)
     assert process.returncode not in (0, None)

@@ -3,6 +3,8 @@
 What is written says of itself how its messages are read: it holds the definitions of their types.
 """
 
+import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -129,9 +131,9 @@ def whole_bag(folder: Path, storage: Storage, *, force: bool) -> Iterator[BagWri
         OutputError: where it cannot be written.
     """
     require_free(folder, force=force)
-    target = folder.resolve()
+    target = Path(os.path.realpath(folder))
     prepare_folder(target.parent)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as scratch:
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".catch-arena-") as scratch:
         made = Path(scratch) / target.name  # its file is called as the folder is
         try:
             writer = Writer(
@@ -146,8 +148,8 @@ def whole_bag(folder: Path, storage: Storage, *, force: bool) -> Iterator[BagWri
                 writer.abort()
                 raise
             writer.close()
-            made.chmod(0o755)
             if target.exists():
+                shutil.copymode(target, made)
                 target.rename(Path(scratch) / "replaced")  # and goes with the scratch
             made.rename(target)
         except OSError as error:
@@ -160,7 +162,7 @@ def require_free(folder: Path, *, force: bool) -> None:
     Raises:
         OutputError: where something else is there, or a bag that may not be replaced.
     """
-    target = folder.resolve()
+    target = Path(os.path.realpath(folder))
     if not target.exists():
         return
     if not target.is_dir() or (any(target.iterdir()) and not (target / _METADATA).is_file()):
