@@ -3,7 +3,7 @@ the results are.
 
 - app: the application, its errors, and the options that commands share.
 - The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare, audit), suite,
-  exploitation (exploit), live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
+  live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
   sheet), report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
 - ros_nodes: what conformance and grade do with a node on a ROS 2 bus. bus_options: which bus that is.
 - arguments: secrets on the command line. usage_errors: errors of the command line in one line. outputs: files that are
@@ -13,7 +13,6 @@ the results are.
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401
 from catch_arena.cli import evaluation as _evaluation  # noqa: F401
-from catch_arena.cli import exploitation as _exploitation  # noqa: F401
 from catch_arena.cli import exports as _exports  # noqa: F401
 from catch_arena.cli import hand_ins as _hand_ins  # noqa: F401
 from catch_arena.cli import listings as _listings  # noqa: F401

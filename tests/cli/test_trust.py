@@ -63,8 +63,6 @@ WITHOUT_AGENTS = {
     *("agents", "conformance", "diff", "docs", "explain", "export", "highlights", "mosaic", "render", "report"),
     *("scenarios", "sheet", "verify"),
 }
-REFUSES = {"exploit"}
-"""What plays agents inside our own process alone, and takes none that is not trusted (tests/exploitability)."""
 ROS_AGENTS = ("serve", "controller")
 """The commands of `ros` that run agents; a controller needs a turtlesim."""
 EXIT_CODES = {"compare": {0, 1, 3}}
@@ -128,7 +126,7 @@ def again(name: str) -> list[str]:
 
 def test_every_command_is_in_the_table_or_runs_no_agent():
     commands = get_command(main).commands
-    assert set(commands) - WITHOUT_AGENTS - REFUSES == {name.split()[0] for name in RUNS}
+    assert set(commands) - WITHOUT_AGENTS == {name.split()[0] for name in RUNS}
 
 
 def test_help_says_the_rule_in_the_same_words():
