@@ -258,7 +258,7 @@ def test_the_name_of_another_format_is_refused_with_the_command_that_writes_it(
     refused = CliRunner().invoke(main, [word.replace("{o}", str(played / "o")) for word in words])
     assert (refused.exit_code, refused.stdout) == (2, "")
     assert len(refused.stderr.splitlines()) == 1
-    assert f"catch-arena: {words[-1]}: the name must end in " in refused.stderr
+    assert f"error: {words[-1]}: the name must end in " in refused.stderr
     assert why in refused.stderr
     assert not list(tmp_path.iterdir())
 

@@ -98,7 +98,7 @@ def test_a_full_disk_behind_stdout_is_one_line(tmp_path, words):
     with Path("/dev/full").open("w") as full:
         done = run(tmp_path, *words, *(QUICK if words[-1] == "idle" else ()), stdout=full)
     assert done.returncode == 2
-    assert done.stderr == "catch-arena: the output cannot be written: No space left on device\n"
+    assert done.stderr == "error: the output cannot be written: No space left on device\n"
 
 
 def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
@@ -109,7 +109,7 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
         [sys.executable, "-c", script, *words], cwd=tmp_path / "gone", capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "catch-arena: the working folder was deleted: go to another one\n"
+    assert done.stderr == "error: the working folder was deleted: go to another one\n"
 
 
 @pytest.mark.parametrize(
