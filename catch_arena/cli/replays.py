@@ -42,7 +42,8 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         else:
             say(f"{path}: all of {replay.steps} steps play as recorded")
     if codes:
-        say(f"{len(codes)} of {len(replays)} replays failed", err=True)
+        if len(replays) > 1:
+            say(f"{len(codes)} of {len(replays)} replays failed", err=True)
         raise typer.Exit(max(codes))
 
 
