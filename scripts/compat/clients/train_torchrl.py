@@ -20,7 +20,7 @@ from catch_arena.training.torchrl import GROUP
 torch.manual_seed(1)
 torch.set_num_threads(1)
 
-for infos in ("mask", "none"):
+for infos in ("full", "mask", "none"):
     for control in ("target", "velocity"):
         parallel = catch_arena.parallel_env("duel", infos=infos, control=control, max_cycles=20)
         check_env_specs(PettingZooWrapper(parallel))
