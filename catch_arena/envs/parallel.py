@@ -111,7 +111,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... where there is prey, unless `agent_names` gives other
     names. Observations are float32 vectors (docs/observation.md). Under target control an action is 0 (hold) or a
     target's rank in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such
-    numbers, "catch": a rank or 0}. `infos[agent]` holds numbers and arrays, of one type in every step:
+    numbers, "catch": a rank or 0}. A whole number is whatever `operator.index` takes, or an array or tensor with one
+    such element; finite velocities out of bounds are clipped. `infos[agent]` holds numbers and arrays, of one type in
+    every step:
 
     - `action_mask`: R7.2's mask, int8 (K + 1), as `action_space(agent).sample` takes it; not under velocity control. With
       `mask_in_observation=True` it is in the observation too, under target control;
@@ -569,7 +571,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; nothing moves."""
         _, control = self._places[self._known(agent)]
-        checked_action(control, agent, action, self._ranks)
+        checked_action(control, agent, action, self._ranks, clip=True)
 
     def _known(self, agent: str) -> str:
         if agent not in self._seats and agent not in self._prey:
@@ -598,9 +600,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 for agent in agents:
                     index, control = self._places[agent]
                     if control == "velocity":
-                        speed, turn_rate = checked_command(agent, "an action", actions[agent])
+                        speed, turn_rate = checked_command(agent, "an action", actions[agent], clip=True)
                     elif control == "full":
-                        choices[index], (speed, turn_rate) = checked_full(agent, actions[agent], ranks)
+                        choices[index], (speed, turn_rate) = checked_full(agent, actions[agent], ranks, clip=True)
                     else:
                         choices[index] = checked_choice(agent, "an action", actions[agent], ranks)
                         continue

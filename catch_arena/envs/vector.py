@@ -1,7 +1,7 @@
 """Many arenas at once: the engine's own arrays, for those who learn."""
 
 import copy as copy_module
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import Any, Final, Literal, NamedTuple, TypeVar, cast
 
@@ -15,7 +15,15 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.envs.saved import require_memory
-from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
+from catch_arena.envs.spaces import (
+    action_space,
+    choice_array,
+    clipped,
+    command_array,
+    observation_space,
+    prey_observation_space,
+    velocity_space,
+)
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
@@ -56,7 +64,8 @@ class VectorArena:
     Actions, by the scenario's control:
 
     - target: (B, H) whole numbers: 0 to hold, or a target's rank in view;
-    - velocity: (B, H, 2) numbers in [-1, 1]: linear and angular velocity as fractions of the limits;
+    - velocity: (B, H, 2) numbers in [-1, 1]: linear and angular velocity as fractions of the limits; finite numbers
+      out of bounds are clipped;
     - full, or controls that differ by seat: {"cmd_vel": (B, H, 2), "catch": (B, H)}; what a seat's control does not
       read must be legal too, and is ignored.
 
@@ -407,9 +416,9 @@ class VectorArena:
 
     def _checked_choices(self, what: str, given: Any) -> NDArray[np.int64]:
         ranks = self.config.targets_seen
-        choices = _array(what, given)
+        choices = _array(what, given, choice_array, 2)
         if choices.dtype.kind not in "iu":
-            raise ActionError(f"{what} must be whole numbers, got {_named(choices)}")
+            raise ActionError(f"{what} must be whole numbers, got {_named(given)}")
         self._require_shape(what, choices, (self.num_envs, self.num_hunters))
         if choices.min() < 0 or choices.max() > ranks:
             self._blame(what, f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
@@ -418,13 +427,15 @@ class VectorArena:
         return self._as_type(what, choices, np.int64)  # every rank fits
 
     def _checked_commands(self, what: str, given: Any, agents: int, side: str = "hunter") -> NDArray[np.float32]:
-        commands = _array(what, given)
+        commands = _array(what, given, command_array, 3)
         if commands.dtype.kind not in "fiu":
-            raise ActionError(f"{what} must be numbers, got {_named(commands)}")
+            raise ActionError(f"{what} must be numbers, got {_named(given)}")
         self._require_shape(what, commands, (self.num_envs, agents, 2))
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
-            illegal = np.any(~((commands >= -1.0) & (commands <= 1.0)), axis=-1)
-            self._blame(what, "two numbers in [-1, 1]", commands, illegal, side)
+            if not np.isfinite(commands).all():
+                illegal = np.any(~np.isfinite(commands), axis=-1)
+                self._blame(what, "two finite numbers", commands, illegal, side)
+            commands = clipped(commands)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
         return self._as_type(what, commands, np.float32)  # rounded
@@ -601,9 +612,9 @@ def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np
         raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
 
 
-def _array(what: str, given: Any) -> NDArray[Any]:
+def _array(what: str, given: Any, read: Callable[[Any, int], NDArray[Any]], axes: int) -> NDArray[Any]:
     try:
-        return np.asarray(given)
+        return read(given, axes)
     except ValueError:
         raise ActionError(f"{what} must be rows of equal length, got {_named(given)}") from None
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.parallel import CatchArenaEnv
+from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines
@@ -99,6 +100,9 @@ class _RunningMatch:
         self.step = 0
         self._env, self._players, self._parties, self._on_forfeit = env, players, parties, on_forfeit
         self._agents = env.possible_agents
+        prey: tuple[Control] = ("velocity",)
+        self._controls = env.config.controls + prey * env.config.prey
+        self._ranks = env.config.targets_seen
         self._playing = dict(enumerate(self._agents))
         self._actions: dict[str, Any] = {}
         self._forfeits: list[Forfeit | None] = [None] * len(parties)
@@ -141,11 +145,9 @@ class _RunningMatch:
         faults = self._ask(shown)
         if faults:
             self.forfeit(faults, shown)
-        try:
-            observations, _, _, _, infos = self._env.step(self._actions)
-        except ActionError:
-            self.forfeit(_illegal(self._env, self._actions), shown)
-            observations, _, _, _, infos = self._env.step(self._actions)
+        if illegal := self._take_actions():
+            self.forfeit(illegal, shown)
+        observations, _, _, _, infos = self._env.step(self._actions)
         self._actions.clear()
         self._count(infos)
         if 0 < len(self._env.agents) < len(self._playing):  # R1.7, R12.3: some dropped out, or prey is out for good
@@ -187,8 +189,7 @@ class _RunningMatch:
         )
 
     def _hold(self, seat: int) -> Any:
-        controls = self._env.config.controls
-        return _HOLD[controls[seat] if seat < len(controls) else "velocity"]
+        return _HOLD[self._controls[seat]]
 
     def _ask(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
         """Take the actions of those who are shown something.
@@ -206,6 +207,28 @@ class _RunningMatch:
                 self._actions[self._agents[seat]] = action
             else:
                 faults[seat] = fault
+        return faults
+
+    def _take_actions(self) -> dict[int, Fault]:
+        """Check the actions of those who play on: here velocities out of bounds are refused, and not clipped.
+
+        Returns:
+            whose action is not legal, by seat, and why.
+        """
+        faults: dict[int, Fault] = {}
+        for seat, agent in self._playing.items():
+            control, action = self._controls[seat], self._actions[agent]
+            if control == "target" and type(action) is int and 0 <= action <= self._ranks:
+                continue  # the usual case without another call
+            try:
+                choice, command = checked_action(control, agent, action, self._ranks)
+            except ActionError as refused:
+                faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{agent}: "))
+                continue
+            if control == "target":
+                self._actions[agent] = choice
+            else:
+                self._actions[agent] = command if control == "velocity" else {"cmd_vel": command, "catch": choice}
         return faults
 
     def _count(self, infos: _Infos) -> None:
@@ -237,15 +260,3 @@ def _observation(vector: Any, info: dict[str, Any]) -> Observation:
     mask = info.get("action_mask")
     # plain numbers: a scripted agent reads them one by one, which is slow on arrays
     return vector.tolist(), [] if mask is None else mask.tolist()
-
-
-def _illegal(env: CatchArenaEnv, actions: dict[str, Any]) -> dict[int, Fault]:
-    """The seats whose actions the env refuses."""
-    faults = {}
-    for seat, agent in enumerate(env.possible_agents):
-        try:
-            if agent in actions:
-                env.check_action(agent, actions[agent])
-        except ActionError as refused:
-            faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{agent}: "))
-    return faults

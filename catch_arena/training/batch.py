@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.controllers import CONTROLS
+from catch_arena.envs.spaces import choice_array, clipped, command_array
 from catch_arena.envs.vector import SavedState, VectorArena
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
@@ -339,12 +340,13 @@ class LearnerBatch:
         if not self._begun:
             raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
-    def _of_arenas(self, actions: Any) -> Any:
+    def _of_arenas(self, actions: Any, part: str = "") -> Any:
         """(N, ...) as (B, H, ...)."""
         if isinstance(actions, Mapping):
-            return {name: self._of_arenas(value) for name, value in actions.items()}
+            return {name: self._of_arenas(value, name) for name, value in actions.items()}
+        chooses = part == "catch" or self._control == CONTROLS["target"]
         try:
-            given = np.asarray(actions)
+            given = choice_array(actions, 1) if chooses else command_array(actions, 2)
         except ValueError:
             raise ActionError(f"actions must be rows of equal length, got {in_short(actions)}") from None
         if given.shape[:1] != (self.num_rows,):
@@ -367,14 +369,14 @@ class LearnerBatch:
                 continue
             if isinstance(named[name], Mapping):
                 raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
-            given = self._of_arenas(named[name])
+            given = self._of_arenas(named[name], name)
             if given.dtype.kind not in ("iu" if name == "catch" else "fiu"):
-                raise ActionError(f"actions must be {'whole ' if name == 'catch' else ''}numbers, got {given.dtype}")
+                kind = "whole numbers" if name == "catch" else "numbers"
+                raise ActionError(f"actions must be {kind}, got {in_short(named[name])}")
             if given.shape[2:] != table.shape[2:]:
                 wanted = (self.num_rows, *table.shape[2:])
-                raise ActionError(f"actions must have the shape {wanted}, got {np.shape(named[name])}")
-            with np.errstate(over="ignore"):  # what becomes infinite is refused
-                table[self._rows, self._seats] = given
+                raise ActionError(f"actions must have the shape {wanted}, got {(self.num_rows, *given.shape[2:])}")
+            table[self._rows, self._seats] = given if name == "catch" else clipped(given)
         return {"cmd_vel": self._commands, "catch": self._choices}
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:

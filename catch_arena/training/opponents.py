@@ -2,7 +2,7 @@
 
 import copy
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.envs.spaces import checked_action
+from catch_arena.envs.spaces import checked_action, choice_array, command_array
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
@@ -248,7 +248,7 @@ class Opponents:
             ranks, velocities = answer["catch"], answer["cmd_vel"]
         if opponent.control != VELOCITY_CONTROL:
             most = self._config.targets_seen
-            given = _numbers(said, ranks, "iu", f"{count} whole numbers from 0 to {most}", (count,))
+            given = _numbers(said, ranks, choice_array, "iu", f"{count} whole numbers from 0 to {most}", (count,))
             wrong = (given < 0) | (given > most)
             if wrong.any():
                 row = int(np.argmax(wrong))
@@ -258,7 +258,7 @@ class Opponents:
                 )
             choices[arenas, seats] = given
         if opponent.control != TARGET_CONTROL:
-            given = _numbers(said, velocities, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
+            given = _numbers(said, velocities, command_array, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
             legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN lies nowhere
             if not legal.all():
                 row = int(np.argmin(legal))
@@ -333,13 +333,21 @@ def _with_control(limits: Limits, control: int) -> Limits:
     return dataclasses.replace(limits, control=_WORDS[control])
 
 
-def _numbers(said: str, given: Any, kinds: str, wanted: str, shape: tuple[int, ...]) -> NDArray[Any]:
+def _numbers(
+    said: str,
+    given: Any,
+    read: Callable[[Any, int], NDArray[Any]],
+    kinds: str,
+    wanted: str,
+    shape: tuple[int, ...],
+) -> NDArray[Any]:
     try:
-        numbers = np.asarray(given)
+        numbers = read(given, len(shape))
     except (TypeError, ValueError):
         numbers = np.array(None)
     if numbers.shape != shape or numbers.dtype.kind not in kinds:
-        what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if numbers.shape else in_short(given)
+        shown = isinstance(given, np.ndarray) or (numbers.shape and numbers.dtype.kind in kinds)
+        what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if shown else in_short(given)
         raise AgentError(f"{said} must give {wanted}, got {what}")
     return numbers
 

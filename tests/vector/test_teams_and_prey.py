@@ -158,7 +158,7 @@ def test_shapes_and_spaces_are_those_of_the_sides():
         (lambda actions: {**actions, "prey": actions["prey"][:, :2]}, "actions['prey'] must have the shape (4, 3, 2)"),
         (
             lambda actions: {**actions, "prey": np.where(np.arange(6).reshape(3, 2) == 4, np.nan, actions["prey"])},
-            "actions['prey'] must be two numbers in [-1, 1], got [nan, ",
+            "actions['prey'] must be two finite numbers, got [nan, ",
         ),
         (
             lambda actions: {**actions, "hunter": actions["hunter"] + 99},

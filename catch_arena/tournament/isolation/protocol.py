@@ -14,6 +14,7 @@ from io import BufferedReader
 from struct import Struct
 from typing import Any, Final
 
+from catch_arena.plain import as_python, plain_action
 from catch_arena.policy import AnyLimits, Limits, PreyLimits
 
 VERSION: Final = 1
@@ -78,13 +79,14 @@ def _view_form(width: int) -> str:
 def action_line(action: object) -> bytes:
     """An agent's action; what JSON cannot say is sent as its text, which no control takes for an action."""
     try:
-        return b'{"action":%s}\n' % json.dumps(action, default=_plain).encode()
+        return b'{"action":%s}\n' % json.dumps(plain_action(action), default=_plain).encode()
     except (TypeError, ValueError, RecursionError):
         return line(action=repr(type(action)))
 
 
 def _plain(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else repr(value)  # NumPy's numbers and arrays
+    plain = as_python(value)
+    return repr(value) if plain is value else plain
 
 
 def send(channel: socket.socket, files: Sequence[int] = (), **message: Any) -> None:

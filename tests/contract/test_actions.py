@@ -1,0 +1,272 @@
+"""An action is legal or not by one rule, wherever an agent plays."""
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import odd_actions
+import pytest
+from odd_actions import FORMS, NO_RANK, RANK_1, Arrayed, Index, Listed
+
+from catch_arena import VectorArena, env, parallel_env, scenario
+from catch_arena.errors import ActionError, AgentError
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.isolation.inspecting import inspector
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.playing import play_entrants
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.match_loop import play
+from catch_arena.training import LearnerBatch
+
+SEED = 5
+DUEL = scenario("duel")
+
+
+def outcome(call):
+    """The digest after a step that plays an action; None for one that is refused."""
+    try:
+        return call()
+    except (ActionError, AgentError):
+        return None
+
+
+def in_parallel(form):
+    arena = parallel_env(DUEL)
+    arena.reset(seed=SEED)
+    arena.step({"hunter_0": form, "hunter_1": 0})
+    return arena.digest()
+
+
+def in_turns(form):
+    arena = env(DUEL)
+    arena.reset(seed=SEED)
+    arena.step(form)
+    arena.step(0)
+    return arena.digest()
+
+
+def in_a_batch(form):
+    arena = VectorArena(DUEL, 1)
+    arena.reset(seed=[SEED])
+    arena.step([[form, 0]])
+    return arena.digest(0)
+
+
+def in_a_batch_under_full_control(form):
+    arena = VectorArena(DUEL, 1, any_control=True)
+    arena.reset(seed=[SEED])
+    arena.step({"cmd_vel": np.zeros((1, 2, 2)), "catch": ((form, 0),)})
+    return arena.digest(0)
+
+
+class Means:
+    def __init__(self, form=0):
+        self.form = form
+
+    def reset(self, seed):
+        pass
+
+    def act(self, _view):
+        return self.form
+
+
+class MeansInBatches(Means):
+    def act_batch(self, _view):
+        return [self.form]  # of the one hunter that it plays
+
+
+def learner(form, other=0):
+    batch = LearnerBatch(DUEL, 1, opponents=Means(other))
+    batch.reset(seed=SEED)
+    batch.step([form])
+    return batch.arena.digest(0)
+
+
+def learners(form):
+    batch = LearnerBatch(DUEL, 1)
+    batch.reset(seed=SEED)
+    batch.step([form, 0])
+    return batch.arena.digest(0)
+
+
+def opponent(form):
+    return learner(0, form)
+
+
+def opponent_in_batches(form):
+    batch = LearnerBatch(DUEL, 1, opponents=MeansInBatches(form))
+    batch.reset(seed=SEED)
+    batch.step([0])
+    return batch.arena.digest(0)
+
+
+@pytest.mark.parametrize("name", [*RANK_1, *NO_RANK])
+@pytest.mark.parametrize(
+    "played",
+    [
+        in_parallel,
+        in_turns,
+        in_a_batch,
+        in_a_batch_under_full_control,
+        learner,
+        learners,
+        opponent,
+        opponent_in_batches,
+    ],
+)
+def test_a_form_of_a_rank_is_legal_in_every_environment_or_in_none(played, name):
+    """Whatever `operator.index` takes, and an array or a tensor with one such element."""
+    assert played(1) not in (None, played(0))
+    assert outcome(lambda: played((RANK_1 | NO_RANK)[name])) == (played(1) if name in RANK_1 else None)
+
+
+@pytest.mark.parametrize("level", ["trusted", "processes"])
+def test_a_form_of_a_rank_is_legal_in_every_process_or_in_none(level):
+    """An agent that forfeits in isolation forfeits with --trusted, and with the same sentence."""
+    found = {}
+    sandbox = None if level == "trusted" else Sandbox(replace(AgentLimits(init_s=60, step_ms=60_000), level=level))
+    try:
+        (entrant,) = enter([odd_actions.__file__], *([inspector(sandbox)] if sandbox else []))
+        entrants = [entrant, *enter(["idle"])]
+        for seed, name in enumerate(RANK_1 | NO_RANK):
+            result = play_entrants(DUEL, SEED, entrants, sandbox, agent_seeds=(seed, 0), most_steps=1)
+            found[name] = result.digest if result.forfeits[0] is None else result.forfeits[0]
+    finally:
+        if sandbox:
+            sandbox.close()
+
+    assert found == dict.fromkeys(RANK_1, in_parallel(1).hex()) | dict.fromkeys(NO_RANK, "FORFEIT_ILLEGAL")
+    assert len(found) == len(FORMS)
+
+
+HALF = {
+    "floats": (0.5, -1.0),
+    "list": [0.5, -1],
+    "array": np.array([0.5, -1.0]),
+    "float32": np.array([0.5, -1.0], np.float32),
+    "numbers of NumPy": (np.float32(0.5), np.int8(-1)),
+    "fraction": (Fraction(1, 2), Index(-1)),
+    "arrays without axes": (np.array(0.5), Listed(-1.0)),
+    "tensor": Listed([0.5, -1.0]),
+    "array-like": Arrayed([0.5, -1.0]),
+}
+CLIPPED = {
+    "a little": (0.5, -1.0000001),
+    "array": np.array([0.5, -1.5]),
+    "far": [0.5, -1e300],
+    "a whole number": (0.5, -7),
+    "tensor": Listed([0.5, -7.0]),
+}
+NO_VELOCITY = {
+    "nan": (0.5, math.nan),
+    "infinity": (0.5, -math.inf),
+    "infinite array": np.array([0.5, -np.inf]),
+    "one": np.array([0.5]),
+    "three": (0.5, -1.0, 0.0),
+    "row": np.array([[0.5, -1.0]]),
+    "column": np.array([[0.5], [-1.0]]),
+    "text": ("0.5", "-1"),
+    "booleans": (True, False),
+    "boolean": (0.5, np.True_),
+    "number": 0.5,
+    "None": None,
+    "complex": (0.5, -1j),
+}
+
+
+def driven(control, form):
+    """The digest after one step, in each kind of environment; None where it is refused."""
+
+    def action(pair):
+        return pair if control == "velocity" else {"cmd_vel": pair, "catch": 0}
+
+    def batch_action(*pairs):
+        return [pairs] if control == "velocity" else {"cmd_vel": [pairs], "catch": [[0, 0]]}
+
+    def parallel():
+        arena = parallel_env(DUEL, control=control)
+        arena.reset(seed=SEED)
+        arena.step({"hunter_0": action(form), "hunter_1": action((0.0, 0.0))})
+        return arena.digest()
+
+    def turns():
+        arena = env(DUEL, control=control)
+        arena.reset(seed=SEED)
+        arena.step(action(form))
+        arena.step(action((0.0, 0.0)))
+        return arena.digest()
+
+    def batch():
+        arena = VectorArena(DUEL, 1, control=control)
+        arena.reset(seed=[SEED])
+        arena.step(batch_action(form, (0.0, 0.0)))
+        return arena.digest(0)
+
+    def of_learners():
+        batch = LearnerBatch(DUEL, 1, control=control)
+        batch.reset(seed=SEED)
+        pairs = [form, (0.0, 0.0)]
+        batch.step(pairs if control == "velocity" else {"cmd_vel": pairs, "catch": [0, 0]})
+        return batch.arena.digest(0)
+
+    return [outcome(call) for call in (parallel, turns, batch, of_learners)]
+
+
+@pytest.mark.parametrize("control", ["velocity", "full"])
+@pytest.mark.parametrize("name", HALF)
+def test_a_velocity_may_be_any_two_real_numbers(control, name):
+    assert driven(control, HALF[name]) == driven(control, (0.5, -1.0))
+    assert None not in driven(control, HALF[name])
+
+
+@pytest.mark.parametrize("control", ["velocity", "full"])
+@pytest.mark.parametrize("name", CLIPPED)
+def test_finite_velocities_out_of_bounds_are_clipped_by_the_environments(control, name):
+    """As mpe2 and pistonball do; a Gaussian policy draws such actions all the time."""
+    assert driven(control, CLIPPED[name]) == driven(control, (0.5, -1.0))
+
+
+@pytest.mark.parametrize("control", ["velocity", "full"])
+@pytest.mark.parametrize("name", NO_VELOCITY)
+def test_what_is_no_velocity_is_refused_and_not_clipped(control, name):
+    assert driven(control, NO_VELOCITY[name]) == [None] * 4
+
+
+def test_clipping_leaves_the_callers_array_as_it_was():
+    """And prey's velocities are clipped too."""
+    arena, twin = (VectorArena("tag", 2) for _ in range(2))
+    given = {
+        "hunter": np.full((2, arena.num_hunters, 2), 3.0, np.float32),
+        "prey": np.full((2, arena.num_prey, 2), -3.0, np.float32),
+    }
+    for each in (arena, twin):
+        each.reset(seed=1)
+    arena.step(given)
+    twin.step({"hunter": given["hunter"] / 3, "prey": given["prey"] / 3})
+
+    assert arena.digest(1) == twin.digest(1)
+    assert (given["hunter"] == 3).all()
+    assert (given["prey"] == -3).all()
+
+
+def test_an_agent_that_drives_out_of_bounds_forfeits_in_a_tournament():
+    """Its match keeps the rule that the environments relax."""
+    for control, answer in (("velocity", (1.0000001, 0.0)), ("full", {"cmd_vel": (0.0, -1.5), "catch": 0})):
+        driver = Means(answer)
+        driver.control = control
+        result = play(DUEL, SEED, [driver, Means()], ["driver", "idle"], most_steps=2)
+
+        assert result.forfeits == ("FORFEIT_ILLEGAL", None)
+        assert "must be two numbers in [-1, 1], got" in result.details[0].reason
+
+
+def test_an_opponent_that_drives_out_of_bounds_is_named():
+    """It would forfeit in a tournament."""
+    for opponent_class in (Means, MeansInBatches):
+        driver = opponent_class((0.0, 1.5))
+        driver.control = "velocity"
+        batch = LearnerBatch(DUEL, 1, opponents=driver)
+        batch.reset(seed=SEED)
+        with pytest.raises(AgentError, match=r"numbers in \[-1, 1\], got"):
+            batch.step([0])
