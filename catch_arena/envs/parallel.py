@@ -115,8 +115,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     such element; finite velocities out of bounds are clipped. `infos[agent]` holds numbers and arrays, of one type in
     every step:
 
-    - `action_mask`: R7.2's mask, int8 (K + 1), as `action_space(agent).sample` takes it; not under velocity control. With
-      `mask_in_observation=True` it is in the observation too, under target control;
+    - `action_mask`: R7.2's mask, int8 (K + 1), as `action_space(agent).sample` takes it; not under velocity control.
+      With `mask_in_observation=True` it is in the observation too, under target control;
     - `verdict`: the answer to the agent's catch request in this step, a number of `Verdict`, 0 without a request;
     - `target`, `distance_um`, `winner`: the number of the target that was requested, its distance, and the seat that
       won; each -1 for none;
