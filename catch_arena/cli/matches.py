@@ -45,7 +45,7 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.secret import Secret
 
-Format = Literal["round-robin", "balanced", "gauntlet", "swiss"]
+Format = Literal["round-robin", "balanced", "gauntlet"]
 ExecutorName = Literal["local", "ray"]
 
 
@@ -61,7 +61,7 @@ def tournament(
             "--format",
             metavar="FORMAT",
             help="round-robin: every group of agents; balanced: fewer groups, in which pairs meet about equally often; "
-            "gauntlet: the first agent against the others; swiss: rounds, paired by the ranking so far.",
+            "gauntlet: the first agent against the others.",
             show_default="round-robin, or balanced if that takes too long",
         ),
     ] = None,
@@ -252,10 +252,7 @@ def _plan(
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
 
     def of_rounds(count: int) -> FixedPlan:
-        made = plan_of(form, len(entrants), parties.group, count, seed, prey)
-        if not isinstance(made, FixedPlan):
-            raise ConfigError(f"--format must be another one with --until-separated, got {form}")
-        return made
+        return plan_of(form, len(entrants), parties.group, count, seed, prey)
 
     return UntilSeparated(entrants, until_separated, BUDGET if max_matches is None else max_matches, of_rounds, prey)
 

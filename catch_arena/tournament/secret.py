@@ -17,7 +17,6 @@ Purpose = Literal[
     "agent",
     "seating",
     "groups",
-    "standing",
     "compare",
     "grade",
     "audit seats",

@@ -203,10 +203,6 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["tournament", "nearest", "idle", *QUICK, "--max-matches", "9"], "--max-matches must come with"),
         (["tournament", "nearest", "idle", *QUICK, "--until-separated", "2"], "confidence must lie in [0.5, 1)"),
         (
-            ["tournament", "nearest", "idle", *QUICK, "--until-separated", "0.9", "--format", "swiss"],
-            "--format must be another one with --until-separated, got swiss",
-        ),
-        (
             ["tournament", "nearest", "idle", *QUICK, "--until-separated", "0.9", "--rounds", "2"],
             "--rounds must be left out with --until-separated, got 2",
         ),

@@ -121,7 +121,7 @@ def test_a_text_that_is_neither_is_one_line(text):
 def test_neither_a_secret_nor_a_match_shows_its_seeds_where_it_is_printed():
     secret = Secret.of(None)
     match = next(iter(round_robin(2, 2, 1, secret)))
-    plan = plan_of("swiss", 4, 2, 1, secret)
+    plan = plan_of("round-robin", 4, 2, 1, secret)
     for text in (repr(secret), str(secret), f"{secret}", repr(match), repr(plan)):
         assert secret.digits not in text
         assert repr(secret.key) not in text

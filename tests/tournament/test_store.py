@@ -111,7 +111,7 @@ def test_a_plan_is_written_whole_or_not_at_all(tmp_path):
 CHANGES = {
     "reach_m is 0.3 there, and 0.4 here": {"config": SHORT.replace(reach_m=0.4)},
     "rounds is 2 there, and 3 here": {"plan": round_robin(3, 2, 3, seed=4).parameters},
-    'format is "round-robin" there, and "swiss" here': {"plan": plan_of("swiss", 3, 2, 2, 4).parameters},
+    'format is "round-robin" there, and "balanced" here': {"plan": plan_of("balanced", 3, 2, 2, 4).parameters},
     "recorded is not given there, and true here": {"terms": {"recorded": True}},
     "its seed is another one; without --seed it keeps its own": {"secret": Secret.of(5)},
     "its agents are nearest idle random, and here nearest idle": {"entrants": ENTRANTS[:2]},
@@ -140,7 +140,7 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
     assert Store.secret_in(tmp_path) == FACTS.secret
     assert Store.secret_in(tmp_path / "elsewhere") is None
     store.keep(played)
-    assert not store.ended  # a Swiss may have another round
+    assert not store.ended  # a plan may have another stage
     store.end()
     with Store.read(tmp_path) as again:
         assert again.ended

@@ -1,4 +1,4 @@
-"""What is played: groups of entrants, in blocks where each sits in each seat, in one of four formats."""
+"""What is played: groups of entrants, in blocks where each sits in each seat, in one of three formats."""
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -11,13 +11,11 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
-from catch_arena.tournament.parties import SIDES, Parties
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
-from catch_arena.tournament.plans.swiss import pair_round
 from catch_arena.tournament.secret import Secret
-from catch_arena.tournament.statistics.sides import on_side
 
-FORMATS: Final = ("round-robin", "balanced", "gauntlet", "swiss")
+FORMATS: Final = ("round-robin", "balanced", "gauntlet")
 
 _MOST_MATCHES: Final = 1_000_000
 _MOST_ROUNDS: Final = 99_999
@@ -68,42 +66,6 @@ class FixedPlan:
         return () if number else self.blocks()
 
 
-@dataclass(frozen=True, slots=True)
-class Swiss:
-    """Rounds that are paired by the ranking so far; each is a stage."""
-
-    entrants: int
-    seats: int
-    rounds: int
-    secret: Secret
-    parties: Parties | None = None
-    """As of `plan_of`."""
-
-    def __post_init__(self) -> None:
-        _check(self.rounds, self.size, f"Swiss rounds of {self.entrants} entrants")
-
-    @property
-    def parameters(self) -> Mapping[str, str | int]:
-        """The format and the rounds."""
-        return _parameters("swiss", self.rounds)
-
-    @property
-    def size(self) -> int:
-        """The same, whatever the results."""
-        return self.rounds * (self.entrants // self.seats) * _block_size(self.seats, self.parties)
-
-    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """One round."""
-        if number >= self.rounds:
-            return
-        before: Sequence[PlayedMatch] = list(played)
-        sides = (before,) if self.parties is None else [on_side(before, self.parties, side) for side in SIDES]
-        matches = ((one.match.seating, one.result.ranks) for side in sides for one in side)
-        groups = pair_round(self.entrants, self.seats, matches, lambda one: self.secret.seed("standing", number, one))
-        for index, group in enumerate(groups):
-            yield _block(group, self.secret, number, index, len(groups), self.parties)
-
-
 def plan_of(
     wanted: str | None,
     entrants: int,
@@ -111,15 +73,14 @@ def plan_of(
     rounds: int | None,
     seed: Secret | int,
     parties: Parties | None = None,
-) -> Plan:
+) -> FixedPlan:
     """The plan of a format.
 
     Args:
         wanted: one of FORMATS; None is a round robin, or balanced blocks where that has too many matches.
         entrants: who plays.
         seats: how many play in a block: `Parties.group`.
-        rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals; in a
-            Swiss at least as many as leave but one unbeaten where matches are duels.
+        rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
         parties: those of the arena, where there is prey; without, a block is every rotation of its players.
 
@@ -129,9 +90,6 @@ def plan_of(
     if wanted is None:
         wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
     require_choice("format", wanted, FORMATS)
-    if wanted == "swiss":
-        rounds = max((entrants - 1).bit_length(), _BLOCKS_OF_EACH) if rounds is None else rounds
-        return Swiss(entrants, seats, rounds, Secret.of(seed), parties)
     makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
     make = makers[wanted]
     if rounds is None:

@@ -14,14 +14,13 @@ from catch_arena.files import prepare_folder
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
 from catch_arena.tournament.match import blocks_of
-from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.standings_files import write_standings
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Tournament
 
 SHORT = scenario("duel", time_limit_s=6)
-SWISS_SEED = 1
 """Seats a strong and an idle agent at each table of the first round."""
 
 
@@ -115,13 +114,6 @@ def test_a_plan_may_grow_by_what_was_played(jobs):
     lost = [one.match.block for one in played if one.result.ranks[one.match.seating.index(0)] != 1]
     assert set(lost) == {played[-1].match.block}
     assert len(played) > 2
-
-
-def test_a_swiss_pairs_each_round_by_the_results_of_those_before():
-    names = ["nearest", "idle", "contested", "idle"]
-    played = run(scenario("duel", time_limit_s=20), enter(names), plan_of("swiss", 4, 2, None, seed=SWISS_SEED))
-    tables = [{frozenset(one.match.seating) for one in played if one.match.id.startswith(f"r0000{n}")} for n in (1, 2)]
-    assert tables == [{frozenset({0, 1}), frozenset({2, 3})}, {frozenset({0, 2}), frozenset({1, 3})}]
 
 
 def test_no_process_is_no_way_to_play():

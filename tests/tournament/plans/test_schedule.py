@@ -21,14 +21,13 @@ from catch_arena.tournament.plans.schedule import (
     require_enough,
     round_robin,
 )
-from catch_arena.tournament.plans.swiss import pair_round
 
 SIZES = st.integers(1, 6).flatmap(lambda seats: st.tuples(st.integers(seats, 8), st.just(seats), st.integers(1, 3)))
 
 
 @st.composite
 def plans(draw):
-    """Any plan; of a Swiss, the first round."""
+    """Any plan."""
     seats = draw(st.integers(2, 5))
     entrants, rounds = draw(st.integers(seats, 12)), draw(st.integers(1, 3))
     return plan_of(draw(st.sampled_from(FORMATS)), entrants, seats, rounds, draw(st.integers(0, 2**64 - 1)))
@@ -47,10 +46,9 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
         assert [match.seating for match in block] == [first[turn:] + first[:turn] for turn in range(len(first))]
     ids = [match.id for block in blocks for match in block]
     assert ids == sorted(set(ids))
-    if plan.parameters["format"] != "swiss":
-        assert len(ids) == plan.size
-        assert list(plan.stage(0, ())) == blocks
-        assert not list(plan.stage(1, ()))
+    assert len(ids) == plan.size
+    assert list(plan.stage(0, ())) == blocks
+    assert not list(plan.stage(1, ()))
 
 
 @given(SIZES, st.integers(0, 2**64 - 1))
@@ -136,36 +134,15 @@ def test_the_default_is_a_round_robin_until_that_is_long():
         ("balanced", 5, 2, 3),
         ("gauntlet", 21, 2, 10),
         ("gauntlet", 5, 4, 4),
-        ("swiss", 4, 2, 10),
-        ("swiss", 5000, 2, 13),
     ],
 )
 def test_without_a_number_of_rounds_each_entrant_plays_ten_blocks(form, entrants, seats, rounds):
     """So that every figure of the standings has an interval; one round less would not do."""
     plan = plan_of(form, entrants, seats, None, 5)
     assert plan.parameters["rounds"] == rounds
-    if form != "swiss":
-        blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)
-        assert min(blocks.values()) >= 10
-        assert min(blocks.values()) * (rounds - 1) < 10 * rounds
-
-
-def test_a_swiss_seats_neighbours_and_those_who_have_not_met():
-    """By hand, in duels: 0 beat 1, 2 beat 3, 4 and 5 drew; the lots are the numbers."""
-    first = [((0, 1), (1, 2)), ((2, 3), (1, 2)), ((4, 5), (1, 1))]
-    assert pair_round(6, 2, first, lambda one: one) == [(0, 2), (1, 4), (3, 5)]
-    second = [*first, ((0, 2), (1, 2)), ((1, 4), (2, 1)), ((3, 5), (1, 2))]
-    assert pair_round(6, 2, second, lambda one: one) == [(0, 4), (2, 5), (1, 3)]
-
-
-def test_who_has_played_most_sits_out_where_a_swiss_does_not_come_out_even():
-    """Five in duels: each round one sits out, the last of those who have not sat out yet."""
-    matches, idle = [], []
-    for _ in range(5):
-        groups = pair_round(5, 2, matches, lambda one: one)
-        idle += set(range(5)).difference(*groups)
-        matches += [(group, (1, 2)) for group in groups]
-    assert sorted(idle) == [0, 1, 2, 3, 4]
+    blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)
+    assert min(blocks.values()) >= 10
+    assert min(blocks.values()) * (rounds - 1) < 10 * rounds
 
 
 def test_a_list_of_matches_is_a_plan_that_is_known_by_its_matches():
@@ -191,7 +168,7 @@ def test_a_plan_that_cannot_be_is_refused(rounds, seed, message):
 
 
 def test_a_format_that_cannot_be_is_refused():
-    with pytest.raises(ConfigError, match=r"format must be one of .* got 'swis'; did you mean swiss"):
-        plan_of("swis", 4, 2, 1, 0)
+    with pytest.raises(ConfigError, match=r"format must be one of .* got 'gauntlett'; did you mean gauntlet"):
+        plan_of("gauntlett", 4, 2, 1, 0)
     with pytest.raises(ConfigError, match="gauntlet needs at least 2 hunters in a match, got 1"):
         plan_of("gauntlet", 4, 1, 1, 0)
