@@ -11,6 +11,7 @@ import numpy as np
 from catch_arena.config import ArbitrationPolicy, require_choice
 from catch_arena.core import arbiter, state
 from catch_arena.errors import ActionError, ConfigError
+from catch_arena.plain import plain_setting, real_number, whole_number
 from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import Ruling
 
@@ -70,7 +71,8 @@ def arbitrate(
         )
     reaches_um = _checked_reaches(reach_m, seats)
     require_choice("policy", policy, get_args(ArbitrationPolicy))
-    if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step < 2**53:
+    steps = whole_number(step)
+    if steps is None or not 0 <= steps < 2**53:
         raise ConfigError(f"step must be a whole number from 0, got {step!r}")
     numbers = {name: number for number, name in enumerate(alive, start=1)}
     table = np.zeros((len(requests), arbiter.REQUEST_COLUMNS), dtype=np.int64)
@@ -90,11 +92,11 @@ def arbitrate(
         table,
         arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),
-        step,
+        steps,
         bool(match_over),
         bool(kill_service_up),
     )
-    return rulings_of(table, [name for _, name in requests], step)
+    return rulings_of(table, [name for _, name in requests], steps)
 
 
 def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
@@ -123,12 +125,13 @@ def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) 
 
 def _checked_reaches(reach_m: Any, seats: int) -> list[int]:
     """Each seat's reach in whole micrometres (R5.3)."""
-    by_seat = isinstance(reach_m, Sequence) and not isinstance(reach_m, str)
+    reach_m = plain_setting(reach_m)
+    by_seat = isinstance(reach_m, tuple)
     if by_seat and len(reach_m) != seats:
         raise ConfigError(f"reach_m must be one number, or one for each of {seats} hunters, got {reach_m!r}")
     found = []
     for seat, reach in enumerate(reach_m if by_seat else [reach_m] * seats):
-        if isinstance(reach, bool) or not isinstance(reach, int | float) or not 0 < reach <= _FARTHEST_M:
+        if real_number(reach) is None or not 0 < reach <= _FARTHEST_M:
             raise ConfigError(f"reach_m{f'[{seat}]' if by_seat else ''} must be a positive number, got {reach!r}")
         found.append(max(1, math.floor(1e6 * reach + 0.5)))
     return found
@@ -163,10 +166,11 @@ def _checked_names(field: str, names: Collection[str]) -> set[str]:
 
 
 def _checked_seat(field: str, seat: object, seats: int) -> int:
-    if isinstance(seat, bool) or not isinstance(seat, int | np.integer) or not 0 <= seat < seats:
+    number = whole_number(seat)
+    if number is None or not 0 <= number < seats:
         known = f"a seat from 0 to {seats - 1}" if seats else "a seat, and there is none"
         raise ActionError(f"{field} must name {known}, got {seat!r}")
-    return int(seat)
+    return number
 
 
 def _checked_request(request: Any, seats: int) -> tuple[int, object]:

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
 
 from catch_arena.errors import ConfigError, did_you_mean, suggest
-from catch_arena.text import in_short
+from catch_arena.plain import as_python, plain_setting, real_number, whole_number
+from catch_arena.text import in_short, with_type
 
 Control = Literal["target", "velocity", "full"]
 """How a hunter is driven: R4.1, R4.4."""
@@ -49,6 +50,7 @@ class Gains:
     """Turn rate per radian-second of accumulated bearing error [1/s^2]."""
 
     def __post_init__(self) -> None:
+        _make_plain(self)
         for name in ("kp_v", "ki_v", "kp_w", "ki_w"):
             _require_number(f"gains.{name}", getattr(self, name), at_least=0.0, at_most=1e6)
 
@@ -73,6 +75,7 @@ class RewardWeights:
     """Per catch by a team-mate (R11.2)."""
 
     def __post_init__(self) -> None:
+        _make_plain(self)
         for part in dataclasses.fields(self):
             _require_number(f"rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
 
@@ -89,6 +92,7 @@ class PreyRewardWeights:
     """Per metre that it puts between itself and the nearest hunter."""
 
     def __post_init__(self) -> None:
+        _make_plain(self)
         for part in dataclasses.fields(self):
             _require_number(f"prey_rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
 
@@ -107,6 +111,7 @@ class FaultRates:
     """The simulator refuses one spawn number."""
 
     def __post_init__(self) -> None:
+        _make_plain(self)
         for rate in dataclasses.fields(self):
             _require_number(f"faults.{rate.name}", getattr(self, rate.name), at_least=0.0, at_most=1.0)
 
@@ -197,6 +202,7 @@ class ArenaConfig:
         return self
 
     def __post_init__(self) -> None:
+        _make_plain(self)
         _require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
         _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)
         self._check_handicap("max_speed_mps", at_most=1000.0)
@@ -219,8 +225,7 @@ class ArenaConfig:
         if self.observed_hunters is not None:
             _require_integer("observed_hunters", self.observed_hunters, 0, self.hunters - 1, "hunters - 1")
         for name in ("reverse", "spawning", "mask_in_observation"):
-            if not isinstance(getattr(self, name), bool):
-                raise ConfigError(f"{name} must be true or false, got {getattr(self, name)!r}")
+            require_flag(name, getattr(self, name))
         require_choice("policy", self.policy, get_args(ArbitrationPolicy))
         require_choice("dropouts", self.dropouts, get_args(Dropouts))
         if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200 or _SURROGATE.search(self.name_prefix):
@@ -237,14 +242,13 @@ class ArenaConfig:
 
     def _check_handicap(self, name: str, at_most: float) -> None:
         value = getattr(self, name)
-        if not isinstance(value, tuple | list):
+        if not isinstance(value, tuple):
             _require_number(name, value, above=0.0, at_most=at_most)
             return
         if len(value) != self.hunters:
             raise ConfigError(f"{name} must be one number, or one for each of {self.hunters} hunters, got {value!r}")
         for seat, number in enumerate(value):
             _require_number(f"{name}[{seat}]", number, above=0.0, at_most=at_most)
-        object.__setattr__(self, name, tuple(value))
 
     def _check_target_motion(self) -> None:
         require_choice("target_motion", self.target_motion, get_args(TargetMotion))
@@ -270,21 +274,20 @@ class ArenaConfig:
         if isinstance(self.control, str):
             require_choice("control", self.control, get_args(Control))
             return
-        if not isinstance(self.control, Sequence):
-            raise ConfigError(f"control must be one word or one word a seat, got {self.control!r}")
+        if not isinstance(self.control, tuple):
+            raise ConfigError(f"control must be one word or one word a seat, got {with_type(self.control)}")
         if len(self.control) != self.hunters:
             raise ConfigError(f"control must have one word for each of {self.hunters} hunters, got {len(self.control)}")
         for seat, word in enumerate(self.control):
             require_choice(f"control[{seat}]", word, get_args(Control))
-        object.__setattr__(self, "control", tuple(self.control))
 
     def _check_poses(self) -> None:
         if self.hunter_poses is None:
             return
-        if not isinstance(self.hunter_poses, Sequence) or len(self.hunter_poses) != self.hunters:
+        if not isinstance(self.hunter_poses, tuple) or len(self.hunter_poses) != self.hunters:
             raise ConfigError(f"hunter_poses must be {self.hunters} poses (x, y, theta), got {self.hunter_poses!r}")
         for seat, pose in enumerate(self.hunter_poses):
-            if not isinstance(pose, Sequence) or len(pose) != 3:
+            if not isinstance(pose, tuple) or len(pose) != 3:
                 raise ConfigError(f"hunter_poses[{seat}] must be (x, y, theta), got {pose!r}")
             for axis, value in zip("xy", pose[:2], strict=True):
                 _require_number(f"hunter_poses[{seat}].{axis}", value, at_least=0.0, at_most=self.side_m)
@@ -297,7 +300,7 @@ class ArenaConfig:
         _require_number("team_share", self.team_share, at_least=0.0, at_most=1.0)
         if self.teams is None:
             return
-        if not _is_sequence(self.teams) or not all(_is_sequence(team) for team in self.teams):
+        if not isinstance(self.teams, tuple) or not all(isinstance(team, tuple) for team in self.teams):
             raise ConfigError(f"teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got {self.teams!r}")
         requirement = f"teams must name each seat from 0 to {self.hunters - 1} once"
         seats: list[int] = []
@@ -305,8 +308,10 @@ class ArenaConfig:
             if not team:
                 raise ConfigError(f"{requirement}, and no team without a seat, got {self.teams!r}")
             for seat in team:
-                if isinstance(seat, bool) or not isinstance(seat, int) or not 0 <= seat < self.hunters:
-                    raise ConfigError(f"{requirement}, got {seat!r}")
+                if type(seat) is not int:
+                    raise ConfigError(f"{requirement}, got {with_type(seat)}")
+                if not 0 <= seat < self.hunters:
+                    raise ConfigError(f"{requirement}, got {seat}")
                 if seat in seats:
                     raise ConfigError(f"{requirement}, got seat {seat} more than once")
                 seats.append(seat)
@@ -456,7 +461,7 @@ class ArenaConfig:
                         raise ConfigError(f"unknown setting {name}.{part}: {suggest(part, parts)}")
                 changes[name] = dataclasses.replace(old, **value)
             else:
-                changes[name] = _as_tuples(value)
+                changes[name] = value
         return dataclasses.replace(self, **changes)
 
     def to_dict(self) -> dict[str, Any]:
@@ -484,13 +489,10 @@ _PARTS: Final[dict[str, type]] = {
 """The settings that have parts."""
 
 
-def _as_tuples(value: Any) -> Any:
-    """What JSON has as lists."""
-    return tuple(_as_tuples(item) for item in value) if isinstance(value, list) else value
-
-
-def _is_sequence(value: object) -> bool:
-    return isinstance(value, Sequence) and not isinstance(value, str | bytes)
+def _make_plain(settings: object) -> None:
+    """Give a dataclass of settings Python's own numbers, and tuples for arrays and lists."""
+    for setting in dataclasses.fields(settings):  # type: ignore[arg-type]
+        object.__setattr__(settings, setting.name, plain_setting(getattr(settings, setting.name)))
 
 
 def _micrometres(metres: float) -> int:
@@ -498,9 +500,11 @@ def _micrometres(metres: float) -> int:
 
 
 def _require_integer(name: str, value: object, low: int, high: int, high_is: str = "") -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+    number = whole_number(value)
+    if number is None or not low <= number <= high:
         limit = f"{high} ({high_is})" if high_is else f"{high}"
-        raise ConfigError(f"{name} must be a whole number from {low} to {limit}, got {value!r}")
+        shown = with_type(value) if number is None else number
+        raise ConfigError(f"{name} must be a whole number from {low} to {limit}, got {shown}")
 
 
 def _require_number(
@@ -513,12 +517,22 @@ def _require_number(
     otherwise: str = "",
 ) -> None:
     low = f"above {above:g}" if above is not None else f"at least {at_least:g}"
-    if isinstance(value, bool) or not isinstance(value, int | float) or not -math.inf < value < math.inf:
-        raise ConfigError(f"{name} must be a finite number {low}{otherwise}, got {value!r}")
-    enough = value > above if above is not None else at_least is None or value >= at_least
-    if not (enough and value <= at_most):
-        shown = repr(value) if abs(value) < 1e300 else in_short(value)  # a whole number may have any length
+    number = real_number(value)
+    if number is None or not -math.inf < number < math.inf:
+        shown = with_type(value) if number is None else number
+        raise ConfigError(f"{name} must be a finite number {low}{otherwise}, got {shown}")
+    enough = number > above if above is not None else at_least is None or number >= at_least
+    if not (enough and number <= at_most):
+        shown = repr(number) if abs(number) < 1e300 else in_short(number)  # a whole number may have any length
         raise ConfigError(f"{name} must be {low} and at most {at_most:g}{otherwise}, got {shown}")
+
+
+def require_flag(name: str, value: object) -> bool:
+    """Return a setting that is true or false as a bool, NumPy's too; raise ConfigError for all else."""
+    flag = as_python(value)
+    if not isinstance(flag, bool):
+        raise ConfigError(f"{name} must be true or false, got {with_type(value)}")
+    return flag
 
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:

@@ -2,7 +2,7 @@
 
 import numbers
 import operator
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 
@@ -36,6 +36,14 @@ def as_python(value: Any) -> Any:
     if number is None:
         number = real_number(value)
     return value if number is None else number
+
+
+def plain_setting(value: Any) -> Any:
+    """Return a setting with Python's own numbers, and tuples for arrays, lists and other sequences."""
+    plain = as_python(value)
+    if isinstance(plain, Sequence) and not isinstance(plain, str | bytes):
+        return tuple(map(plain_setting, plain))
+    return plain
 
 
 def plain_action(action: Any) -> Any:

@@ -4,6 +4,8 @@ import secrets
 from typing import Final
 
 from catch_arena.errors import ConfigError
+from catch_arena.plain import whole_number
+from catch_arena.text import with_type
 
 SEED_LIMIT: Final = 2**64
 """A.5: seeds are whole numbers from 0 to this, exclusive."""
@@ -15,13 +17,11 @@ def checked_seed(seed: object) -> int:
     Raises:
         ConfigError: unless it is a whole number in [0, 2^64).
     """
-    try:
-        number = seed.__index__()  # type: ignore[attr-defined]
-    except (AttributeError, TypeError):  # an array has the method, but not always an index
-        number = -1
-    if isinstance(seed, bool) or not 0 <= number < SEED_LIMIT:
-        raise ConfigError(f"seed must be a whole number from 0 to 2^64 - 1, got {seed!r}")
-    return int(number)
+    number = whole_number(seed)
+    if number is None or not 0 <= number < SEED_LIMIT:
+        shown = with_type(seed) if number is None else number
+        raise ConfigError(f"seed must be a whole number from 0 to 2^64 - 1, got {shown}")
+    return number
 
 
 def fresh_seed() -> int:

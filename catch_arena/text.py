@@ -52,6 +52,11 @@ def in_short(value: object) -> str:
         return f"<{printable(type(value).__name__)}>"
 
 
+def with_type(value: object) -> str:
+    """A value in short with the name of its type, for errors about the type: `'4' (str)`."""
+    return "None" if value is None else f"{in_short(value)} ({printable(type(value).__name__)})"
+
+
 def name_fault(name: str) -> str | None:
     """What is wrong with an entrant's name; None where nothing is."""
     if name and name.isprintable() and len(name) <= LONGEST_NAME:

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
+from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control, require_flag
 from catch_arena.core import episodes, prey, state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
@@ -25,8 +25,10 @@ from catch_arena.envs.spaces import (
     velocity_space,
 )
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -122,9 +124,8 @@ class VectorArena:
     ) -> None:
         num_envs = _positive("num_envs", num_envs, _MOST_ENVS)
         num_threads = _positive("num_threads", num_threads, _MOST_THREADS)
-        for name, value in (("auto_reset", auto_reset), ("copy", copy), ("any_control", any_control)):
-            if not isinstance(value, bool):
-                raise ConfigError(f"{name} must be True or False, got {value!r}")
+        auto_reset = require_flag("auto_reset", auto_reset)
+        copy, any_control = require_flag("copy", copy), require_flag("any_control", any_control)
         self.config: Final = arena_config(scenario, **overrides)
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
@@ -230,10 +231,11 @@ class VectorArena:
             if len(set(self.config.controls)) > 1:
                 raise ConfigError("seat must be a number where hunters differ in their control, got 'hunter'")
             seat = 0
-        if isinstance(seat, bool) or not isinstance(seat, int) or not 0 <= seat < self.num_hunters:
+        number = whole_number(seat)
+        if number is None or not 0 <= number < self.num_hunters:
             sides = "'hunter' or 'prey'" if self.num_prey else "or 'hunter'"
             raise ConfigError(f"seat must be a whole number from 0 to {self.num_hunters - 1}, {sides}, got {seat!r}")
-        return self.config.controls[seat]
+        return self.config.controls[number]
 
     # playing
 
@@ -581,15 +583,18 @@ class VectorArena:
 
     def _row(self, what: str, arena: int) -> int:
         self._require_begun(what)
-        if isinstance(arena, bool) or not isinstance(arena, int | np.integer) or not 0 <= arena < self.num_envs:
+        row = whole_number(arena)
+        if row is None or not 0 <= row < self.num_envs:
             raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
-        return int(arena)
+        return row
 
 
 def _positive(name: str, value: object, most: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value <= most:
-        raise ConfigError(f"{name} must be a whole number from 1 to {most}, got {value!r}")
-    return int(value)
+    number = whole_number(value)
+    if number is None or not 1 <= number <= most:
+        shown = with_type(value) if number is None else number
+        raise ConfigError(f"{name} must be a whole number from 1 to {most}, got {shown}")
+    return number
 
 
 def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], columns: int) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
+from catch_arena.plain import plain_setting, whole_number
 from catch_arena.render import hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.blurred_view import Belief, BlurredView
@@ -38,13 +39,13 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
     Raises:
         ConfigError: for a size below SMALLEST or above LARGEST.
     """
-    good = isinstance(size, Sequence) and len(size) == 2
-    good = good and all(isinstance(part, int) and not isinstance(part, bool) for part in size)
-    if not good or not (SMALLEST <= size[0] <= LARGEST[0] and SMALLEST <= size[1] <= LARGEST[1]):
+    pair = plain_setting(size)
+    good = isinstance(pair, tuple) and len(pair) == 2 and all(whole_number(part) is not None for part in pair)
+    if not good or not (SMALLEST <= pair[0] <= LARGEST[0] and SMALLEST <= pair[1] <= LARGEST[1]):
         raise ConfigError(
             f"size must be two whole numbers from {SMALLEST} x {SMALLEST} to {LARGEST[0]} x {LARGEST[1]}, got {size!r}"
         )
-    return size[0], size[1]
+    return pair[0], pair[1]
 
 
 class MatchRenderer:

@@ -10,6 +10,7 @@ from typing import Final
 
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.seats import find_seat
+from catch_arena.plain import whole_number
 from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
 from catch_arena.render.match_info import MatchInfo
@@ -225,10 +226,10 @@ def frame_rate(kind: Format, fps: int | None) -> int:
     Raises:
         ConfigError: for fps that the format does not have.
     """
-    fps = kind.fps if fps is None else fps
-    if isinstance(fps, bool) or not isinstance(fps, int) or not 1 <= fps <= kind.most_fps:
+    rate = kind.fps if fps is None else whole_number(fps)
+    if rate is None or not 1 <= rate <= kind.most_fps:
         raise ConfigError(f"fps must be a whole number from 1 to {kind.most_fps} for {kind.name}, got {fps!r}")
-    return fps
+    return rate
 
 
 def pace_of(speed: float) -> Fraction:

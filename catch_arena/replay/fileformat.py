@@ -8,7 +8,6 @@ import hashlib
 import json
 import struct
 import zlib
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
+from catch_arena.plain import plain_setting
 from catch_arena.replay.codec import LENGTH, Reader, pack_columns
 from catch_arena.replay.named_requests import NamedRequest, pack_requests, read_requests
 from catch_arena.replay.quantisation import QuantisedState, driven_seats, pack_states, state_length, unpack_states
@@ -197,8 +197,8 @@ def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
     Raises:
         ConfigError: for a number of names that is not that of the agents, and one that cannot be shown.
     """
-    wanted = config.hunters + config.prey
-    if not isinstance(names, Sequence) or isinstance(names, str) or len(names) != wanted:
+    names, wanted = plain_setting(names), config.hunters + config.prey
+    if not isinstance(names, tuple) or len(names) != wanted:
         each = "hunter and each prey" if config.prey else "hunter"
         raise ConfigError(f"names must be {wanted}, one for each {each}, got {repr(names)[: _LONGEST_TEXT + 10]}")
     return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(names))

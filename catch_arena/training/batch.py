@@ -12,12 +12,13 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import ArenaConfig, require_flag
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.spaces import choice_array, clipped, command_array
 from catch_arena.envs.vector import SavedState, VectorArena
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
+from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import in_short
@@ -108,18 +109,17 @@ class LearnerBatch:
     ) -> None:
         config = arena_config(scenario, **overrides)
         self.config: Final = config
-        for name, value in (("normalise", normalise), ("distinct", distinct)):
-            if not isinstance(value, bool):
-                raise ConfigError(f"{name} must be True or False, got {value!r}")
+        normalise, distinct = require_flag("normalise", normalise), require_flag("distinct", distinct)
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
         prey_agent = who_plays_prey(config, prey_agent)
         most = config.hunters - (opponents is not None)
         if not most:
             raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
-        if isinstance(learners, bool) or not isinstance(learners, int) or not 1 <= learners <= most:
+        learning = whole_number(learners)
+        if learning is None or not 1 <= learning <= most:
             raise ConfigError(f"learners must be a whole number from 1 to {most}, beside an opponent, got {learners!r}")
-        self.learners: Final = config.hunters if opponents is None else learners
+        self.learners: Final = config.hunters if opponents is None else learning
         self.arena: Final = VectorArena(
             config, num_envs, num_threads, auto_reset=auto_reset, any_control=opponents is not None
         )

@@ -74,7 +74,7 @@ BAD_CONFIGS = [
     ({"teams": ("01", "23")}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got ('01', '23')"),
     ({"team_share": 1.1}, "team_share must be at least 0 and at most 1, got 1.1"),
     ({"team_share": NAN}, "team_share must be a finite number at least 0, got nan"),
-    ({"spawning": 0}, "spawning must be true or false, got 0"),
+    ({"spawning": 0}, "spawning must be true or false, got 0 (int)"),
     ({"prey": 33, "initial_targets": 40, "max_targets": 40}, "prey must be a whole number from 0 to 32, got 33"),
     ({"prey": 9}, "prey must be a whole number from 0 to 8 (initial_targets, which count it), got 9"),
     ({"prey": -1}, "prey must be a whole number from 0 to 32, got -1"),

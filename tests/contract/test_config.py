@@ -1,11 +1,18 @@
 """What the settings say of themselves: by seat, in whole micrometres, and as JSON."""
 
 import json
+import re
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 
+from catch_arena import VectorArena, arbitrate, parallel_env
 from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError
+from catch_arena.training import LearnerBatch
 
 SETTINGS: list[dict[str, Any]] = [
     {},
@@ -70,3 +77,78 @@ def test_a_view_is_partial_where_something_may_lie_outside_of_it(settings: dict[
     assert ArenaConfig(**settings).partial_view == partial
     if not partial:
         assert ArenaConfig(policy="capstone", **settings).policy == "capstone"
+
+
+class Index:
+    """A number of some other library."""
+
+    def __index__(self):
+        return 3
+
+
+OTHERS_NUMBERS = [
+    ({"time_limit_s": np.int64(5)}, {"time_limit_s": 5}),
+    ({"time_limit_s": np.float64(2.5)}, {"time_limit_s": 2.5}),
+    ({"side_m": np.float32(4.5)}, {"side_m": 4.5}),
+    ({"side_m": Fraction(9, 2)}, {"side_m": 4.5}),
+    ({"hunters": np.uint8(3)}, {"hunters": 3}),
+    ({"hunters": Index()}, {"hunters": 3}),
+    ({"hunters": np.array(3)}, {"hunters": 3}),
+    ({"reverse": np.True_, "spawning": np.bool_(False)}, {"reverse": True, "spawning": False}),
+    ({"reach_m": np.array([0.1, 0.25, 0.3, 0.4])}, {"reach_m": (0.1, 0.25, 0.3, 0.4)}),
+    ({"max_speed_mps": [np.float32(1.5), 2, np.int8(1), 0.5]}, {"max_speed_mps": (1.5, 2, 1, 0.5)}),
+    ({"teams": np.array([[0, 1], [2, 3]])}, {"teams": ((0, 1), (2, 3))}),
+    ({"teams": [[np.int64(0), 3], (1, 2)]}, {"teams": ((0, 3), (1, 2))}),
+    (
+        {"control": np.array(["target", "velocity", "full", "target"])},
+        {"control": ("target", "velocity", "full", "target")},
+    ),
+    (
+        {"hunter_poses": np.arange(12).reshape(4, 3) / 4},
+        {"hunter_poses": tuple((i / 4, i / 4 + 0.25, i / 4 + 0.5) for i in (0, 3, 6, 9))},
+    ),
+    ({"rewards": {"catch": np.float32(0.5)}}, {"rewards": {"catch": 0.5}}),
+]
+
+
+@pytest.mark.parametrize(("given", "plain"), OTHERS_NUMBERS, ids=lambda value: str(value)[:40])
+def test_numbers_of_numpy_are_settings_as_pythons_own_are(given, plain):
+    """The config holds plain numbers: its digest and its JSON are those of the same numbers written by hand."""
+    config, expected = ArenaConfig().replace(**given), ArenaConfig().replace(**plain)
+
+    assert config == expected
+    assert config.digest == expected.digest
+    assert repr(config) == repr(expected)
+
+
+def test_numbers_of_numpy_are_taken_by_all_that_takes_numbers():
+    """Batches, learners, arbitration, names and the size of a picture."""
+    arena = VectorArena("duel", np.int32(2), np.int8(1), auto_reset=np.True_, copy=np.False_)
+    arena.reset(seed=np.uint64(7))
+
+    assert arena.digest(np.int64(1)) == arena.digest(1)
+    assert arena.action_space(np.int64(1)) == arena.action_space(1)
+    assert LearnerBatch("duel", 1, opponents="idle", learners=np.int64(1), distinct=np.True_).learners == 1
+    asked = {"hunters": [(0.0, 0.0)], "targets": {"t": (0.0, 0.2)}, "requests": [(np.int8(0), "t")]}
+    (ruling,) = arbitrate(**asked, reach_m=np.array([0.3]), step=np.int64(4), seed=np.int64(1))
+    assert ruling == arbitrate(**asked, reach_m=0.3, step=4, seed=1)[0]
+    assert type(ruling.step) is int
+    env = parallel_env("duel")
+    env.record(np.array(["ann", "bob"]))
+    env.reset(seed=1)
+    assert env.replay().names == ("ann", "bob")
+
+
+def test_a_wrong_type_is_named():
+    """A value may look right: the message says why it is not."""
+    for setting, value, message in (
+        ("time_limit_s", "5", "time_limit_s must be a finite number above 0, got '5' (str)"),
+        ("hunters", 2.0, "hunters must be a whole number from 1 to 64, got 2.0 (float)"),
+        ("hunters", np.float32(2), "hunters must be a whole number from 1 to 64, got 2.0 (float)"),
+        ("hunters", np.True_, "hunters must be a whole number from 1 to 64, got True (bool)"),
+        ("reach_m", Decimal(1), "reach_m must be a finite number above 0, got Decimal('1') (Decimal)"),
+        ("spawning", "yes", "spawning must be true or false, got 'yes' (str)"),
+        ("spawning", None, "spawning must be true or false, got None"),
+    ):
+        with pytest.raises(ConfigError, match=f"^{re.escape(message)}$"):
+            ArenaConfig(**{setting: value})

@@ -445,7 +445,7 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
         ({"config": {**CONFIG, "policy": "x" * 60_000}}, "policy must be one of"),
         ({"config": {**CONFIG, "policy": ["nearest"]}}, "policy must be one of"),
         ({"config": {**CONFIG, "hunter_poses": [[1, 2], 3]}}, "hunter_poses[0] must be"),
-        ({"config": {**CONFIG, "hunter_poses": "ab"}}, "hunter_poses[0] must be"),
+        ({"config": {**CONFIG, "hunter_poses": "ab"}}, "hunter_poses must be 2 poses"),
         ({"config": {**CONFIG, "start_radius_m": "1"}}, "start_radius_m must be"),
         ({"config": {**CONFIG, "name_prefix": "\x07"}}, "name_prefix must be at most 200 printable"),
         ({"config": {**CONFIG, "nonsense": 1}}, "unknown setting 'nonsense'"),

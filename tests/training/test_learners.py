@@ -86,7 +86,7 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
         ({"learners": 0}, "learners must be a whole number from 1 to 2"),
         ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 where there are opponents, got 1"),
         ({"prey_agent": "flee"}, "prey must be at least 1 for an agent to play it, got 0 and the agent flee"),
-        ({"normalise": 1}, "normalise must be True or False, got 1"),
+        ({"normalise": 1}, "normalise must be true or false, got 1"),
         ({"control": ("target", "full")}, "control must be one word, that of the learners"),
         ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
         ({"num_envs": 0}, "num_envs must be a whole number from 1"),

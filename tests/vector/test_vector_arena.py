@@ -579,7 +579,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     for seed in (5.0, [1.5] * 3, "123", b"123", True, [None] * 3, [[1]] * 3, np.array(1.5), np.ones((3, 1), np.uint64)):
         with pytest.raises(ConfigError, match="seed must be a whole number"):
             arena.reset(seed=seed)
-    with pytest.raises(ConfigError, match="auto_reset must be True or False, got 'no'"):
+    with pytest.raises(ConfigError, match="auto_reset must be true or false, got 'no'"):
         VectorArena("duel", 1, auto_reset="no")
 
 
