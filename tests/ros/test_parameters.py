@@ -42,11 +42,28 @@ def given(*words):
         (("-p", f"turtle_spawner:{FREQUENCY}:=2.0"), [2.0, "target_turtle_"]),
         (("-p", f'{PREFIX}:="a2"'), [0.5, "a2"]),
         (("-p", f"{PREFIX}:='yes'"), [0.5, "yes"]),
+        (("-p", f"{PREFIX}:=null"), [0.5, "null"]),
+        (("-p", f"{PREFIX}:=yEs"), [0.5, "yEs"]),
     ],
 )
 def test_values_are_read_as_ros_reads_them(words, values):
     """A number with a point is a double, quotes make a text of anything, and the last one counts."""
     assert given(*words) == ("turtle_spawner", values, [])
+
+
+@pytest.mark.parametrize("value", [True, False])
+def test_the_words_for_true_and_false_are_those_of_rcl(tmp_path, value):
+    """22 of them, and no others: YAML 1.1's in three ways of writing each."""
+    words = {True: "Y y yes Yes YES true True TRUE on On ON", False: "N n no No NO false False FALSE off Off OFF"}
+    for word in words[value].split():
+        file = written(tmp_path, f"/**:\n  ros__parameters:\n    {CLOSEST}: {word}\n")
+        for arguments in (("-p", f"{CLOSEST}:={word}"), file):
+            parameters = controller_parameters(closest_first=not value)
+            take_ros_args(arguments, "turtle_controller", parameters, print)
+            assert parameters[CLOSEST].value is value
+    for word in ("'yes'", "tRUE", "1", "null"):
+        with pytest.raises(ConfigError, match=f"{CLOSEST} must be true or false, got"):
+            take_ros_args(("-p", f"{CLOSEST}:={word}"), "turtle_controller", parameters, print)
 
 
 @pytest.mark.parametrize("rule", [("-r", "__node:=bob"), ("--remap", "__node:=bob")])
@@ -65,12 +82,17 @@ def test_the_node_may_have_another_name(rule):
         (("-p", ":=2.0"), "--ros-args -p must be NAME:=VALUE"),
         (("-p", f"{FREQUENCY}:=2"), f"{FREQUENCY} must be a double, as 2.0, got 2"),
         (("-p", f"{FREQUENCY}:="), f"{FREQUENCY} must be a double, as 2.0, got None"),
+        (("-p", f"{FREQUENCY}:=010"), f"{FREQUENCY} must be a double, as 2.0, got 8"),
+        (("-p", f"{FREQUENCY}:=0x1F"), f"{FREQUENCY} must be a double, as 2.0, got 31"),
+        (("-p", f"{FREQUENCY}:=1_0.5"), f"{FREQUENCY} must be a double, as 2.0, got '1_0.5'"),
         (("-p", f"{FREQUENCY}:=fast"), f"{FREQUENCY} must be a double, as 2.0, got 'fast'"),
         (("-p", f"{FREQUENCY}:=[2.0]"), f"{FREQUENCY} must be a double, as 2.0, got [2.0]"),
         (("-p", f"{FREQUENCY}:=.nan"), f"{FREQUENCY}: spawn_frequency_hz must be a finite number"),
         (("-p", f"{FREQUENCY}:=[1"), f"--ros-args -p {FREQUENCY} must be YAML: "),
         (("-p", f"{FREQUENCY}:=" + "[" * 1000), f"--ros-args -p {FREQUENCY} must be YAML: "),
         (("-p", f"{PREFIX}:=true"), f"{PREFIX} must be a string, got True"),
+        (("-p", f"{PREFIX}:=no"), f"{PREFIX} must be a string, got False"),
+        (("-p", f"{PREFIX}:=Y"), f"{PREFIX} must be a string, got True"),
         (("-p", f"{PREFIX}:=bad name!"), f"{PREFIX}: turtles' names must be letters, digits and underscores"),
         (("-p", f"{PREFIX}:=2nd"), f"{PREFIX}: turtles' names must be letters"),
         (("-p", "spawn_freq:=2.0"), f"there is no parameter 'spawn_freq': did you mean {FREQUENCY}?"),

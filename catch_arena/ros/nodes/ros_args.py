@@ -20,6 +20,12 @@ _WORDS: Final = {"-p": _PARAMETER, "--param": _PARAMETER, "--params-file": _FILE
 _SECTION: Final = "ros__parameters"
 _ANY_NODE: Final = ("/**", "/*")
 """How files call all nodes."""
+_TRUE, _FALSE = (
+    {form for word in words for form in (word, word.capitalize(), word.upper())}
+    for words in (("y", "yes", "true", "on"), ("n", "no", "false", "off"))
+)
+_WHOLE: Final = re.compile("[+-]?((?P<hexadecimal>0[xX][0-9a-fA-F]+)|(?P<octal>0[0-7]+)|0|[1-9][0-9]*)")
+_INFINITE_OR_NAN: Final = re.compile(r"[+-]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
 
 def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, log: Log) -> str:
@@ -110,13 +116,40 @@ def _mapping(value: object, where: str) -> Mapping[Any, Any]:
 
 
 def _load(text: str, where: str) -> Any:
-    """YAML, of which a single word is a text, a number, or true or false."""
+    """YAML as ROS reads it; None where there is nothing."""
     try:
         from ruamel.yaml import YAML
         from ruamel.yaml.error import YAMLError
     except ImportError:
         raise BusError(f"--ros-args needs ruamel.yaml, which is not installed: {install_hint('ros')}") from None
+    yaml = YAML(typ="safe", pure=True)
     try:
-        return YAML(typ="safe", pure=True).load(text)
+        yaml.load(text)  # refuses what two readers may understand differently, as a key that comes twice
+        return _value(yaml.compose(text))
     except (YAMLError, ValueError, RecursionError) as error:
         raise ConfigError(f"{where} must be YAML: {one_line(str(error))}") from None
+
+
+def _value(node: Any) -> Any:
+    """What a node of YAML stands for: rcl reads names as they are, and single words by rules of its own."""
+    if node is None:
+        return None
+    if node.id == "mapping":
+        return {key.value: _value(value) for key, value in node.value}
+    if node.id == "sequence":
+        return [_value(item) for item in node.value]
+    return node.value if node.style in ("'", '"') else _word(node.value)
+
+
+def _word(word: str) -> bool | int | float | str | None:
+    """A word without quotes: true or false, a whole number, a double, or else a text (rcl_yaml_param_parser)."""
+    if word in _TRUE or word in _FALSE:
+        return word in _TRUE
+    if whole := _WHOLE.fullmatch(word):
+        return int(word, 16 if whole["hexadecimal"] else 8 if whole["octal"] else 10)
+    if _INFINITE_OR_NAN.fullmatch(word):
+        return float(word.replace(".", ""))
+    try:
+        return word if "_" in word else float(word)
+    except ValueError:
+        return word or None
