@@ -11,6 +11,7 @@ would miss an edit in another one.
 
 import contextlib
 import hashlib
+import logging
 import os
 import pickle
 import shutil
@@ -39,6 +40,10 @@ _numba: Any = numba.core.config
 _caching: Any = numba.core.caching
 _serialize: Any = numba.core.serialize
 _sigutils: Any = numba.core.sigutils
+
+_logger = logging.getLogger("numba")
+if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each compilation writes megabytes
+    _logger.setLevel(logging.WARNING)
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -1,6 +1,7 @@
 """rosbridge's JSON, with a server of the tests' own."""
 
 import json
+import logging
 import math
 import threading
 import time
@@ -35,7 +36,20 @@ def joined(bridge):
     made.close()
 
 
+<<<<<<< HEAD
 def until(joined, ready, seconds=60.0):
+=======
+def test_websockets_writes_no_line_for_each_frame_to_the_root_logger(caplog, bridge):
+    """A program may have set that to DEBUG."""
+    caplog.set_level(logging.DEBUG)
+    made = open_bus("rosbridge", url=bridge[1], log=print)
+    made.close()
+
+    assert [record for record in caplog.records if record.name == "websockets.client"] == []
+
+
+def until(joined, ready, seconds=10.0):
+>>>>>>> ce93dad (Keep Numba's and websockets' debug lines out of the root logger)
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         joined[0].spin(0.01)

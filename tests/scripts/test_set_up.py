@@ -35,6 +35,7 @@ def test_a_python_that_is_too_old_is_named_with_a_way_out(set_up, tmp_path):
 def test_a_python_without_venv_names_the_package_and_leaves_no_environment(set_up, tmp_path):
     printed = set_up('test "$1" = -c && exit; mkdir -p .venv/bin; echo "no ensurepip"; exit 1')
     assert printed == (
+        "making .venv\n"
         f"{tmp_path}/python cannot make a virtual environment: see .venv.log; "
         "on Debian and Ubuntu: apt-get install python3-venv\n"
     )

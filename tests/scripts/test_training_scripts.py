@@ -60,7 +60,7 @@ def test_without_torch_a_line_says_what_to_install(script):
         f"runpy.run_path({str(ROOT / 'scripts' / script)!r}, run_name='__main__')"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 1
+    assert done.returncode != 0
     assert len(done.stderr.splitlines()) == 1
     assert "which is not installed: pip install '.[" in done.stderr
 

@@ -1,6 +1,7 @@
 """How the core is compiled and kept: by its sources, apart from code that tests its indices, and not for ever."""
 
 import ast
+import logging
 import os
 import pickle
 import random
@@ -10,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
@@ -231,3 +233,20 @@ def test_a_damaged_cache_that_cannot_be_replaced_is_told_and_the_rules_run(tmp_p
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, False]
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}: Is a directory; every start")
+
+
+def test_numba_writes_no_debug_lines_for_the_root_logger(caplog):
+    """A program that sets the root logger to DEBUG got megabytes of byte code."""
+    caplog.set_level(logging.DEBUG)
+
+    assert numba.njit(lambda number: number + 1)(1) == 2
+    assert [record.name for record in caplog.records] == []
+
+
+def test_a_level_that_somebody_gave_numbas_logger_stays():
+    """Who wants these lines gets them."""
+    given = "import logging; log = logging.getLogger('numba'); log.setLevel(logging.DEBUG); "
+    code = f"{given}import catch_arena.core.jit; print(log.level == logging.DEBUG)"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert result.stdout == "True\n"

@@ -1,6 +1,7 @@
 """The bus by rosbridge's JSON over a websocket: any middleware and any ROS, on the side where the server runs."""
 
 import json
+import logging
 import math
 import threading
 import time
@@ -21,6 +22,10 @@ from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, valu
 from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
+
+_logger = logging.getLogger("websockets.client")
+if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each frame writes a line
+    _logger.setLevel(logging.INFO)
 
 _OPEN_S: Final = 5.0
 _AGAIN_S: Final = 1.0
