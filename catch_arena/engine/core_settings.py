@@ -3,6 +3,7 @@ seat.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,7 @@ from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
 from catch_arena.core.state import COUNTER_BITS, COUNTERS, LANES, MOTIONS, SeatLimits, Settings, slot_rows
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
-from catch_arena.errors import require_type
+from catch_arena.errors import ConfigError, require_type
 
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
@@ -28,7 +29,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         max_targets=config.max_targets,
         targets_seen=config.targets_seen,
         hunters_seen=config.hunters_seen,
-        policy=POLICIES[config.policy],
+        policy=_number_of("policy", config.policy, POLICIES, "POLICIES in core/arbiter.py"),
         needs_progress=int(with_parts or config.rewards.progress != 0.0),
         any_control=int(any_control),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),
@@ -50,7 +51,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         slot_size=slot_rows(config.targets_move) * LANES,
         **_counters_of(config.max_steps),
         targets_move=int(config.targets_move),
-        target_motion=MOTIONS[config.target_motion],
+        target_motion=_number_of("target_motion", config.target_motion, MOTIONS, "MOTIONS in core/state.py"),
         target_speed_mps=float(config.target_speed_mps),
         target_turn_rate_radps=float(config.target_turn_rate_radps),
         wander_period_ms=float(config.wander_period_ms),
@@ -81,6 +82,13 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         survived_weight=float(config.prey_rewards.survived),
         gained_weight=float(config.prey_rewards.gained),
     )
+
+
+def _number_of(setting: str, word: str, numbers: Mapping[str, int], table: str) -> int:
+    """The core's number for a word, which a developer may have added to config.py alone."""
+    if word not in numbers:
+        raise ConfigError(f"{setting} must have a number for {word!r} in the core: add the word to {table}")
+    return numbers[word]
 
 
 def _counters_of(steps: int) -> dict[str, int]:

@@ -16,8 +16,10 @@ import pytest
 from properties.matches import some_config
 
 import catch_arena
+from catch_arena import config
 from catch_arena.config import ArenaConfig, FaultRates, Gains, PreyRewardWeights, RewardWeights, TargetMotion
 from catch_arena.core.state import MOTIONS, Settings
+from catch_arena.errors import ConfigError
 from catch_arena.layout import (
     OF_A_RANK,
     BodyFeatures,
@@ -194,6 +196,22 @@ def test_every_rule_of_motion_is_known_to_the_core_drawn_and_plays_otherwise():
     assert {some_config(Random(seed)).target_motion for seed in range(60)} == set(words)
     for one, other in itertools.combinations(words, 2):
         assert transcript(RICH.replace(target_motion=one)) != transcript(RICH.replace(target_motion=other))
+
+
+@pytest.mark.parametrize(
+    ("setting", "words", "table"),
+    [
+        ("target_motion", "TargetMotion", "MOTIONS in core/state.py"),
+        ("policy", "ArbitrationPolicy", "POLICIES in core/arbiter.py"),
+    ],
+)
+def test_a_word_that_is_added_to_the_settings_alone_is_told_where_it_is_missing(monkeypatch, setting, words, table):
+    """It was a KeyError."""
+    monkeypatch.setattr(config, words, (*get_args(getattr(config, words)), "circle"))
+    monkeypatch.setattr(config, "get_args", lambda kind: kind if isinstance(kind, tuple) else get_args(kind))
+    with pytest.raises(ConfigError) as caught:
+        catch_arena.parallel_env(**{setting: "circle"})
+    assert str(caught.value) == f"{setting} must have a number for 'circle' in the core: add the word to {table}"
 
 
 @pytest.mark.parametrize("motion", get_args(TargetMotion))

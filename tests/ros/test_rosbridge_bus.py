@@ -36,9 +36,6 @@ def joined(bridge):
     made.close()
 
 
-<<<<<<< HEAD
-def until(joined, ready, seconds=60.0):
-=======
 def test_websockets_writes_no_line_for_each_frame_to_the_root_logger(caplog, bridge):
     """A program may have set that to DEBUG."""
     caplog.set_level(logging.DEBUG)
@@ -48,8 +45,7 @@ def test_websockets_writes_no_line_for_each_frame_to_the_root_logger(caplog, bri
     assert [record for record in caplog.records if record.name == "websockets.client"] == []
 
 
-def until(joined, ready, seconds=10.0):
->>>>>>> ce93dad (Keep Numba's and websockets' debug lines out of the root logger)
+def until(joined, ready, seconds=60.0):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         joined[0].spin(0.01)
