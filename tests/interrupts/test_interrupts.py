@@ -208,7 +208,7 @@ def test_a_hidden_cursor_comes_back(tmp_path):
 
 
 def test_nothing_is_imported_before_signals_are_heard():
-    """But what Python has loaded before, and the few lines that register scenarios: a signal meanwhile is a traceback."""
+    """A signal during an import would be a traceback; what registers the scenarios is a few lines."""
     code = (
         f"import sys; sys.path.insert(0, {str(ROOT)!r}); import atexit, os; before = set(sys.modules)\n"
         "import catch_arena.__main__; print(sorted(set(sys.modules) - before))"
