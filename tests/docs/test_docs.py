@@ -94,6 +94,7 @@ def test_the_readmes_commands_run_with_small_videos(tmp_path, monkeypatch):
     for arguments in commands(text):
         done = CliRunner().invoke(main, arguments)
         assert done.exit_code == 0, (arguments, done.output)
+        assert "--at" not in arguments or "R5.4" in done.output  # the example shows a contest
         if arguments[0] == "tournament":
             assert "± ?" not in done.output
 
