@@ -2,7 +2,7 @@
 the results are.
 
 - app: the application, its errors, and the options that commands share.
-- The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare, audit), suite,
+- The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare), suite,
   live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
   sheet), report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
 - ros_nodes: what conformance and grade do with a node on a ROS 2 bus. bus_options: which bus that is.

@@ -1,8 +1,7 @@
-"""`catch-arena compare` and `audit`: whether one agent is stronger than another, and whether the arena is fair."""
+"""`catch-arena compare`: which of two agents is stronger."""
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -23,12 +22,10 @@ from catch_arena.cli.app import (
     jobs_or_all,
     limits_or_trust,
     main,
-    say_level,
     say_who_needs_prey,
     secret_of,
     seed_told,
 )
-from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, plain, say
 from catch_arena.errors import ConfigError
 
@@ -123,69 +120,6 @@ def compare(
     say(seed_told(secret))
     say(f"verdict: {verdicts[found.decision]}")
     raise typer.Exit(_EXIT_CODES[found.decision])
-
-
-@main.command()
-def audit(
-    agent: Annotated[
-        str, typer.Argument(metavar="[AGENT]", help="The agent that sits in all seats; named as in a tournament.")
-    ] = "nearest",
-    *,
-    scenario: Scenario = "standard",
-    team_size: TeamSize = None,
-    matches: Annotated[int, typer.Option(help="Matches of identical agents; the twins play a quarter as many.")] = 2000,
-    seed: Seed = None,
-    jobs: Jobs = None,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
-    isolation: Isolation = None,
-    out: Annotated[Path, typer.Option(help="The folder for audit.json, which the report shows.")] = Path(
-        "out/tournament"
-    ),
-    force: Force = False,
-    settings: SettingOption = None,
-) -> None:
-    """Test whether the arena is fair: to seats, to labels, to the order of requests.
-
-    Exits with 0 if nothing unfair was found, with 1 otherwise.
-    """
-    from catch_arena.cli.fitted_table import FittedTable
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.files import write_whole
-    from catch_arena.tournament.audit import FILE, LEVEL, audit_text
-    from catch_arena.tournament.audit import audit as ask
-    from catch_arena.tournament.parties import Parties
-
-    config, secret = arena(scenario, settings, team_size), secret_of(seed)
-    parties = Parties.of(config)
-    allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
-    say_level(allowed)
-    output_file(out / FILE, force=force)
-    with progress_bar("playing") as show:
-        found = ask(config, agent, matches=matches, seed=secret, jobs=jobs_or_all(jobs), limits=allowed, progress=show)
-    write_whole(out / FILE, audit_text(found, config, secret).encode())
-    seats = FittedTable("seat", "wins", "95 %", "score")
-    for party, (name, seat) in enumerate(zip(parties.names, found.seats, strict=True)):
-        alone = len(parties.seats[parties.on(parties.side_of(party))]) == 1  # it always wins
-        interval = f"{100 * seat.wins.low:.1f} - {100 * seat.wins.high:.1f}"
-        wins = ("-", "-") if alone else (f"{100 * seat.wins.mean:.1f} %", interval)
-        seats.add_row(name, *wins, f"{seat.score:.2f}")
-    say(f"{found.matches} matches of {found.agent} in all seats of {scenario}")
-    own_console().print(seats)
-    for check in found.checks:
-        chance = "" if check.p is None else f" (p = {check.p:.3f})"
-        say(f"{check.question} {'No' if check.passed else 'YES'}: {check.finding}{chance}")
-    floor = f"up to {found.twin_difference.margin:.0f} points between equals"
-    if found.prey_twin_difference is not None:
-        floor += f" as hunters, and up to {found.prey_twin_difference.margin:.0f} as prey,"
-    say(seed_told(secret))
-    say(f"noise floor: {floor} after {found.twin_matches} matches")
-    if found.passed:
-        say(f"verdict: fair, as far as {found.matches} matches can show")
-    else:
-        say(f"verdict: NOT FAIR; a fair arena fails like this in {100 * LEVEL:.0f} audits of 100 at most")
-    say(f"results: {out / FILE}")
-    raise typer.Exit(0 if found.passed else 1)
 
 
 def _in_words(share: "Estimate") -> str:

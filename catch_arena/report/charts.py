@@ -9,7 +9,6 @@ import numpy as np
 
 from catch_arena.policy import Side
 from catch_arena.report.data import ReportData, SideData
-from catch_arena.tournament.audit import Seat
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
 from catch_arena.tournament.statistics.standings import Standing
@@ -170,18 +169,22 @@ def encounters(data: SideData) -> dict[str, Any]:
     return {"names": names, "rows": rows, "small": len(names) > _ROOMY}
 
 
+@dataclass(frozen=True, slots=True)
+class Seat:
+    """Results of one seat; of a team's seats, or of one prey."""
+
+    wins: Estimate
+    """Its share of wins, ties shared."""
+    score: float
+
+
 def seat_tables(data: ReportData) -> list[dict[str, Any]]:
-    """How seats fared, of identical agents where there was an audit, and else of this tournament; a table for each side
-    that has several.
-    """
-    audit, parties = data.audit, data.parties
-    if audit is not None and len(audit.seats) != len(parties):  # it was made with other settings
-        return [_seat_table([str(number) for number in range(len(audit.seats))], audit.seats)]
+    """Return the results by seat: a table for each side that has several seats."""
     tables = []
     for side in data.sides:
-        cut = parties.on(side.side)
-        if len(parties.seats[cut]) > 1 or len(data.sides) == 1:
-            tables.append(_seat_table(parties.names[cut], seat_results(side) if audit is None else audit.seats[cut]))
+        cut = data.parties.on(side.side)
+        if len(data.parties.seats[cut]) > 1 or len(data.sides) == 1:
+            tables.append(_seat_table(data.parties.names[cut], seat_results(side)))
     return tables
 
 

@@ -1,16 +1,13 @@
 """What a tournament's folder holds, read once: everything in the report is made from it."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from catch_arena.errors import ReplayError, StoreError, reason
+from catch_arena.errors import ReplayError, StoreError
 from catch_arena.policy import Side
 from catch_arena.replay import Replay
-from catch_arena.tournament.audit import FILE as AUDIT
-from catch_arena.tournament.audit import Audit
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
@@ -20,7 +17,6 @@ from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
-from catch_arena.tournament.stored_values import DamagedError
 
 
 @dataclass(frozen=True)
@@ -122,32 +118,6 @@ class ReportData:
     def encounters(self) -> dict[tuple[str, str], Encounter]:
         """Of the hunters, each against each, by their names."""
         return self.sides[0].encounters
-
-    @property
-    def audit(self) -> Audit | None:
-        """What `catch-arena audit` found, if it was asked and wrote its answer here.
-
-        Raises:
-            StoreError: where the results cannot be read.
-        """
-        return self._audit[0]
-
-    @property
-    def audit_is_of_this(self) -> bool:
-        """Whether it was made with this tournament's settings."""
-        return self._audit[1] == self.tournament.config.digest
-
-    @cached_property
-    def _audit(self) -> tuple[Audit | None, str | None]:
-        """The audit, and the digest of the settings that it was made with."""
-        path = self.folder / AUDIT
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-            return Audit.from_json(found), found["config_digest"]
-        except FileNotFoundError:
-            return None, None
-        except (OSError, ValueError, TypeError, KeyError, RecursionError, DamagedError) as error:
-            raise StoreError(f"{path}: must be as `catch-arena audit` writes it: {reason(error)}") from None
 
     @cached_property
     def recorded(self) -> frozenset[str]:

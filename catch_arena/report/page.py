@@ -78,7 +78,6 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
             for side in data.sides
         ],
         teams=len(data.parties) < len(data.parties.by_seat),
-        audit=data.audit,
         seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),
         move_times=charts.move_times(data),

@@ -14,7 +14,7 @@ And in which file, from one match up:
 - agent_logs, export, standings_files: what is written beside it.
 - inspection_journal, crash_journal: who is inspected, and who plays: written before an agent runs, so that who did harm
   is known when the tournament was killed.
-- agent_check, grading: one agent. comparison: two. audit, invariance: whether the arena is fair.
+- agent_check, grading: one agent. comparison: two.
 
 Nothing here draws, prints or reads options: the command line does (cli/).
 """

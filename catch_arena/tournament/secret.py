@@ -19,11 +19,6 @@ Purpose = Literal[
     "groups",
     "compare",
     "grade",
-    "audit seats",
-    "audit twins",
-    "audit steps",
-    "audit order",
-    "audit names",
     "suite",
 ]
 """What something is drawn for, each in at most sixteen bytes (BLAKE2b's `person`)."""

@@ -238,7 +238,6 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["match", "nearest", "idle", "-s", "pairs", "--team-size", "2"], "left out in pairs, which has teams, got 2"),
         (["tournament", "nearest", "idle", "-s", "squads", "--team-size", "4"], "left out in squads, which has teams"),
         (["compare", "nearest", "idle", "-s", "tag", "--team-size", "2"], "must divide the 3 hunters of tag, got 2"),
-        (["audit", "-s", "herd", "--team-size", "3"], "--team-size must divide the 4 hunters of herd, got 3"),
         (["watch", "nearest", "-s", "standard", "--team-size", "3"], "must divide the 4 hunters of standard, got 3"),
         (["match", "nearest", "idle", "-s", "tag"], "at least 4 to play the 3 hunters and the 1 prey of tag, got 2"),
         (["tournament", "nearest", "idle", "-s", "tag"], "the 1 prey of tag in a tournament, where whoever is alone"),

@@ -56,7 +56,6 @@ WRITERS = {
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
     "seeds.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "seeds.json"],
     "c.xml": ["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.xml"],
-    "audit.json": ["audit", "--matches", "100", "-s", "duel", "--set", "time_limit_s=1", "--jobs", "1", "--out", "."],
 }
 
 
@@ -132,7 +131,7 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
             writers.add(name)
             assert any("--force" in parameter.opts for parameter in command.params), name
     assert writers == {
-        *("audit", "conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
+        *("conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
         *("report", "ros import", "ros serve", "sheet", "suite", "tournament", "watch"),
     }
 

@@ -50,7 +50,6 @@ RUNS = {
     "tournament --plan": ["{}", "nearest", *SHORT, "--jobs", "1", "--plan"],
     "match": ["{}", "nearest", *SHORT],
     "compare": ["{}", "nearest", *SHORT, "--jobs", "1", "--max-blocks", "1"],
-    "audit": ["{}", *SHORT, "--jobs", "1", "--matches", "100", "--out", "out"],
     "check-agent": ["{}", *SHORT],
     "suite": ["{}", "--quick", "--jobs", "1"],
     "grade": ["{}", "--spec", "spec.toml"],
@@ -80,7 +79,6 @@ def run(monkeypatch, tmp_path):
     """Runs a command with the agent; whether the agent was in one of our own processes."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
-    monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 50)
     monkeypatch.setattr("catch_arena.suite.contents.SUITE", SMALL_SUITE)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
@@ -107,7 +105,7 @@ def run(monkeypatch, tmp_path):
 @pytest.mark.parametrize("name", RUNS)
 def test_an_agent_in_a_file_is_isolated_unless_it_is_trusted(run, name):
     assert not run(name, "mine.py")
-    assert run(name, "mine.py", "--trusted", "--force" if name in {"match", "audit"} else "--trusted", *again(name))
+    assert run(name, "mine.py", "--trusted", "--force" if name == "match" else "--trusted", *again(name))
 
 
 @pytest.mark.parametrize("name", ["match", "check-agent", "watch"])

@@ -15,7 +15,6 @@ from catch_arena.errors import ReplayError, StoreError
 from catch_arena.report import REPORT, write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.selection import select_matches
-from catch_arena.tournament.audit import FILE as AUDIT
 
 WICKED = ['<script>alert("x")</script>', '"><img src=x onerror=alert(1)>', "{{ 7 * 7 }}", "O'Brien & sons"]
 
@@ -97,70 +96,6 @@ def test_a_tournament_under_way_says_so(tmp_path):
     text = report_of(tmp_path)
     assert "24 <small>of 60</small>" in text
     assert "comes first" not in text
-
-
-@pytest.mark.parametrize("passed", [True, False])
-def test_an_audit_stands_in_the_report(tmp_path, passed):
-    tournament(tmp_path, 1)
-    digest = ReportData.of(tmp_path).tournament.config.digest
-    share = {"mean": 0.25, "low": 0.24, "high": 0.26}
-    check = {"question": "Does a <seat> win?", "passed": passed, "finding": "from 24.1 to 26.2 %", "p": 0.412}
-    found = {
-        "config_digest": digest if passed else "another",
-        "passed": passed,
-        "agent": "nearest",
-        "matches": 2000,
-        "seats": [{"wins": share, "score": 16.2}] * 4,
-        "twin_matches": 500,
-        "twin_difference": {"mean": -3.0, "low": -20.0, "high": 14.0},
-        "checks": [check],
-    }
-    (tmp_path / AUDIT).write_text(json.dumps(found))
-    text = report_of(tmp_path)
-    verdict = re.search(r'<p class="verdict">(.*?)<small>', text).group(1)
-    assert verdict == ("Fair" if passed else "Not fair")
-    assert "Does a &lt;seat&gt; win?" in text
-    assert "p = 0.412" in text
-    assert ("with other settings" in text) is not passed
-
-
-SOUND = {
-    "config_digest": "x",
-    "agent": "nearest",
-    "matches": 100,
-    "seats": [{"wins": {"mean": 0.2, "low": 0.1, "high": 0.3}, "score": 1.0}] * 4,
-    "twin_matches": 100,
-    "twin_difference": {"mean": 1.0, "low": float("nan"), "high": float("nan")},
-    "checks": [{"question": "Is it?", "passed": True, "finding": "no", "p": None}],
-}
-FORGED = [
-    {"agent": "\x1b[2J"},
-    {"matches": "many"},
-    {"matches": 10**400},
-    {"seats": 5},
-    {"seats": [{"wins": {"mean": "x", "low": 0, "high": 0}, "score": 1}]},
-    {"twin_difference": [1, 2, 3]},
-    {"twin_difference": {"mean": 10**400, "low": 0, "high": 0}},
-    {"checks": [{"question": 1, "passed": 1, "finding": None, "p": "x"}]},
-    {"checks": [{}]},
-]
-
-
-def test_an_audit_may_leave_an_interval_open(tmp_path):
-    tournament(tmp_path, 1, most=4)
-    (tmp_path / AUDIT).write_text(json.dumps(SOUND))
-    assert "Fair<small>" in report_of(tmp_path)
-
-
-@pytest.mark.parametrize(
-    "content", ["[]", "{", "{}", '{"agent": 1}', "\xff", "[" * 100_000, *(json.dumps(SOUND | one) for one in FORGED)]
-)
-def test_an_audit_that_is_none_is_refused_in_one_line(tmp_path, content):
-    tournament(tmp_path, 1, most=4)
-    (tmp_path / AUDIT).write_text(content)
-    with pytest.raises(StoreError, match=rf"{AUDIT}: must be as `catch-arena audit` writes it") as raised:
-        write_report(tmp_path)
-    assert "\n" not in str(raised.value)
 
 
 def test_a_tournament_without_matches_has_no_report(tmp_path):

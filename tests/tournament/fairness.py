@@ -1,24 +1,19 @@
-"""Is the arena fair? Identical agents in all seats, permuted requests and labels, and one agent under two names."""
+"""Whether the arena is fair: identical agents in all seats, permuted requests and labels, one agent under two names."""
 
-import json
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import cycle, islice
 from random import Random
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
+from tournament.invariance import Step, lots, names_matter, order_matters, with_labels
 
-from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.runner import run
-from catch_arena.tournament.invariance import Step, lots, names_matter, order_matters, with_labels
-from catch_arena.tournament.isolation.inspecting import inspector
-from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.starting import sandbox_for
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
@@ -29,11 +24,9 @@ from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.tail_probabilities import chi_squared_tail
-from catch_arena.tournament.stored_values import number_of, text_of, whole
 
 LEVEL: Final = 0.01
 """A fair arena fails an audit so often: all its tests together, corrected for their number (Holm 1979)."""
-FILE: Final = "audit.json"
 _DRAWS_NOTHING: Final = "nearest"
 _OTHERS: Final = (_DRAWS_NOTHING, "contested", "patrol", "first")
 """Whom the twins play with."""
@@ -54,8 +47,6 @@ _STEPS: Final = 2000
 _REPLAYED: Final = 5
 _FEWEST_MATCHES: Final = 100
 _FEWEST_TWIN_BLOCKS: Final = 8
-_MOST: Final = 10**9
-"""Of whatever an audit counts or measures, where one is read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,41 +92,6 @@ class Audit:
         """Whether nothing unfair was found."""
         return all(check.passed for check in self.checks)
 
-    @classmethod
-    def from_json(cls, found: Any) -> "Audit":
-        """What `audit_text` wrote, as JSON reads it; anybody may have written it.
-
-        Raises:
-            DamagedError: for a value that no audit has.
-            KeyError: where one is missing.
-            TypeError: where it is of another kind.
-        """
-        return cls(
-            agent=text_of("agent", found["agent"]),
-            matches=whole("matches", found["matches"], 1, _MOST),
-            seats=tuple(Seat(_estimate(seat["wins"]), _figure("score", seat["score"])) for seat in found["seats"]),
-            twin_matches=whole("twin_matches", found["twin_matches"], 1, _MOST),
-            twin_difference=_estimate(found["twin_difference"]),
-            checks=tuple(
-                Check(
-                    text_of("question", check["question"]),
-                    check["passed"] is True,
-                    text_of("finding", check["finding"]),
-                    None if check["p"] is None else _figure("p", check["p"]),
-                )
-                for check in found["checks"]
-            ),
-            prey_twin_difference=_estimate(prey) if (prey := found.get("prey_twin_difference")) is not None else None,
-        )
-
-
-def _estimate(found: Any) -> Estimate:
-    return Estimate(*(_figure(name, found[name]) for name in ("mean", "low", "high")))
-
-
-def _figure(what: str, value: object) -> float:
-    return math.nan if value != value else number_of(what, value, -_MOST, _MOST)  # noqa: PLR0124 - NaN: not known
-
 
 def audit(
     config: ArenaConfig,
@@ -144,8 +100,6 @@ def audit(
     matches: int = 2000,
     seed: Secret | int | None = None,
     jobs: int = 1,
-    limits: AgentLimits | None = None,
-    progress: Callable[[int, int], None] | None = None,
 ) -> Audit:
     """Ask all the questions.
 
@@ -155,8 +109,6 @@ def audit(
         matches: how many identical agents play, each on targets of its own; the twins play a quarter as many.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed, None draws one freshly.
         jobs: how many processes play.
-        limits: those of isolated agents, None where all are trusted.
-        progress: called with (matches played, matches in all).
 
     Raises:
         ConfigError: for fewer than two hunters, and too few matches.
@@ -170,28 +122,21 @@ def audit(
         raise ConfigError(f"matches must be at least {_FEWEST_MATCHES} for an audit, got {matches}")
 
     secret = Secret.of(seed)
-    with sandbox_for(limits) as sandbox:
-        look = inspector(sandbox)
-        alike = enter([agent] * len(parties), look)
-        twins = enter([agent, agent, *islice(cycle(_OTHERS), parties.group - 2)], look)
+    alike = enter([agent] * len(parties))
+    twins = enter([agent, agent, *islice(cycle(_OTHERS), parties.group - 2)])
     seat_matches = seat_plan(len(parties), matches, secret.part("audit seats"))
     twin_blocks = max(_FEWEST_TWIN_BLOCKS, matches // 4 // parties.block_size)
     prey = parties if config.prey else None
     twin_matches = tuple(round_robin(parties.group, parties.group, twin_blocks, secret.part("audit twins"), prey))
-    total = len(seat_matches) + len(twin_matches)
 
-    def played_by(entrants: Sequence[Entrant], plan: Sequence[Match], before: int) -> dict[Side, Outcomes]:
-        def show(done: int, _: int) -> None:
-            if progress is not None:
-                progress(before + done, total)
-
+    def played_by(entrants: Sequence[Entrant], plan: Sequence[Match]) -> dict[Side, Outcomes]:
         # one forfeit is too many: who fails once is not waited for again
-        played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=1, progress=show)
+        played = run(config, entrants, plan, jobs=jobs, max_forfeits=1)
         for forfeit in (forfeit for one in played for forfeit in one.result.details if forfeit is not None):
             raise AgentError(f"{agent}: must be able to play, for an audit: {forfeit}")
         return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
 
-    identical, paired = played_by(alike, seat_matches, 0), played_by(twins, twin_matches, len(seat_matches))
+    identical, paired = played_by(alike, seat_matches), played_by(twins, twin_matches)
     exact, drawn = permuted_steps(config, secret.seed("audit steps"))
     twin_checks = {side: twins_differ(found, len(twin_matches), side) for side, found in paired.items()}
     seat_checks = [
@@ -225,19 +170,6 @@ def audit(
             ),
         ),
     )
-
-
-def audit_text(found: Audit, config: ArenaConfig, secret: Secret) -> str:
-    """What `audit.json` holds."""
-    about = {
-        "ruleset": RULESET,
-        "config_digest": config.digest,
-        "config": config.to_dict(),
-        "seed": secret.digits,
-        "level": LEVEL,
-        "passed": found.passed,
-    }
-    return json.dumps(about | asdict(found), indent=2) + "\n"
 
 
 def seat_plan(seats: int, matches: int, seed: Secret | int) -> tuple[Match, ...]:

@@ -1,20 +1,12 @@
-"""A fair arena passes; one that is not is found out."""
+"""Fairness of seats, labels and the order of requests: proven every night, and an unfair arena is found."""
 
-import json
-import re
 from random import Random
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
-
-from catch_arena import scenario
-from catch_arena.cli import main
-from catch_arena.tournament import invariance
-from catch_arena.tournament.audit import (
-    FILE,
+from tournament import invariance
+from tournament.fairness import (
     LEVEL,
-    Audit,
     audit,
     corrected,
     p_of_no_bias,
@@ -22,28 +14,16 @@ from catch_arena.tournament.audit import (
     seat_plan,
     seats_differ,
 )
-from catch_arena.tournament.invariance import Step, lots
-from catch_arena.tournament.statistics.outcomes import Outcomes
+from tournament.invariance import Step, lots
 
-DUEL = scenario("duel")
-FAVOURS_THE_FIRST = """
-from itertools import count
-from catch_arena.agents.nearest import Agent as Nearest
-made = count()
-class Agent(Nearest):
-    def reset(self, seed): self.late = next(made) % 4
-    def act(self, view): return 0 if self.late and len(view.targets) % 4 == 0 else super().act(view)
-"""
+from catch_arena import scenario
+from catch_arena.tournament.statistics.outcomes import Outcomes
 
 
 @pytest.fixture(autouse=True)
 def fewer_steps(monkeypatch):
     """Made-up ones: what is unfair here shows in the first few."""
-    monkeypatch.setattr("catch_arena.tournament.audit._STEPS", 300)
-
-
-def run(*words):
-    return CliRunner().invoke(main, ["audit", *words, "--seed", "0", "--jobs", "1", "--set", "time_limit_s=10"])
+    monkeypatch.setattr("tournament.fairness._STEPS", 300)
 
 
 def identical(random, matches, bonus):
@@ -56,28 +36,6 @@ def identical(random, matches, bonus):
 
 def passes(outcomes):
     return all(check.passed for check in corrected(seats_differ(outcomes, "0123")))
-
-
-def test_a_fair_arena_passes_and_audit_json_says_so(tmp_path):
-    result = run("-s", "duel", "--matches", "100", "--out", str(tmp_path))
-    assert result.exit_code == 0, result.output
-    assert "verdict: fair, as far as 100 matches can show" in result.output
-    found = json.loads((tmp_path / "audit.json").read_text())
-    assert (found["passed"], found["matches"], len(found["seats"]), len(found["checks"])) == (True, 100, 2, 8)
-    assert sum(seat["wins"]["mean"] for seat in found["seats"]) == pytest.approx(1)
-    assert found["seats"][0]["wins"]["low"] < 0.5 < found["seats"][0]["wins"]["high"]
-    assert found["twin_difference"]["low"] <= 0 <= found["twin_difference"]["high"]
-
-
-def test_an_agent_that_plays_better_in_the_first_seat_is_an_unfair_arena(tmp_path):
-    """A match begins seat by seat, so that the first of four sits in seat 0."""
-    (tmp_path / "biased.py").write_text(FAVOURS_THE_FIRST)
-    result = run(str(tmp_path / "biased.py"), "--matches", "100", "--out", str(tmp_path), "--trusted")
-    assert result.exit_code == 1, result.output
-    assert "Does a seat catch more than another? YES" in result.output
-    assert "(most: seat 0)" in result.output
-    assert "verdict: NOT FAIR" in result.output
-    assert json.loads((tmp_path / "audit.json").read_text())["passed"] is False
 
 
 @pytest.mark.parametrize(
@@ -104,15 +62,6 @@ def test_prey_is_asked_of_by_itself(name, of_prey):
     assert len(set(questions)) == len(questions) == 8 + of_prey
     assert sum("prey" in question for question in questions) == of_prey
     assert (found.prey_twin_difference is not None) == (of_prey > 0)
-
-
-def test_hunters_have_their_own_noise_floor_and_a_prey_that_is_alone_wins_nothing(tmp_path):
-    said = " ".join(run("-s", "tag", "--matches", "100", "--out", str(tmp_path)).stdout.split())
-    found = Audit.from_json(json.loads((tmp_path / FILE).read_text()))
-    hunters, prey = found.twin_difference.margin, found.prey_twin_difference.margin
-    assert f"noise floor: up to {hunters:.0f} points between equals as hunters, and up to {prey:.0f} as prey" in said
-    assert re.search(r"prey 0\W+-\W+-\W+\d", said)
-    assert re.search(r"\b2\W+\d+\.\d %", said)
 
 
 def test_a_bonus_of_one_catch_in_two_matches_is_found_in_two_thousand():
@@ -164,7 +113,7 @@ def test_an_arbiter_that_prefers_a_seat_is_found_out(monkeypatch):
 
 def test_lots_that_a_seat_always_wins_are_found_out(monkeypatch):
     monkeypatch.setattr(
-        "catch_arena.tournament.audit.lots",
+        "tournament.fairness.lots",
         lambda rulings, config: {name: (tied, min(tied)) for name, (tied, _) in lots(rulings, config).items()},
     )
     _, (drawn,) = permuted_steps(scenario("standard"), 0)
@@ -192,18 +141,10 @@ def test_identical_agents_play_each_match_on_targets_of_its_own():
     assert {match.seating for match in plan} == {(0, 1, 2, 3)}
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--matches", "99"], "matches must be at least 100 for an audit, got 99"),
-        (["-s", "capstone"], "at least 2 agents must play in a match for an audit, got 1"),
-        (["neerest"], "did you mean nearest"),
-        (["--out", __file__], "cannot be written"),
-    ],
-)
-def test_what_cannot_be_audited_is_refused_in_one_line(words, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(main, ["audit", *words])
-    assert result.exit_code == 2
-    assert message in result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["standard", "pairs", "herd"])
+def test_the_arena_is_fair(name, monkeypatch):
+    """2000 matches of identical agents, 500 of one agent under two names, and 2000 permuted steps."""
+    monkeypatch.setattr("tournament.fairness._STEPS", 2000)
+    found = audit(scenario(name), matches=2000, seed=0, jobs=2)
+    assert [(check.question, check.finding, check.p) for check in found.checks if not check.passed] == []
