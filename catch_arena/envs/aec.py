@@ -12,6 +12,7 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv, Infos, SavedEpisode, parallel_env
+from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.text import in_short
 
@@ -19,9 +20,12 @@ _CALLERS: Final = ("_actions", "_observations", "infos")
 """What holds things that belong to the caller, who may write into them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SavedTurn:
     """What `CatchArenaAecEnv.save` gives: as many can be kept, and pickled, as one likes."""
+
+    __eq__ = equal_fields
+    __hash__ = None  # type: ignore[assignment]
 
     episode: SavedEpisode
     turns: dict[str, Any]

@@ -38,6 +38,7 @@ from catch_arena.envs.spaces import (
     state_space,
     velocity_space,
 )
+from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
@@ -63,9 +64,15 @@ _WITHDRAWN = row_of(state.WITHDRAWN)
 _NO_ANSWER: Final = {"verdict": NO_REQUEST, "target": -1, "distance_um": -1, "winner": -1}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SavedEpisode:
-    """What `CatchArenaEnv.save` gives: as many can be kept, and pickled, as one likes."""
+    """What `CatchArenaEnv.save` gives: as many can be kept, and pickled, as one likes.
+
+    Two are equal if an env goes on from both in the same way: equal in every bit.
+    """
+
+    __eq__ = equal_fields
+    __hash__ = None  # type: ignore[assignment]
 
     config: str
     """The digest of the arena's config."""

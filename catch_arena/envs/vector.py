@@ -24,6 +24,7 @@ from catch_arena.envs.spaces import (
     prey_observation_space,
     velocity_space,
 )
+from catch_arena.equality import equal
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
@@ -47,8 +48,8 @@ Begun = tuple[NDArray[np.float32], dict[str, Any]]
 """Likewise."""
 
 
-class SavedState(NamedTuple):
-    """What `VectorArena.save` and `save_row` give."""
+class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has no hash in any case
+    """What `VectorArena.save` and `save_row` give. Two are equal in every bit."""
 
     config: str
     """The digest of the arena's config."""
@@ -58,6 +59,12 @@ class SavedState(NamedTuple):
     """How hunters are driven, as `set_controls` takes it: (B, H), or (H,) of a row."""
     memory: NDArray[np.uint8]
     """As the engine keeps it; what only auto_reset keeps comes last."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SavedState) and equal(tuple(self), tuple(other))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
 
 
 class VectorArena:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.equality import equal_fields
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
 from catch_arena.plain import plain_setting
 from catch_arena.replay.codec import LENGTH, Reader, pack_columns
@@ -43,9 +44,12 @@ _LONGEST_REASON: Final = 300
 _KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class ReplayContent:
-    """What a file holds."""
+    """What a file holds. Two are equal if they hold the same match, in every bit."""
+
+    __eq__ = equal_fields
+    __hash__ = None  # type: ignore[assignment]
 
     config: ArenaConfig
     seed: int

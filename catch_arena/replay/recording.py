@@ -34,7 +34,7 @@ def _contents(match: ReplayContent) -> Iterator[tuple[str, Any]]:
     return ((field.name, getattr(match, field.name)) for field in fields(match))
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Replay(ReplayContent):
     """One recorded match, or the part of it that has been played."""
 

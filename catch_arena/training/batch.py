@@ -16,6 +16,7 @@ from catch_arena.config import ArenaConfig, require_flag
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.spaces import choice_array, clipped, command_array
 from catch_arena.envs.vector import SavedState, VectorArena
+from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
 from catch_arena.plain import whole_number
@@ -54,9 +55,15 @@ class LearnerStep(NamedTuple):
     """
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class SavedLearners:
-    """What `LearnerBatch.save` gives: as many can be kept, and pickled, as one likes."""
+    """What `LearnerBatch.save` gives: as many can be kept, and pickled, as one likes.
+
+    Two are equal in every bit. Agents in it are compared by their own `==`; most have none, and equal only themselves.
+    """
+
+    __eq__ = equal_fields
+    __hash__ = None  # type: ignore[assignment]
 
     arena: SavedState
     opponents: SavedOpponents | None

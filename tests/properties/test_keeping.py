@@ -293,3 +293,55 @@ def test_what_another_version_has_kept_is_refused_before_anything_changes():
     with pytest.raises(ConfigError, match=r"a saved state must have controls \(2, 2\), got \(3,\)$"):
         batch.restore(both._replace(controls=np.zeros(3, np.int8)))
     assert (env.digest(), batch.digest(0), batch.digest(1)) == before
+
+
+@pytest.mark.parametrize("match", range(MATCHES))
+def test_what_is_saved_twice_is_equal_until_something_happens(match):
+    """In every kind of environment; what a replay keeps of it too."""
+    source = Random(match)
+    config = some_config(source).replace(max_cycles=30, dropout_rate=0.0, prey_returns_s=2.0)
+    env, twin = catch_arena.parallel_env(config), catch_arena.parallel_env(config)
+    for each in (env, twin):
+        each.record()
+        each.reset(seed=match)
+    saved = [env.save()]
+    for _ in range(3):
+        actions = {agent: some_action(source, env, agent) for agent in env.agents}
+        for each in (env, twin):
+            each.step(actions)
+        saved.append(env.save())
+    turns = catch_arena.env(config)
+    turns.reset(seed=match)
+    turns.step(some_action(source, turns.unwrapped, turns.agent_selection))
+    given = turns.save()
+    turns.step(some_action(source, turns.unwrapped, turns.agent_selection))
+    batch = catch_arena.VectorArena(config, 2)
+    batch.reset(seed=match)
+
+    assert saved[3] == env.save() == twin.save() == copy.deepcopy(saved[3])
+    assert [saved[3] == other for other in (*saved[:3], None)] == [False] * 4
+    assert given == copy.deepcopy(given)
+    assert (turns.save() == turns.save(), turns.save() == given) == (True, False)
+    assert batch.save() == batch.save()
+    assert batch.save_row(0) == batch.save_row(0)
+    assert batch.save_row(0) != batch.save_row(1)
+    assert (batch.save() != batch.save()) is False
+
+
+def test_replays_are_equal_if_they_hold_the_same_match(tmp_path):
+    """The one that was recorded, and each that is read from its file."""
+    file = tmp_path / "m.replay"
+    env = catch_arena.parallel_env("duel", control=("full", "velocity"))
+    env.record()
+    env.reset(seed=1)
+    source = Random(1)
+    for _ in range(4):
+        env.step({agent: some_action(source, env, agent) for agent in env.agents})
+    env.replay().save(file)
+    load = catch_arena.Replay.load
+    other = load(file)
+    other.commands[2] = other.commands[2] * np.float32(0.5)
+
+    assert load(file) == load(file) == env.replay()
+    assert load(file) != other
+    assert load(file) != "m.replay"

@@ -302,6 +302,16 @@ def test_what_a_batch_cannot_go_on_from_is_refused():
     assert played(batch, 1) == before
 
 
+def test_saved_learners_are_equal_until_something_happens():
+    """An agent in it equals only itself, so that they are equal where nobody else plays."""
+    batch = LearnerBatch("duel", 2)
+    batch.reset(seed=1)
+    saved = batch.save()
+    assert saved == batch.save()
+    played(batch, 1, steps=1)
+    assert saved != batch.save()
+
+
 def test_gymnasiums_vector_wrappers_fit():
     """Statistics, rewards and lists of infos, over ended episodes."""
     env = GymnasiumVectorEnv("duel", 3, opponents=["nearest", "patrol"], max_cycles=5)
