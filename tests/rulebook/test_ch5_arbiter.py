@@ -305,6 +305,21 @@ def test_r5_2_what_lies_outside_the_action_space_is_an_error_and_nothing_moves(c
 
 
 @pytest.mark.rule("R5.2")
+@pytest.mark.parametrize("control", ["velocity", "full"])
+def test_r5_2_finite_velocities_are_clipped_to_the_action_space(control: str) -> None:
+    """So that a policy whose actions have no bounds plays."""
+    from catch_arena.envs.parallel import parallel_env
+
+    digests = set()
+    for pair in ([1.0, -1.0], [1.01, -2.0]):
+        env = parallel_env("standard", hunters=1, control=control)
+        env.reset(seed=1)
+        env.step({"hunter_0": pair if control == "velocity" else {"cmd_vel": pair, "catch": 0}})
+        digests.add(env.digest())
+    assert len(digests) == 1
+
+
+@pytest.mark.rule("R5.2")
 def test_r5_2_after_the_end_there_is_no_step() -> None:
     """MATCH_OVER answers requests by name; an env's step after the end is an error."""
     from catch_arena.envs.parallel import parallel_env

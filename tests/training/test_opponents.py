@@ -399,7 +399,7 @@ def test_distinct_opponents_are_drawn_by_their_weights_and_never_twice():
     few = LearnerBatch("standard", 4, opponents=["nearest", "first"], distinct=True)
     few.reset(seed=3)
     assert few.opponents.seated.max() <= 1
-    with pytest.raises(ConfigError, match="distinct must be True or False"):
+    with pytest.raises(ConfigError, match="distinct must be true or false"):
         LearnerBatch("standard", 4, opponents="nearest", distinct=2)
 
 
