@@ -142,7 +142,7 @@ def test_identical_agents_play_each_match_on_targets_of_its_own():
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["standard", "pairs", "herd"])
+@pytest.mark.parametrize("name", ["standard", "pairs", "tag"])
 def test_the_arena_is_fair(name, monkeypatch):
     """2000 matches of identical agents, 500 of one agent under two names, and 2000 permuted steps."""
     monkeypatch.setattr("tournament.fairness._STEPS", 2000)
