@@ -154,8 +154,3 @@ def test_very_many_blocks_are_drawn_by_the_bag_and_give_the_same_interval():
     sums = random.normal(size=(9000, 1))
     (found,) = ratios(sums, np.ones_like(sums))
     assert found.margin == pytest.approx(1.96 * sums.std() / math.sqrt(9000), rel=0.03)
-
-
-def test_ten_thousand_matches_take_seconds():
-    """1.4 s of CPU time where docs/ratings.md was measured; a loop over resamples would take minutes."""
-    assert MEASURE["seconds_for_many"]() < 20
