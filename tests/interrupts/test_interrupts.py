@@ -161,14 +161,15 @@ SAVES_WHEN_IT_IS_INTERRUPTED = (
     ids=["at_the_end", "under_way"],
 )
 def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
-    program = started(tmp_path, command(*lines))
+    program = started(tmp_path, command(PATIENT, *lines))
     program.interrupt((0.05, 0.3, 0.7))
     end = program.ended()
     assert (end.status, end.said, end.errors) == (130, "saved\n", LINE)
 
 
 def test_who_hangs_after_it_has_saved_is_ended(tmp_path):
-    program = started(tmp_path, command("try:", f"    {LOOP}", "finally:", f"    {SAVES}", f"    {LOOP}"))
+    patience = "interrupts._UNWIND_S = 10.0"  # to begin to save in, on a busy machine too
+    program = started(tmp_path, command(patience, "try:", f"    {LOOP}", "finally:", f"    {SAVES}", f"    {LOOP}"))
     program.interrupt()
     end = program.ended()
     assert (end.status, end.said, end.errors) == (130, "saved\n", LINE)

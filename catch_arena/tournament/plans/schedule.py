@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations, islice
 from math import comb
 from typing import Final, Protocol
@@ -52,7 +52,7 @@ class FixedPlan:
 
     parameters: Mapping[str, str | int]
     size: int
-    blocks: Callable[[], Iterator[Block]]
+    blocks: Callable[[], Iterator[Block]] = field(repr=False)
 
     def __len__(self) -> int:
         return self.size
