@@ -90,7 +90,9 @@ def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     """
     for word in overrides:
         if word in _WORDS_OF_MPE:
-            raise ConfigError(f"unknown setting {word!r}: here it is {_WORDS_OF_MPE[word]}; see docs/simple_tag.md")
+            raise ConfigError(
+                f"unknown setting {word!r}: here it is {_WORDS_OF_MPE[word]}; see `catch-arena docs simple_tag`"
+            )
     if "continuous_actions" in overrides:
         continuous = overrides.pop("continuous_actions")
         if not isinstance(continuous, bool):

@@ -238,7 +238,7 @@ def grade_agent(
         if progress is not None:
             progress(len(played), test.matches)
         forfeited = 0 if result.forfeits[party] is None else forfeited + 1
-        timeouts += result.forfeits[party] == "FORFEIT_TIMEOUT"
+        timeouts += (forfeit := result.details[party]) is not None and _is_late(forfeit)
         if max_forfeits and timeouts == _MOST_TIMEOUTS:
             stopped = f"it took too long in {timeouts} matches"
         elif max_forfeits and forfeited == max_forfeits:
@@ -246,6 +246,11 @@ def grade_agent(
         if stopped:
             break
     return _grade(test, played, parties, stopped)
+
+
+def _is_late(forfeit: Forfeit) -> bool:
+    """Return whether an agent was too slow, also in `reset` or when it was loaded, which is FORFEIT_INIT."""
+    return forfeit.code == "FORFEIT_TIMEOUT" or "took longer than" in forfeit.reason
 
 
 def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties: Parties, stopped: str) -> Grade:

@@ -234,7 +234,7 @@ def test_continuous_actions_stand_for_velocity_control():
 )
 def test_other_words_of_mpe_get_ours(word, ours):
     """And the page for who comes from simple_tag, and not a list of all settings."""
-    message = re.escape(f"unknown setting {word!r}: here it is {ours}; see docs/simple_tag.md")
+    message = re.escape(f"unknown setting {word!r}: here it is {ours}; see `catch-arena docs simple_tag`")
     for make in (catch_arena.parallel_env, catch_arena.env, catch_arena.VectorArena, catch_arena.scenario):
         with pytest.raises(ConfigError, match=f"^{message}$"):
             make("tag", **{word: 3})

@@ -130,6 +130,16 @@ def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(g
     assert "FORFEIT_OUT" not in grade(BAD / "crashes.py", "--max-forfeits", "0", spec=spec).output
 
 
+def test_two_time_outs_in_reset_end_a_test_too(grade, tmp_path):
+    """They are FORFEIT_INIT, and took ten matches of ten seconds."""
+    (tmp_path / "hangs.py").write_text(
+        "class Agent:\n    def reset(self, seed):\n        while True: pass\n    def act(self, view): return 0\n"
+    )
+    result = grade("hangs.py", "--limit", "init_s=3", spec=SPEC.replace("matches = 2", "matches = 5"))
+    assert result.exit_code == 1
+    assert result.stdout.count("FORFEIT_OUT: it took too long in 2 matches; 3 more were not played") == 2
+
+
 def test_two_time_outs_end_a_test_and_how_far_it_is_is_shown(grade, tmp_path, monkeypatch):
     """An agent that hangs used to take ten matches of five seconds in each test, without a line."""
     monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
