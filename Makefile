@@ -66,10 +66,7 @@ laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
 
-boundspythons: $(VENV)/ready-dev ## the rules, a match, a video and a tournament on each CPython found, with the newest and the oldest dependencies
-	$(BIN)/python scripts/pythons.py
-
-check: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
+boundscheck: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES) tests/vector tests/training/test_opponents.py
 
 # Without the compiler, since compiled code cannot be measured; but first with it, and with an empty cache, for what only the
