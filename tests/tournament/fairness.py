@@ -7,6 +7,7 @@ from random import Random
 from typing import Final
 
 import numpy as np
+from scipy import special
 from tournament.invariance import Step, lots, names_matter, order_matters, with_labels
 
 from catch_arena.config import ArenaConfig
@@ -23,7 +24,6 @@ from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values
 from catch_arena.tournament.statistics.sides import on_side
-from catch_arena.tournament.statistics.tail_probabilities import chi_squared_tail
 
 LEVEL: Final = 0.01
 """A fair arena fails an audit so often: all its tests together, corrected for their number (Holm 1979)."""
@@ -263,7 +263,8 @@ def p_of_no_bias(rows: Floats) -> float:
     moments = rows.T @ rows / count
     mean = rows.mean(axis=0)
     rank = int(np.linalg.matrix_rank(moments, hermitian=True))
-    return chi_squared_tail(rank, count * float(mean @ np.linalg.pinv(moments, hermitian=True) @ mean)) if rank else 1.0
+    distance = count * float(mean @ np.linalg.pinv(moments, hermitian=True) @ mean)
+    return float(special.chdtrc(rank, distance)) if rank else 1.0
 
 
 def corrected(checks: Sequence[Check]) -> list[Check]:

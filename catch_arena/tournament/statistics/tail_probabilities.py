@@ -1,4 +1,4 @@
-"""The tails of the three distributions that tests of significance ask for, on arrays.
+"""The tails of the two distributions that tests of significance ask for, on arrays.
 
 SciPy has them too, and takes 140 MB of disk and a quarter of a second of every start (Numba imports it where it is
 installed); the tests compare with it.
@@ -83,19 +83,3 @@ def _critical(freedom: float, tail: float) -> float:
         if step <= 1e-12 * t:
             break
     return t
-
-
-def chi_squared_tail(freedom: int, x: float) -> float:
-    """How often chi-squared, with `freedom` >= 1 degrees of freedom, is above x >= 0 (Abramowitz and Stegun 1964,
-    26.4.4 and 26.4.5).
-    """
-    half = 0.5 * x
-    if freedom % 2:
-        tail, term, at = math.erfc(math.sqrt(half)), math.exp(-half) * math.sqrt(half) / math.gamma(1.5), 1.5
-    else:
-        tail, term, at = 0.0, math.exp(-half), 1.0
-    for _ in range((freedom - 1) // 2 if freedom % 2 else freedom // 2):
-        tail += term
-        term *= half / at
-        at += 1.0
-    return tail
