@@ -19,6 +19,7 @@ from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.arguments import blank_argument
+from catch_arena.cli.outputs import reservations
 from catch_arena.cli.terminal import HELP_OPTIONS, fit_help, folded, let_all_be_written, own_streams, say
 from catch_arena.cli.usage_errors import usage_error
 from catch_arena.config import ArenaConfig
@@ -96,7 +97,8 @@ class _Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
         try:
-            return super().invoke(ctx)
+            with reservations():
+                return super().invoke(ctx)
         except CatchArenaError as error:
             if not interrupts.received():  # else it is no news that something fails
                 say(f"error: {error}", err=True)

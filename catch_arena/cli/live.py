@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.matches import print_logs, print_result
-from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file
+from catch_arena.cli.outputs import REPLAY, Force, free_file, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
 from catch_arena.config import ArenaConfig
@@ -131,6 +131,7 @@ class _WindowOptions(NamedTuple):
 
 def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, options: _WindowOptions) -> None:
     """Seat the agents, one after the other and over again, and play in a window."""
+    from catch_arena.files import prepare_folder
     from catch_arena.live.session import free_parties, line_up, show_match
     from catch_arena.render.renderer import checked_size
     from catch_arena.seeding import arena_seed
@@ -144,16 +145,15 @@ def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, o
     window = checked_size(width_and_height(size))
     players = enter_agents([agents[index % len(agents)] for index in range(free)], limits, prey=config.prey > 0)
     lineup = line_up(config, players, person)
-    usual = "match.replay"
     if record is not None:
         output_file(record, *REPLAY, force=force)
-    with given_or_free(record, usual, force=force):  # it can be written
-        pass
+    else:
+        prepare_folder(Path.cwd())
 
     def save(replay: "Replay") -> str:
-        with given_or_free(record, usual, force=force) as target:
-            replay.save(target)
-            return str(target)
+        target = free_file("match.replay", force=force) if record is None else record
+        replay.save(target)
+        return str(target)
 
     shown = show_match(config, arena_seed(seed), lineup, limits, title=scenario, size=window, save=save)
     print_logs(shown.replay.names, shown.logs)

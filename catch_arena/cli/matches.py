@@ -31,7 +31,7 @@ from catch_arena.cli.app import (
     secret_of,
     seed_told,
 )
-from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file
+from catch_arena.cli.outputs import REPLAY, Force, free_file, output_file, require_free
 from catch_arena.cli.terminal import own_console, say, shown
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
@@ -148,7 +148,7 @@ def tournament(
     prepare_folder(out / REPLAYS if record else out)
     if not (out / STORE).exists():  # else they are made from it
         for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
-            output_file(out / name, force=force)
+            require_free(out / name, force=force)
         if record and not force and any((out / REPLAYS).glob("*.replay")):
             raise OutputError(
                 f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder"
@@ -327,9 +327,9 @@ def match(
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
     drawn = arena_seed(seed)
+    target = free_file("match.replay", force=force) if output is None else output
     steps = count()
     with (
-        given_or_free(output, "match.replay", force=force) as target,
         sandbox_for(allowed) as sandbox,
         progress_bar("playing", late=True) as show,
     ):

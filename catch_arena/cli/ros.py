@@ -263,14 +263,14 @@ def spawner(
     with given_bus.joined(called, parameters) as joined:
         node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
         rate = Rate(DT)
-        if not node.ready:
-            say("waiting for turtlesim: /spawn and /kill")
-        while not node.ready:
-            rate.sleep()
-            joined.spin()
-        node.begin()
 
         def judge() -> None:
+            if not node.ready:
+                say("waiting for turtlesim: /spawn and /kill")
+            while not node.ready:
+                rate.sleep()
+                joined.spin()
+            node.begin()
             while True:
                 rate.sleep()
                 joined.spin()

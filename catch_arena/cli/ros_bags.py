@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.app import Recorded
 from catch_arena.cli.bus_options import Package, Turtlesim, interfaces_of
-from catch_arena.cli.outputs import Force, output_video
+from catch_arena.cli.outputs import Force, output_video, require_folder_name
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
@@ -46,6 +46,7 @@ def bag(
     types = interfaces_of(interfaces, turtlesim)
     recorded = Replay.load(replay)
     folder = replay.with_suffix("") if output is None else output
+    require_folder_name(folder)
     require_free(folder, force=force)
     with progress_bar("writing", late=True) as show:
         messages = export_bag(recorded, folder, storage, types, force=force, progress=show)

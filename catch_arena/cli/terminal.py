@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from inspect import cleandoc
-from io import TextIOWrapper
+from io import BufferedWriter, FileIO, TextIOWrapper
 from pathlib import Path
 from textwrap import wrap
 from typing import IO, Any, Final, cast
@@ -44,6 +44,17 @@ def shown(text: str) -> str:
 def own_console(*, err: bool = False) -> Console:
     """For tables and progress bars, on stdout or stderr."""
     return Console(file=_stream(err=err))
+
+
+class _Lasting(FileIO):
+    """A file whose reader may go, as `head` does: the command goes on, and its own result is what counts."""
+
+    def write(self, data: Any, /) -> int:
+        """Write; what nobody reads any more is lost."""
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            return len(data)
 
 
 def _stream(*, err: bool) -> IO[str] | None:
@@ -116,7 +127,10 @@ def own_streams() -> Iterator[None]:
     for err, stream in ((False, sys.stdout), (True, sys.stderr)):
         _OWN[err] = stream
         with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
-            copies.append(os.fdopen(os.dup(stream.fileno()), "w", encoding=stream.encoding, errors=stream.errors))
+            raw = _Lasting(os.dup(stream.fileno()), "w")
+            copies.append(
+                TextIOWrapper(BufferedWriter(raw), stream.encoding, stream.errors, line_buffering=stream.isatty())
+            )
             _OWN[err] = copies[-1]
     try:
         yield

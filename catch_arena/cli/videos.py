@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.outputs import VIDEO, Force, given_or_free, output_file, output_video, require_ending
+from catch_arena.cli.outputs import VIDEO, Force, free_file, output_file, output_video, require_ending
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -112,13 +112,11 @@ def mosaic(
 ) -> None:
     """Show all matches of a folder at once, in a grid."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.render.encoders import format_of
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
 
     frame_size = None if size is None else width_and_height(size)
     require_ending(output, *VIDEO)
-    format_of(output)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
     for path in paths:
@@ -160,13 +158,11 @@ def highlights(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import select_highlights
-    from catch_arena.render.encoders import format_of
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
 
     frame_size = None if size is None else width_and_height(size)
     if output is not None:
         require_ending(output, *VIDEO)
-        format_of(output)
         if not listing:
             output_video(output, force=force)
     found = _highlights_in(folder)
@@ -179,7 +175,8 @@ def highlights(
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
-    with given_or_free(output, "highlights.mp4", force=force) as target, progress_bar("rendering") as show:
+    target = free_file("highlights.mp4", force=force) if output is None else output
+    with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
         report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
     print_report(report)
@@ -224,8 +221,6 @@ def sheet(
 
     if output is not None:
         require_ending(output, ".png")
-        if output.suffix.lower() != ".png":
-            raise ConfigError(f"output must end in .png, got {str(output)!r}")
     frame_size = None if size is None else width_and_height(size)
     recorded = Replay.load(replay)
     if output is not None:
@@ -242,8 +237,8 @@ def sheet(
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
         picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
-    with given_or_free(output, "sheet.png", force=force) as target:
-        write_whole(target, picture)
+    target = free_file("sheet.png", force=force) if output is None else output
+    write_whole(target, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
     say(f"sheet: {target} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
 

@@ -375,7 +375,8 @@ _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 
 
 def _name_parts(file: Path) -> tuple[str, ...]:
-    return tuple(map(composed, (*file.parts[1:-1], file.stem)))
+    named = file.parent if file.stem == "__init__" else file
+    return tuple(map(composed, (*named.parts[1:-1], named.stem)))
 
 
 def _unique_names(agents: Sequence[_Resolved]) -> list[str]:
@@ -422,7 +423,10 @@ def _takes_one_argument(method: Callable[..., object]) -> bool:
 
 @contextmanager
 def _process_restored() -> Iterator[None]:
-    """Restore what a stranger's module may change while it is imported: the folder, streams, locale and umask."""
+    """Restore what a stranger's module may change while it is imported: the folder, streams, locale, umask, where
+    modules are found, and how deep calls may go.
+    """
+    path, depth = sys.path[:], sys.getrecursionlimit()
     folder, language, umask = Path.cwd(), locale.setlocale(locale.LC_ALL), os.umask(0o077)
     os.umask(umask)
     streams = {name: getattr(sys, name) for name in ("stdin", "stdout", "stderr")}
@@ -430,6 +434,8 @@ def _process_restored() -> Iterator[None]:
     try:
         yield
     finally:
+        sys.path[:] = path
+        sys.setrecursionlimit(depth)
         os.chdir(folder)
         os.umask(umask)
         locale.setlocale(locale.LC_ALL, language)

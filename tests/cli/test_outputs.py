@@ -1,6 +1,7 @@
 """A command that writes a file replaces none without --force."""
 
 import os
+import pkgutil
 import re
 import stat
 import sys
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 
 from catch_arena import Replay
 from catch_arena.cli import main
-from catch_arena.cli.outputs import given_or_free
+from catch_arena.cli.outputs import free_file, reservations
 from catch_arena.tournament.isolation import playing
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -178,8 +179,8 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(t
         (["-o", "m.jsonl"], b'{"match":'),
         (["-o", "m.CSV"], b"match,block,seed,"),
         (["-o", "m.parquet"], b"PAR1"),
-        (["-o", "m.txt"], b'{"match":'),
-        (["-o", "m.txt", "--format", "csv"], b"match,block,seed,"),
+        (["-o", "m.json"], b'{"match":'),
+        (["-o", "m.csv", "--format", "csv"], b"match,block,seed,"),
     ],
 )
 def test_an_export_has_the_format_that_its_name_says(played, tmp_path, monkeypatch, words, start):
@@ -199,14 +200,13 @@ def test_an_export_whose_name_and_format_contradict_is_refused(played, tmp_path,
 def test_a_free_name_has_the_next_number_and_is_reserved(tmp_path):
     """What nothing was written to is free again."""
     usual = str(tmp_path / "match.replay")
-    with given_or_free(None, usual, force=False) as first, given_or_free(None, usual, force=False) as second:
+    with reservations():
+        first, second = free_file(usual, force=False), free_file(usual, force=False)
         assert [first.name, second.name] == ["match.replay", "match-2.replay"]
         second.write_bytes(b"written")
     assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
-    with given_or_free(None, usual, force=False) as third:
-        assert third == first
-    with given_or_free(second, usual, force=False) as given, given_or_free(None, usual, force=True) as forced:
-        assert (given, forced) == (second, first)
+    with reservations():
+        assert free_file(usual, force=False) == free_file(usual, force=True) == first
     assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
 
 
@@ -231,21 +231,85 @@ def test_matches_at_the_same_time_write_files_of_their_own(tmp_path, monkeypatch
 
 
 @pytest.mark.parametrize(
+    ("words", "work"),
+    [
+        (
+            ["match", "nearest", "idle", *QUICK, "-o", "m.replay"],
+            "catch_arena.tournament.isolation.playing.play_entrants",
+        ),
+        (
+            ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.mp4", *SMALL],
+            "catch_arena.render.video.render_replay",
+        ),
+        (
+            ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "g.json"],
+            "catch_arena.tournament.grading.grade_agent",
+        ),
+        (["export", "{o}", "-o", "e.csv"], "catch_arena.tournament.export.export"),
+    ],
+    ids=lambda words: words[0] if isinstance(words, list) else "",
+)
+def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_the_first(
+    played, tmp_path, monkeypatch, words, work
+):
+    """It begins and ends while the first one works, and says so before it works itself."""
+    monkeypatch.chdir(tmp_path)
+    words = [word.replace("{o}", str(played / "o")) for word in words]
+    do, seconds = pkgutil.resolve_name(work), []
+
+    def meanwhile(*arguments, **options):
+        seconds.append(CliRunner().invoke(main, words))
+        return do(*arguments, **options)
+
+    monkeypatch.setattr(work, meanwhile)
+    first = CliRunner().invoke(main, words)
+    name = words[words.index("-o" if "-o" in words else "--json") + 1]
+    assert first.exit_code in {0, 1}
+    assert [second.exit_code for second in seconds] == [2]
+    assert seconds[0].stderr == f"error: {name}: is there already: give --force to replace it, or another name\n"
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert Path(name).stat().st_size
+
+
+def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def interrupted(*_, **__):
+        assert Path("m.replay").exists()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(playing, "play_entrants", interrupted)
+    CliRunner().invoke(main, ["match", "nearest", "idle", *QUICK, "-o", "m.replay"])
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
     ("words", "why"),
     [
         (["match", "nearest", "idle", *QUICK, "-o", "m.mp4"], ".replay, got .mp4: `catch-arena render` writes that"),
+        (["match", "nearest", "idle", *QUICK, "-o", "m.mkv"], "must end in .replay, got .mkv"),
+        (["match", "nearest", "idle", *QUICK, "-o", "m"], "must end in .replay, got no ending"),
         (["match", "nearest", "idle", *QUICK, "-o", "m.CSV"], ".replay, got .csv: `catch-arena export` writes that"),
         (["watch", "nearest", "--record", "m.gif"], ".replay, got .gif: `catch-arena render` writes that"),
         (
             ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.png"],
-            ".mp4 or .webm or .gif or .webp, got .png: `catch-arena sheet` writes that",
+            ".mp4, .webm, .gif or .webp, got .png: `catch-arena sheet` writes that",
         ),
         (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html: `catch-arena report` writes that"),
-        (["highlights", "{o}/replays", "-o", "g.json"], ".webp, got .json: `catch-arena explain --json` writes that"),
+        (
+            ["highlights", "{o}/replays", "-o", "g.json"],
+            ".webp, got .json: --json of grade, suite or explain writes that",
+        ),
         (["sheet", "{o}/replays/r00001-g000001-s00.replay", "-o", "s.webm"], ".png, got .webm: `catch-arena render`"),
         (["export", "{o}", "-o", "e.replay"], ".json, got .replay: `catch-arena match` writes that"),
+        (["export", "{o}", "-o", "e.xlsx"], ".json, got .xlsx"),
+        (["report", "{o}", "-o", "r.pdf"], "must end in .html, got .pdf"),
         (["report", "{o}", "-o", "r.csv"], ".html, got .csv: `catch-arena export` writes that"),
-        (["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"], ".xml, got .json: "),
+        (
+            ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"],
+            ".xml, got .json: --json of grade, suite or explain",
+        ),
+        (["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "g.toml"], "must end in .json, got .toml"),
         (["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "g.xml"], ".json, got .xml: "),
         (["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.json"], ".xml, got .json: "),
     ],

@@ -31,6 +31,8 @@ CHANGES = {
     "closed": "sys.stdout.close(); sys.stderr.close()",
     "ascii": "sys.stdout.reconfigure(encoding='ascii', errors='strict')",
     "umask": "os.umask(0o777)",
+    "depth of calls": "sys.setrecursionlimit(sys.getrecursionlimit() // 10)",
+    "path": "sys.path.clear()",
 }
 
 
@@ -69,14 +71,16 @@ def test_an_arbiter_moves_and_silences_nothing(tmp_path, change):
 
 
 def test_after_an_import_the_process_is_as_it_was(tmp_path):
-    changes = ["os.chdir('/')", "os.umask(0o777)", "locale.setlocale(locale.LC_ALL, 'C')"]
+    changes = [CHANGES[name] for name in ("folder", "umask", "depth of calls", "path")]
+    changes.append("locale.setlocale(locale.LC_ALL, 'C')")
     streams = "sys.stdin = sys.stdout = sys.stderr = None"
     (tmp_path / "mine.py").write_text("\n".join(["import locale, os, sys", *changes, streams, "1 / 0"]))
 
     def state():
         umask = os.umask(0o077)
         os.umask(umask)
-        return Path.cwd(), umask, locale.setlocale(locale.LC_ALL), sys.stdin, sys.stdout, sys.stderr
+        streams = sys.stdin, sys.stdout, sys.stderr
+        return Path.cwd(), umask, locale.setlocale(locale.LC_ALL), sys.path[:], sys.getrecursionlimit(), streams
 
     language = locale.setlocale(locale.LC_ALL)
     try:
@@ -87,6 +91,29 @@ def test_after_an_import_the_process_is_as_it_was(tmp_path):
         assert state() == before
     finally:
         locale.setlocale(locale.LC_ALL, language)
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "written"),
+    [
+        (["match", "nearest", "idle", *QUICK, "-o", "m.replay"], 0, "m.replay"),
+        (["grade", "idle", "--spec", "spec.toml", "--json", "g.json"], 1, "g.json"),
+        (["scenarios"], 0, "spec.toml"),
+    ],
+    ids=["match", "grade", "a table"],
+)
+def test_a_command_whose_reader_has_gone_works_to_its_end(tmp_path, words, status, written):
+    """As in `catch-arena grade ... | head -1`: it used to end with 1, which is the answer no, and to write nothing."""
+    (tmp_path / "spec.toml").write_text(
+        'seed = 1\nmatches = 1\n[[test]]\nname = "t"\nscenario = "duel"\nopponents = ["nearest"]\n'
+        "settings = { time_limit_s = 3 }\nmin_mean_score = 100.0\n"
+    )
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w") as gone:
+        done = run(tmp_path, *words, stdout=gone)
+    assert (done.returncode, done.stderr) == (status, "")
+    assert (tmp_path / written).stat().st_size
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
@@ -116,18 +143,21 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
     ("words", "why"),
     [
         (["match", "loop.py", "idle"], "loop.py: is a link that leads to itself"),
-        (["match", "idle", "idle", "-o", "loop.py"], "loop.py: cannot be written: Too many levels of symbolic links"),
-        (["match", "idle", "idle", "-o", "loop.py/x"], "loop.py: cannot be written: is a file, not a folder"),
-        (["match", "idle", "idle", "-o", 300 * "x"], "x: cannot be written: File name too long"),
+        (
+            ["match", "idle", "idle", "-o", "loop.replay"],
+            "loop.replay: cannot be written: Too many levels of ",
+        ),
+        (["match", "idle", "idle", "-o", "loop.py/x.replay"], "loop.py: cannot be written: is a file, not a folder"),
+        (["match", "idle", "idle", "-o", 300 * "x" + ".replay"], "x.replay: cannot be written: File name too long"),
         (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),
     ],
 )
 def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
-    for name in ("loop.py", "loop.mp4"):
+    for name in ("loop.py", "loop.replay", "loop.mp4"):
         (tmp_path / name).symlink_to(name)
     done = run(tmp_path, *words, *(QUICK if words[0] == "match" else ()))
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.endswith(f"{why}\n")
+    assert why in done.stderr
     assert len(done.stderr.splitlines()) == 1
 
 

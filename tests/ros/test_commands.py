@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from ros.processes import own_domain
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -101,6 +102,20 @@ def test_what_cannot_be_is_one_line(arguments, said, monkeypatch, tmp_path):
     assert said in " ".join(output.split())
     assert "Traceback" not in output
     assert "bus: " not in output  # it is not joined for that
+
+
+def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypatch):
+    """The spawner waits for turtlesim, which never comes."""
+
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Rate, "sleep", interrupted)
+    with own_domain() as domain:
+        status, said = run("spawner", "--bus", "cyclonedds", "--domain", str(domain))
+        assert status == 0
+        assert "waiting for turtlesim: /spawn and /kill\n" in said
+        assert run("controller", "--bus", "cyclonedds", "--domain", str(domain))[0] == 0
 
 
 def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):

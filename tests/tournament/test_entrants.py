@@ -47,9 +47,10 @@ def test_the_same_agent_twice_gets_two_names():
 
 def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file, tmp_path):
     """As students hand them in: a folder for each, and the same name in all."""
-    for folder in ("ann/hw1", "bob/hw1", "bob/hw2", "cid"):
+    for folder in ("ann/hw1", "bob/hw1", "bob/hw2", "cid", "dan"):
         (tmp_path / folder).mkdir(parents=True)
     files = ["ann/hw1/agent.py", "bob/hw1/agent.py", "bob/hw2/agent.py", "cid/nearest.py", "cid/other.py"]
+    files.append("dan/__init__.py")
     words = [*(agent_file(HOLDS, name) for name in files), "nearest", "catch_arena.agents.first:Agent"]
     twice = enter([*words, words[0], "catch_arena.agents.idle:Agent"])
     assert [one.name for one in twice] == [
@@ -58,6 +59,7 @@ def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file
         "hw2/agent",
         "cid/nearest",
         "other",
+        "dan",
         "nearest",
         "first/Agent",
         "ann/hw1/agent#2",
