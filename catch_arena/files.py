@@ -50,6 +50,8 @@ def read_text(path: Path) -> str:
         ConfigError: for another encoding.
     """
     content = path.read_bytes()
+    if content.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        raise ConfigError(f"{path}: is text in UTF-32: save it as UTF-8")
     two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
     if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         raise ConfigError(f"{path}: is text in UTF-16: save it as UTF-8")

@@ -19,6 +19,7 @@ from catch_arena.layout import (
     hunters_seen_by_prey,
     prey_seen_by_prey,
 )
+from catch_arena.text import in_short
 
 Side = Literal["hunter", "prey"]
 """R12.7: what an agent plays."""
@@ -298,6 +299,19 @@ _TYPED: Final = {
 """Of what is seen, which columns become something else than a float."""
 
 
+def _own_part(observation: Sequence[float], columns: int) -> Sequence[float]:
+    """The first columns, which tell of the viewer itself."""
+    try:
+        own = observation[:columns]
+        if len(own) == columns:
+            return own
+    except TypeError:
+        pass
+    raise ConfigError(
+        f"observation must be a vector, as env.step returns it for each agent, got {in_short(observation)}"
+    )
+
+
 def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: int, most: int) -> tuple[Seen, ...]:
     """What is seen of one kind, nearest first: behind the rank, `kind` has the columns of `features` in their order,
     all but `present`.
@@ -359,6 +373,9 @@ class View(_Body):
         observation: D numbers (R7.1's layout).
         mask: the legal choices (empty under velocity control).
         limits: what the hunter can do, and what the arena is.
+
+    Raises:
+        ConfigError: for an observation that is no sequence of numbers.
     """
 
     def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:
@@ -367,7 +384,7 @@ class View(_Body):
         self.mask = mask
         """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
         self.limits = limits
-        own = SelfFeatures(*observation[:_OWN])
+        own = SelfFeatures(*_own_part(observation, _OWN))
         super().__init__(own)
         self.score = own.score
         """Granted catches so far."""
@@ -395,13 +412,16 @@ class PreyView(_Body):
     Args:
         observation: the numbers of R12.4.
         limits: what prey can do, and what the arena is.
+
+    Raises:
+        ConfigError: for an observation that is no sequence of numbers.
     """
 
     def __init__(self, observation: Sequence[float], limits: PreyLimits) -> None:
         self.observation = observation
         """R12.4's vector as it was given, for policies that learn."""
         self.limits = limits
-        own = PreySelfFeatures(*observation[:_PREY])
+        own = PreySelfFeatures(*_own_part(observation, _PREY))
         super().__init__(own)
         self.times_caught = own.times_caught
         """So far."""

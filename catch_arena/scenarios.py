@@ -73,6 +73,9 @@ _WORDS_OF_MPE: Final = {
     "num_good": "prey",
     "max_steps": "max_cycles",
     "seed": "reset(seed=...)",
+    "num_obstacles": None,
+    "local_ratio": "rewards",
+    "dynamic_rescaling": None,
 }
 """What programs for PettingZoo's particle environments call our settings."""
 
@@ -90,9 +93,9 @@ def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     """
     for word in overrides:
         if word in _WORDS_OF_MPE:
-            raise ConfigError(
-                f"unknown setting {word!r}: here it is {_WORDS_OF_MPE[word]}; see `catch-arena docs simple_tag`"
-            )
+            ours = _WORDS_OF_MPE[word]
+            here = f"here it is {ours}" if ours else "there is no such thing here"
+            raise ConfigError(f"unknown setting {word!r}: {here}; see `catch-arena docs simple_tag`")
     if "continuous_actions" in overrides:
         continuous = overrides.pop("continuous_actions")
         if not isinstance(continuous, bool):

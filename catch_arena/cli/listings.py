@@ -65,7 +65,7 @@ def docs(
             listing.add_row(name, text.partition("\n")[0].removeprefix("# "))
         own_console().print(listing)
         return
-    name = page.removeprefix("docs/").removesuffix(".md")
+    name = page.lower().removeprefix("docs/").removesuffix(".md")
     if name not in pages:
         raise ConfigError(f"unknown page {page!r}: {suggest(name, pages)}")
     say(pages[name].rstrip("\n"))

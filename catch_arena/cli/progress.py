@@ -60,7 +60,9 @@ def progress_lines(
         now = clock()
         if now - said >= _LINE_EVERY_S:
             said = now
-            console.print(f"{what}: {done} of {total}, {now - began:.0f} s", highlight=False, soft_wrap=True)
+            left = (now - began) * (total - done) / max(done, 1)
+            line = f"{what}: {done} of {total}, {now - began:.0f} s, some {left:.0f} s left"
+            console.print(line, highlight=False, soft_wrap=True)
 
     return show
 

@@ -83,6 +83,7 @@ def suite(
     from catch_arena.tournament.execution.executors import require_jobs
     from catch_arena.tournament.inspection_journal import InspectionJournal
     from catch_arena.tournament.isolation.starting import sandbox_for
+    from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     out = out or Path("out/suite-quick" if quick else "out/suite")
     workers = jobs_or_all(jobs)
@@ -118,7 +119,10 @@ def suite(
     processes = f"{workers} processes" if workers > 1 else "one process"
     say(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
-        say(f"--quick: a first look, NOT the protocol, which is {SUITE.blocks} blocks")
+        say(
+            f"--quick: a first look, NOT the protocol, which is {SUITE.blocks} blocks; "
+            f"an interval (? below) needs {FEWEST_BLOCKS}"
+        )
     takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of which are kept already"
     say(f"{_agents(len(agents))}, {total} matches, {takes}")
 

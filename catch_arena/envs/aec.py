@@ -76,7 +76,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         """
         try:
             return super().observe(agent)
-        except KeyError:
+        except (KeyError, TypeError):
             self._parallel.action_space(agent)  # raises
             raise
 

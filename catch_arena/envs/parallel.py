@@ -40,9 +40,10 @@ from catch_arena.envs.spaces import (
 )
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
+from catch_arena.plain import as_python
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.text import in_short
+from catch_arena.text import in_short, with_type
 from catch_arena.verdicts import NO_REQUEST
 from catch_arena.world import World
 
@@ -296,8 +297,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         agent: str,
     ) -> spaces.Space[Any]:
         """Made when it is asked for: a match asks for none, and they would take most of what an env takes."""
-        if agent not in made:
-            seat = self._seats.get(self._known(agent))
+        if self._known(agent) not in made:
+            seat = self._seats.get(agent)
             made[agent] = make_of_prey(self.config) if seat is None else make(self.config, self._controls[seat])
         return made[agent]
 
@@ -309,12 +310,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         Args:
             seed: a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
                 further one follows from the one before (A.5), so that a run is repeated by its first seed.
-            options: not used.
+            options: a dict or None; not used.
 
         Returns:
             observations and infos by agent.
+
+        Raises:
+            ConfigError: for a seed that is no such number, and options that are no dict.
         """
-        del options
+        if options is not None and not isinstance(options, Mapping):
+            raise ConfigError(f"options must be a dict or None, got {with_type(options)}")
         follows = seed is None and self._engine.ends.item() == state.TRUNCATED
         cut = [agent for agent in self.possible_agents if agent not in self._leaving] if follows else ()
         self._seed = episode_seed(seed, self._seed)
@@ -581,7 +586,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         checked_action(control, agent, action, self._ranks, clip=True)
 
     def _known(self, agent: str) -> str:
-        if agent not in self._seats and agent not in self._prey:
+        if not isinstance(agent, str) or (agent not in self._seats and agent not in self._prey):
             raise ActionError(f"unknown agent {agent!r}: {suggest(agent, self.possible_agents)}")
         return agent
 
@@ -727,9 +732,14 @@ def _parts_in(breakdowns: NDArray[np.float32], agents: int, parts: int) -> NDArr
 def _checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
     if given is None:
         return usual
-    names = given
-    if isinstance(given, str) and "{seat}" in given:
-        names = [given.replace("{seat}", str(seat)) for seat in range(len(usual))]
+    names = as_python(given)
+    if isinstance(given, str) and "{seat" in given:
+        try:
+            names = [given.format(seat=seat) for seat in range(len(usual))]
+        except (ValueError, LookupError, AttributeError):
+            raise ConfigError(
+                f'agent_names must be a pattern such as "agent_{{seat}}", or "agent_{{seat:02d}}", got {given!r}'
+            ) from None
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
         raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {in_short(given)}")
     if not len(set(names)) == len(names) == len(usual):

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
-from operator import index
 from typing import Any
 
 from catch_arena.core.arbiter import measure_um
@@ -20,6 +19,7 @@ from catch_arena.explanation.sentences import (
     distances_sentence,
     prey_action_sentences,
 )
+from catch_arena.plain import whole_number
 from catch_arena.replay import Replay
 from catch_arena.verdicts import REASONS, Ruling, Verdict
 from catch_arena.world import World
@@ -110,10 +110,10 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         ConfigError: for a step or a hunter that it does not have.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
-    try:
-        step = index(step)
-    except TypeError:
-        raise ConfigError(f"step must be a whole number, as of step_at(replay, at_s), got {step!r}") from None
+    number = whole_number(step)
+    if number is None:
+        raise ConfigError(f"step must be a whole number, as of step_at(replay, at_s), got {step!r}")
+    step = number
     if not 1 <= step <= replay.steps:
         has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"
         raise ConfigError(f"step must be {has}, got {step}")

@@ -18,6 +18,7 @@ from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_re
 from catch_arena.replay.named_requests import judge_again, name_in_words, number_of, requests_of_step
 from catch_arena.replay.quantisation import first_state_with, quantise
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
+from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
@@ -203,8 +204,10 @@ class Replay(ReplayContent):
         """The replay in a file.
 
         Raises:
-            ReplayError: for whatever is not a whole replay of this ruleset.
+            ReplayError: for whatever is not a whole replay of this ruleset, and what is no path.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise ReplayError(f"path must be a file's, as text or a Path, got {with_type(path)}")
         try:
             with Path(path).open("rb") as file:
                 content = file.read(LARGEST_FILE + 1)

@@ -12,7 +12,7 @@ from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.verdicts import REASONS, Verdict
 
@@ -70,11 +70,17 @@ def check_fitness(
     whole: dict[str, list[bytes]] = {}
     reported: set[tuple[str, str]] = set()
     begun = {}
+    late = 0
     for number, (name, config) in enumerate(arenas.items()):
+        if late == MOST_TIMEOUTS:
+            left = ", ".join(list(arenas)[number:])
+            yield Finding("warning", f"was too slow in {late} arenas, and not tried in: {left}")
+            return
         progress(number, 2 * len(arenas) + 1)
         result = play_first_step(config, seed, enter([spec] * len(Parties.of(config)), look), sandbox)
         if any(result.forfeits):  # a whole match would say the same of every seat
             yield from _findings(name, config, result, limits.step_ms, reported)
+            late += any(forfeit is not None and forfeit.late for forfeit in result.details)
         else:
             begun[name] = config
     for number, (name, config) in enumerate(begun.items(), len(arenas)):

@@ -21,7 +21,7 @@ from catch_arena.text import printable, printable_lines
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
 from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import Forfeit, Match, MatchResult
+from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, Match, MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
@@ -30,8 +30,6 @@ _MOST_MATCHES: Final = 10_000
 _OFTEN: Final = 0.1
 """The part of an agent's requests that a verdict must have for its hint."""
 _LOG_SHOWN: Final = 4000
-_MOST_TIMEOUTS: Final = 2
-"""Each costs seconds, and one has failed the test already."""
 _KINDS: Final = {"str": "text", "list": "a list", "dict": "a table"}
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
@@ -50,6 +48,8 @@ _HINTS: Final[Mapping[str, str]] = {
     "shows the view that it failed on",
     "FORFEIT_INIT": "`catch-arena docs agents`: a class Agent with reset(self, seed) and act(self, view): catch-arena "
     "check-agent shows where it fails",
+    "late start": "`catch-arena docs isolation`, Limits: its import and reset together have init_s: load what is large "
+    "once, and search in act",
     "not installed": "`catch-arena docs agents`, What it may import: Python's own modules, NumPy, and what else is "
     "installed where it plays; it needs no ROS",
 }
@@ -238,19 +238,14 @@ def grade_agent(
         if progress is not None:
             progress(len(played), test.matches)
         forfeited = 0 if result.forfeits[party] is None else forfeited + 1
-        timeouts += (forfeit := result.details[party]) is not None and _is_late(forfeit)
-        if max_forfeits and timeouts == _MOST_TIMEOUTS:
+        timeouts += (forfeit := result.details[party]) is not None and forfeit.late
+        if max_forfeits and timeouts == MOST_TIMEOUTS:
             stopped = f"it took too long in {timeouts} matches"
         elif max_forfeits and forfeited == max_forfeits:
             stopped = f"it had forfeited {forfeited} matches in a row"
         if stopped:
             break
     return _grade(test, played, parties, stopped)
-
-
-def _is_late(forfeit: Forfeit) -> bool:
-    """Return whether an agent was too slow, also in `reset` or when it was loaded, which is FORFEIT_INIT."""
-    return forfeit.code == "FORFEIT_TIMEOUT" or "took longer than" in forfeit.reason
 
 
 def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties: Parties, stopped: str) -> Grade:
@@ -272,7 +267,10 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         if forfeit.code not in reasons:
             reasons[forfeit.code] = str(forfeit)
             log = log or result.logs[party][-_LOG_SHOWN:]
-            causes.append("not installed" if _misses_a_module(forfeit) else forfeit.code)
+            late_start = forfeit.late and forfeit.code == "FORFEIT_INIT"
+            causes.append(
+                "not installed" if _misses_a_module(forfeit) else "late start" if late_start else forfeit.code
+            )
     count = len(played)
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
     hunted, caught = (sum(own) / len(own) if own else None for own in scores.values())

@@ -3,8 +3,14 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
+from typing import Final
 
 from catch_arena.tournament.players import ForfeitCode, Observation
+
+MOST_TIMEOUTS: Final = 2
+"""After so many of an agent, grade and check-agent know enough: each costs seconds."""
+LATE: Final = "took longer than"
+"""Stands in the reason of each forfeit for time."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -54,6 +60,11 @@ class Forfeit:
     """What it was shown in that step; a store does not keep it."""
     seat: int = -1
     """Which of its seats failed, likewise."""
+
+    @property
+    def late(self) -> bool:
+        """Whether it was too slow; to load it and `reset` may be too slow as well, which is FORFEIT_INIT."""
+        return self.code == "FORFEIT_TIMEOUT" or LATE in self.reason
 
     def __str__(self) -> str:
         """For people."""

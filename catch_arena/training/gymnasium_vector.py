@@ -1,5 +1,6 @@
 """Learners as a `gymnasium.vector.VectorEnv`: each row is an environment, so that Gymnasium's vector wrappers fit."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
+from catch_arena.plain import as_python
 from catch_arena.training.batch import LearnerBatch
 
 
@@ -43,7 +45,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
     def reset(
         self,
         *,
-        seed: int | list[int | None] | tuple[int | None, ...] | None = None,
+        seed: int | Sequence[int | None] | NDArray[np.integer] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begin all episodes, or those of `options["reset_mask"]`, (N,) bool: of all learners of an arena or of none.
@@ -55,10 +57,11 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             ConfigError: for a mask or a seed that cannot be.
         """
-        if isinstance(seed, list | tuple):
-            if len(seed) != self.num_envs:
-                raise ConfigError(f"seed must be one number, or one for each of {self.num_envs} rows, got {len(seed)}")
-            seed = seed[0]
+        first = as_python(seed)
+        if isinstance(first, Sequence) and not isinstance(first, str | bytes):
+            if len(first) != self.num_envs:
+                raise ConfigError(f"seed must be one number, or one for each of {self.num_envs} rows, got {len(first)}")
+            first = first[0]
         arenas = None
         if options is not None and "reset_mask" in options:
             rows = np.asarray(options["reset_mask"])
@@ -68,7 +71,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             arenas = together.any(axis=1)
             if (together.all(axis=1) != arenas).any():
                 raise ConfigError("reset_mask must name all learners of an arena or none, got some of them")
-        observations, masks = self.batch.reset(seed, arenas)
+        observations, masks = self.batch.reset(first, arenas)
         return observations, self._told(_masks(masks), np.ones(self.num_envs, np.bool_))
 
     def step(

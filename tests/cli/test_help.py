@@ -45,7 +45,7 @@ def test_every_page_of_the_documentation_is_listed_and_printed():
     for path in (ROOT / "docs").glob("*.md"):
         assert re.search(rf"^ *{path.stem} ", listed, re.MULTILINE)
     page = (ROOT / "docs" / "grading.md").read_text()
-    for name in ("grading", "docs/grading.md"):
+    for name in ("grading", "docs/grading.md", "GRADING"):
         printed = CliRunner().invoke(main, ["docs", name])
         assert (printed.exit_code, printed.stdout) == (0, page)
     refused = CliRunner().invoke(main, ["docs", "gradign"])

@@ -37,4 +37,6 @@ def test_a_file_is_told_every_five_seconds_how_far_it_is(monkeypatch):
     ) as live:
         for one, now[0] in zip(played, (1.0, 6.0, 7.0, 10.0, 11.0, 15.0, 20.0, 21.0), strict=True):
             live.update([one])
-    assert told.getvalue().splitlines() == ["playing: 2 of 8, 6 s", "playing: 5 of 8, 11 s", "playing: 7 of 8, 20 s"]
+    assert told.getvalue().splitlines() == [
+        f"playing: {line} s left" for line in ("2 of 8, 6 s, some 18", "5 of 8, 11 s, some 7", "7 of 8, 20 s, some 3")
+    ]

@@ -28,7 +28,7 @@ def test_how_far_it_is_stands_on_stderr(tmp_path, monkeypatch, words, what, line
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
     result = CliRunner().invoke(main, words)
-    found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s$", result.stderr, re.MULTILINE)
+    found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s, some \d+ s left$", result.stderr, re.MULTILINE)
     assert found, result.output
     every = range(1, int(found[-1][1]) + 1)
     assert [int(done) for done, _ in found] == list(every if lines is None else lines)

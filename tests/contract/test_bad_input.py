@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.errors import ActionError, CatchArenaError, ConfigError, EpisodeError
+from catch_arena.errors import ActionError, CatchArenaError, ConfigError, EpisodeError, ReplayError
 
 NAN = float("nan")
 INFINITY = float("inf")
@@ -227,7 +227,7 @@ def test_a_step_at_the_wrong_time_is_refused():
 
 def test_every_error_is_ours():
     """One base class catches them all, and they are what Python's conventions expect too."""
-    for error in (ActionError, ConfigError, EpisodeError):
+    for error in (ActionError, ConfigError, EpisodeError, ReplayError):
         assert issubclass(error, CatchArenaError)
     assert issubclass(ActionError, ValueError)
     assert issubclass(ConfigError, ValueError)
@@ -323,4 +323,42 @@ def test_an_unknown_agent_of_the_aec_env_is_named():
     arena.reset(seed=1)
     with pytest.raises(ActionError, match=r"^unknown agent 'x': known: hunter_0, hunter_1$"):
         arena.observe("x")
+    for name in ([], 3, None, {}):
+        with pytest.raises(ActionError, match=r"^unknown agent .*: known: hunter_0, hunter_1$"):
+            arena.observe(name)
+        for call in (arena.observation_space, arena.action_space):
+            with pytest.raises(ActionError, match=r"^unknown agent "):
+                call(name)
     assert arena.observe("hunter_1").dtype == np.float32
+
+
+@pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])
+def test_options_of_reset_are_a_dict_or_nothing(make):
+    arena = make("duel")
+    arena.reset(seed=1, options={"mine": 1})
+    with pytest.raises(ConfigError, match=r"^options must be a dict or None, got 3 \(int\)$"):
+        arena.reset(seed=1, options=3)
+
+
+@pytest.mark.parametrize("path", [3, None, [], True, object()])
+def test_what_is_no_path_is_no_replay(path):
+    with pytest.raises(ReplayError, match=r"^path must be a file's, as text or a Path, got "):
+        catch_arena.Replay.load(path)
+
+
+@pytest.mark.parametrize("observation", [None, 3, [], [0.0], object(), {"observation": 1}])
+def test_what_is_no_observation_makes_no_view(observation):
+    config = catch_arena.scenario("tag")
+    for make in (
+        lambda: catch_arena.View(observation, [1], catch_arena.Limits.of(config, 0)),
+        lambda: catch_arena.PreyView(observation, catch_arena.PreyLimits.of(config)),
+    ):
+        with pytest.raises(ConfigError, match=r"^observation must be a vector, as env.step returns it "):
+            make()
+
+
+@pytest.mark.parametrize("value", [np.array([5]), np.array([5.0, 6.0])])
+def test_an_array_in_the_place_of_a_number_is_shown_as_it_was_given(value):
+    message = f"time_limit_s must be a finite number above 0, got {tuple(value.tolist())}"
+    with pytest.raises(ConfigError, match=f"^{re.escape(message)}$"):
+        catch_arena.scenario("duel", time_limit_s=value)

@@ -148,6 +148,8 @@ def test_the_two_dictionaries_of_spaces_hold_each_agents_space(names):
         ("agent_{seat}", ["agent_0", "agent_1", "agent_2", "agent_3"]),
         (["adversary_0", "adversary_1", "adversary_2", "agent_0"],) * 2,
         (("a", "b", "hunter_0", "prey_0"), ["a", "b", "hunter_0", "prey_0"]),
+        (np.array(["a", "b", "c", "d"]), ["a", "b", "c", "d"]),
+        ("agent_{seat:02d}", ["agent_00", "agent_01", "agent_02", "agent_03"]),
     ],
 )
 def test_agents_may_have_other_names_and_nothing_else_changes(given, expected):
@@ -195,6 +197,14 @@ def test_an_aec_env_may_have_other_names():
         ("agent", "agent_names must be a pattern with {seat} or a list of names, got 'agent'"),
         (["a", 2], "agent_names must be a pattern with {seat} or a list of names, got ['a', 2]"),
         (["a", ""], "agent_names must be a pattern with {seat} or a list of names, got ['a', '']"),
+        (
+            "{seat:x!}",
+            'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got \'{seat:x!}\'',
+        ),
+        (
+            "{seat}{other}",
+            'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got \'{seat}{other}\'',
+        ),
         (7, "agent_names must be a pattern with {seat} or a list of names, got 7"),
         (["a"], "agent_names must be 2 different names, got ['a']"),
         (["a", "a"], "agent_names must be 2 different names, got ['a', 'a']"),
@@ -230,11 +240,15 @@ def test_continuous_actions_stand_for_velocity_control():
         ("num_good", "prey"),
         ("max_steps", "max_cycles"),
         ("seed", "reset(seed=...)"),
+        ("local_ratio", "rewards"),
+        ("num_obstacles", None),
+        ("dynamic_rescaling", None),
     ],
 )
 def test_other_words_of_mpe_get_ours(word, ours):
     """And the page for who comes from simple_tag, and not a list of all settings."""
-    message = re.escape(f"unknown setting {word!r}: here it is {ours}; see `catch-arena docs simple_tag`")
+    here = f"here it is {ours}" if ours else "there is no such thing here"
+    message = re.escape(f"unknown setting {word!r}: {here}; see `catch-arena docs simple_tag`")
     for make in (catch_arena.parallel_env, catch_arena.env, catch_arena.VectorArena, catch_arena.scenario):
         with pytest.raises(ConfigError, match=f"^{message}$"):
             make("tag", **{word: 3})

@@ -151,6 +151,7 @@ def test_one_that_cannot_begin_is_told_once(run, tmp_path):
     assert result.exit_code == 0, result.output
     assert result.stderr.count("it imports rclpy, which is not installed here") == 2  # as for every command, and here
     assert "mine cannot play any scenario, and forfeits there: " in result.stderr
+    assert "an interval (? below) needs 4\n" in result.stdout
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
+from catch_arena.scenarios import SCENARIOS
 
 BAD = Path(__file__).parent / "isolation" / "bad"
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -52,6 +53,15 @@ def test_what_would_forfeit_is_explained_and_the_exit_code_is_1(check, source, w
         assert word in result.output, result.output
     assert "fit to play" not in result.output
     assert "plays the same match again" not in result.output
+
+
+def test_one_that_hangs_is_tried_in_two_arenas(check):
+    """It used to wait for its limit once in every scenario."""
+    result = check(HEAD + "while True: pass\n", "--limit", "step_ms=50", "--limit", "bank_s=0")
+    assert result.exit_code == 1
+    assert result.output.count("error: ") == 2
+    left = [name for name in SCENARIOS if f"error:   {name}: FORFEIT_TIMEOUT" not in result.output]
+    assert f"was too slow in 2 arenas, and not tried in: {', '.join(left)}\n" in result.output
 
 
 def test_one_that_fails_in_one_scenario_is_played_again_in_another(check):

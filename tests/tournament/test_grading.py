@@ -153,7 +153,7 @@ def test_two_time_outs_end_a_test_and_how_far_it_is_is_shown(grade, tmp_path, mo
     assert result.stdout.count("FORFEIT_OUT: it took too long in 2 matches; 3 more were not played") == 2
     assert [test["matches"] for test in json.loads(Path("grades.json").read_text())["tests"]] == [2, 2]
     for name in ("alone", "against one that holds"):
-        assert re.findall(rf"^{name}: (\d) of 5, \d+ s$", result.stderr, re.MULTILINE) == ["1", "2"]
+        assert re.findall(rf"^{name}: (\d) of 5, \d+ s, some \d+ s left$", result.stderr, re.MULTILINE) == ["1", "2"]
 
 
 @pytest.mark.parametrize(
@@ -186,6 +186,16 @@ def test_the_hint_fits_what_went_wrong(grade, tmp_path, source, words):
         assert word in result.output, result.output
     assert "class Agent" not in result.output
     assert "R1.3" not in result.output
+
+
+def test_the_hint_of_a_late_start_names_its_limit(grade, tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "import time\nclass Agent:\n    def reset(self, seed): time.sleep(60)\n    def act(self, view): return 0\n"
+    )
+    result = grade("mine.py", "--limit", "init_s=2")
+    assert "FORFEIT_INIT before the first step: " in result.output
+    assert "init_s (2 s)" in result.output
+    assert "hint: `catch-arena docs isolation`, Limits: its import and reset together have init_s" in result.output
 
 
 def test_what_hints_point_at_is_there():
@@ -312,6 +322,7 @@ def test_files_that_an_editor_of_windows_wrote_are_read(tmp_path):
         ("utf-16", "is text in UTF-16: save it as UTF-8"),
         ("utf-16-le", "is text in UTF-16: save it as UTF-8"),
         ("utf-16-be", "is text in UTF-16: save it as UTF-8"),
+        ("utf-32", "is text in UTF-32: save it as UTF-8"),
         ("latin-1", "must be text in UTF-8, and byte 10 is none"),
     ],
 )

@@ -367,6 +367,12 @@ def test_seeds_of_a_gymnasium_env_that_are_not_one_for_each_row_are_refused(seed
         env.reset(seed=seed)
 
 
+@pytest.mark.parametrize("seeds", [range(4, 7), np.arange(4, 7), np.int64(4), np.array(4)], ids=str)
+def test_seeds_of_a_gymnasium_env_may_be_a_range_or_numpys(seeds):
+    env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
+    assert np.array_equal(env.reset(seed=seeds)[0], env.reset(seed=4)[0])
+
+
 def test_seeds_of_a_gymnasium_env_may_be_a_list_or_a_tuple():
     """Gymnasium's own envs take both, with None among them; the first counts."""
     env = GymnasiumVectorEnv("duel", 3, opponents="nearest")

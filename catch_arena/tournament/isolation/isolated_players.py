@@ -17,6 +17,7 @@ from catch_arena.tournament.entrants import Entrant, Inspection, command_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.pipes import AgentPipes
 from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.match import LATE
 from catch_arena.tournament.players import Answer, Fault, Observation
 
 _POLL_S: Final = 0.1
@@ -150,7 +151,7 @@ class IsolatedPlayers:
         due: dict[int, float] = {}
         seat_of: dict[int, int] = {}
         poll = select.poll()
-        late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._granted[doing]}")
+        late = Fault("FORFEIT_TIMEOUT", f"{doing} {LATE} {self._granted[doing]}")
         now = time.monotonic()
         for seat, line in lines.items():
             pipes = self._pipes[seat]
