@@ -51,6 +51,8 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
             target_turn_rate_radps=4.0,
         ),
         "herd": _STANDARD.replace(prey=4, initial_targets=12, max_targets=20, target_motion="wander"),
+        # the course's exercise, refereed: its reach, and a target a second
+        "exercise": _STANDARD.replace(reach_m=0.5, initial_targets=0, spawn_frequency_hz=1.0),
         "capstone": _STANDARD.replace(  # R9.1
             hunters=1,
             policy="capstone",

@@ -21,9 +21,9 @@ BusOption = Annotated[
     typer.Option(
         "--bus",
         metavar="BUS",
-        help="cyclonedds needs no ROS on this machine; rosbridge needs a rosbridge server where ROS runs; rclpy "
-        "needs ROS on this machine.",
-        show_default="the first of them that is installed",
+        help="rclpy needs ROS on this machine; cyclonedds needs none; rosbridge needs a rosbridge server where ROS "
+        "runs.",
+        show_default="the first of them that works here",
     ),
 ]
 Domain = Annotated[
@@ -42,7 +42,8 @@ Package = Annotated[
     typer.Option(
         "--interfaces",
         metavar="PACKAGE",
-        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`).",
+        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`). Over rclpy it is found "
+        "by itself.",
     ),
 ]
 Turtlesim = Annotated[
@@ -93,7 +94,7 @@ class BusOptions(NamedTuple):
         Raises:
             BusError: where it cannot be reached.
         """
-        from catch_arena.ros.middleware.bus import open_bus
+        from catch_arena.ros.middleware.bus import described, open_bus
 
         joined = open_bus(
             self.backend, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True)
@@ -101,6 +102,7 @@ class BusOptions(NamedTuple):
         try:
             if parameters is not None:
                 joined.declare(parameters)
+            say(described(joined, self.domain, joined.interfaces(self.types())), err=True)
             yield joined
         finally:
             joined.close()

@@ -48,6 +48,8 @@ _OWN_SETTINGS = {
 """Of `serve` itself."""
 NODE, HUMAN = "ros", "human"
 """The words for seats that nodes drive: one that asks for its targets, and one that only drives."""
+EXERCISE = "exercise"
+"""The scenario of `serve` if none is named."""
 
 
 @ros.command(cls=bus_options.NodeCommand)
@@ -69,7 +71,7 @@ def serve(
             "--scenario",
             "-s",
             help="The arena to play in (see `catch-arena scenarios`).",
-            show_default="standard, with a hunter for each --seat",
+            show_default="exercise, with a hunter for each --seat",
         ),
     ] = None,
     seed: ArenaSeed = None,
@@ -106,9 +108,7 @@ def serve(
     seats = _seats(seat or [])
     config = _arena(scenario, settings, seats)
     if seats and max(seats) >= config.hunters:
-        raise ConfigError(
-            f"--seat must be from 0 to {config.hunters - 1} in {scenario or 'standard'}, got {max(seats)}"
-        )
+        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}, got {max(seats)}")
     parameters = arena_parameters(config)
     called = take_ros_args(ros_args or (), "catch_arena", parameters, _warn)
     config = config.replace(
@@ -119,6 +119,8 @@ def serve(
     allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
     if record is not None:
         output_file(record, *REPLAY, force=force)
+    if scenario is None:
+        say(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
     types = given_bus.types()
     entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
     names = [
@@ -137,10 +139,12 @@ def serve(
         speed=speed,
         wait=wait,
         record=record,
-        title=scenario or "standard",
+        title=scenario or EXERCISE,
         log=say,
     )
     _print_ranking(served, config)
+    for line in served.remarks:
+        say(line)
     late = served.rate
     say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
     if record is not None:
@@ -202,6 +206,7 @@ def controller(
         start_players(entrants, sandbox) as players,
         given_bus.joined(called, parameters) as joined,
     ):
+        types = joined.interfaces(types)
         node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
         rate = Rate(PERIOD_S)
 
@@ -261,7 +266,7 @@ def spawner(
     )
     types = given_bus.types()
     with given_bus.joined(called, parameters) as joined:
-        node = Spawner(joined, turtles, types, config, frequency, seed=arena_seed(seed), log=say)
+        node = Spawner(joined, turtles, joined.interfaces(types), config, frequency, seed=arena_seed(seed), log=say)
         rate = Rate(DT)
 
         def judge() -> None:
@@ -277,6 +282,35 @@ def spawner(
                 node.tick()
 
         interrupts.linger(judge)
+
+
+@ros.command()
+def doctor(
+    *,
+    bus: bus_options.BusOption = None,
+    domain: bus_options.Domain = None,
+    url: bus_options.Url = None,
+    interfaces: bus_options.Package = INTERFACES,
+    turtlesim: bus_options.Turtlesim = TURTLESIM,
+) -> None:
+    """Say what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
+
+    The exit code is 1 if there is a problem, else 0. Start your node first, and no `ros serve`.
+    """
+    from catch_arena.ros.doctor import examine
+    from catch_arena.ros.middleware.bus import open_bus
+
+    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
+    joined = open_bus(bus, node="catch_arena_doctor", domain=domain, url=url, log=_warn)
+    try:
+        facts, problems = examine(joined, given_bus.types())
+    finally:
+        joined.close()
+    for line in (*facts, *(f"problem: {one}" for one in problems)):
+        say(line)
+    if problems:
+        raise typer.Exit(1)
+    say("no problem found")
 
 
 def checked_turtle(name: str) -> str:
@@ -349,7 +383,7 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
     if scenario is not None:
         return arena(scenario, settings)
-    config = arena("standard", [f"hunters={max(seats, default=0) + 1}", *(settings or ())])
+    config = arena(EXERCISE, [f"hunters={max(seats, default=0) + 1}", *(settings or ())])
     left_out = set(range(max(seats, default=0))) - set(seats)
     if left_out and "hunters" not in keys:
         seat = min(left_out)

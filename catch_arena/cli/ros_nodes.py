@@ -35,4 +35,4 @@ def node_under_test(word: str, bus: BusOptions) -> "Iterator[NodeUnderTest]":
         raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
     types = bus.types()
     with bus.joined("catch_arena") as joined:
-        yield NodeUnderTest(joined, service, types, lambda line: say(line, err=True))
+        yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))

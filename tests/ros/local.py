@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from catch_arena.ros.middleware.bus import Call, Request
+from catch_arena.ros.middleware.bus import Call, Request, WithoutGraph
 
 
 class Hub:
@@ -18,7 +18,7 @@ class Hub:
         return LocalBus(self, peer)
 
 
-class LocalBus:
+class LocalBus(WithoutGraph):
     """See `catch_arena.ros.middleware.bus.Bus`; `peer` is who sends."""
 
     backend = "cyclonedds"

@@ -33,7 +33,7 @@ def run(*arguments):
             "--seat 0 must be given too, as 0=ros: there is a hunter for each --seat, where neither --scenario nor",
         ),
         (("serve", "--seat", "0=ros", "--seat", "2=nearest"), "--seat 1 must be given too, as 1=ros"),
-        (("serve", "--set", "hunters=4", "--seat", "9=ros"), "--seat must be from 0 to 3 in standard, got 9"),
+        (("serve", "--set", "hunters=4", "--seat", "9=ros"), "--seat must be from 0 to 3 in exercise, got 9"),
         (("serve", "--set", "hunters=4", "--seat", "3=ros", "--speed", "0"), "--speed must be above 0"),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
         (("serve", "--seat", "999=ros"), "hunters must be a whole number from 1 to 64"),

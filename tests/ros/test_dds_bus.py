@@ -1,6 +1,7 @@
 """Two processes over DDS, on the loopback interface and without multicast: ours, and one that speaks bytes."""
 
 import re
+import sys
 import time
 from types import SimpleNamespace
 from uuid import UUID
@@ -15,7 +16,7 @@ from ros.processes import own_domain, started
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import bus, dds_bus, dds_domain, dds_peers
-from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.bus import described, open_bus
 from catch_arena.ros.middleware.dds_domain import Discovery, configuration, discovery_of
 from catch_arena.ros.middleware.dds_types import dds_name
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
@@ -424,12 +425,19 @@ def test_what_is_missing_is_one_line_that_says_what_to_install(monkeypatch):
         open_bus()
 
 
-def test_the_first_that_is_installed_is_taken_and_told(monkeypatch, domain):
+@pytest.mark.parametrize("rclpy", ["is not installed", "is not sourced"])
+def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_path, rclpy):
     """That is cyclonedds here."""
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
-    said = []
-    found = open_bus(domain=domain, log=said.append)
-    assert (found.backend, said) == ("cyclonedds", ["bus: cyclonedds"])
+    if rclpy == "is not sourced":
+        (tmp_path / "rclpy").mkdir()
+        (tmp_path / "rclpy" / "__init__.py").touch()
+        (tmp_path / "rclpy" / "node.py").write_text("raise ImportError('librcl.so')")
+        monkeypatch.syspath_prepend(tmp_path)
+    found = open_bus(domain=domain)
+    python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    line = f"bus: cyclonedds, domain {domain}, {python}, interfaces of my_robot_interfaces"
+    assert described(found, domain, found.interfaces(TYPES)) == line
     found.publisher("/x", TWIST)
     found.close()
 

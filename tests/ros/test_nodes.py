@@ -202,13 +202,14 @@ def test_a_node_that_falls_silent_is_told_where_and_what_it_had_answered(tmp_pat
 def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):
     code, _, stderr = outcomes["silent"]
     assert code == 2
-    assert re.fullmatch(rf"error: the node fell silent at basics\.[a-z0-9-]+: {GIVEN_UP}\n", stderr)
+    assert re.fullmatch(rf"bus: .*\nerror: the node fell silent at basics\.[a-z0-9-]+: {GIVEN_UP}\n", stderr)
 
 
 def test_where_nobody_serves_it_one_line_says_so(outcomes):
     code, _, stderr = outcomes["nobody"]
     assert code == 2
-    assert stderr == ("error: nobody serves /catch_turtle on this bus: does the node run, in the same domain?\n")
+    error = "error: nobody serves /catch_turtle on this bus: does the node run, in the same domain?"
+    assert stderr.splitlines()[1:] == [error]
 
 
 @pytest.mark.nightly
@@ -282,11 +283,9 @@ def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words, tmp_path,
     command, *rest = words
     with running_bridge() as (_, url):
         tried = CliRunner().invoke(main, [command, "ros:/x", *rest, "--bus", "rosbridge", "--url", url])
-    assert (tried.exit_code, tried.stdout, tried.stderr) == (
-        2,
-        "",
-        "error: nobody answers on this bus (/x: Service /x does not exist): does the node run?\n",
-    )
+    assert (tried.exit_code, tried.stdout) == (2, "")
+    error = "error: nobody answers on this bus (/x: Service /x does not exist): does the node run?"
+    assert tried.stderr.splitlines()[1:] == [error]
 
 
 @pytest.mark.parametrize("words", [["conformance"], ["grade", "--spec", "spec.toml"]])

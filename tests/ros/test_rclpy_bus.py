@@ -2,13 +2,14 @@
 
 import math
 import sys
+import time
 from types import ModuleType, SimpleNamespace
 
 import pytest
 
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware import bus, rclpy_bus
+from catch_arena.ros.middleware import bus
 from catch_arena.ros.middleware.bus import SPIN_S, open_bus
 from catch_arena.ros.middleware.interfaces import RULING, TWIST, Interfaces, TwistMessage
 from catch_arena.ros.middleware.parameters import spawner_parameters
@@ -255,7 +256,7 @@ def test_a_spin_ends_in_time_whatever_comes(joined, monkeypatch):
         clock.append(clock[-1] + SPIN_S / 3)
 
     clock = [0.0]
-    monkeypatch.setattr(rclpy_bus.time, "monotonic", lambda: clock[-1])
+    monkeypatch.setattr(time, "monotonic", lambda: clock[-1])
     joined.subscribe("/a", TWIST, slow)
     publish = joined.publisher("/a", TWIST)
     for _ in range(50):

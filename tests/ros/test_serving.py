@@ -146,7 +146,7 @@ def test_nobody_waits_while_the_replay_is_saved(tmp_path, monkeypatch):
 def test_teams_are_ranked_as_teams(capsys):
     """R11.1, with what each of their hunters caught."""
     config = SimpleNamespace(hunters=4, prey=0, team_seats=((0, 3), (1, 2)))
-    _print_ranking(Served(("ann", "bob", "cat", "dan"), (2, 1, 1, 2), (5, 4, 3, 0), Rate(1.0)), config)
+    _print_ranking(Served(("ann", "bob", "cat", "dan"), (2, 1, 1, 2), (5, 4, 3, 0), Rate(1.0), ()), config)
     assert capsys.readouterr().out.splitlines() == [
         "  1    7  bob (hunter_1) 4 + cat (hunter_2) 3",
         "  2    5  ann (hunter_0) 5 + dan (hunter_3) 0",

@@ -5,11 +5,12 @@ import re
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
-from typing import Any, Final, Protocol
+from typing import Any, Final, Literal, NamedTuple, Protocol
 
 from catch_arena.errors import BusError, ConfigError, install_hint
-from catch_arena.ros.middleware.interfaces import MessageType, ServiceType
+from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType
 from catch_arena.ros.middleware.names import BACKENDS, BRIDGE_URL, INTERFACES, Backend
 from catch_arena.ros.middleware.parameters import Parameters
 
@@ -56,6 +57,21 @@ class Call:
         """None until it has come."""
 
 
+EndpointKind = Literal["publisher", "subscription", "service", "client"]
+
+
+class Endpoint(NamedTuple):
+    """What another node publishes, hears, serves or calls."""
+
+    node: str
+    """Its full name: /turtle_controller."""
+    kind: EndpointKind
+    name: str
+    """Of the topic or the service."""
+    type: str
+    """As ROS writes it: turtlesim/msg/Pose."""
+
+
 class Client(Protocol):
     """Calls one service."""
 
@@ -77,6 +93,23 @@ class Bus(Protocol):
     @property
     def backend(self) -> Backend:
         """Which one it is."""
+
+    @property
+    def about(self) -> str:
+        """What carries the messages, for people; empty if that is clear from `backend`."""
+
+    def interfaces(self, given: Interfaces) -> Interfaces:
+        """The types that the other nodes use, as far as the middleware tells; else those given.
+
+        Raises:
+            BusError: where they are not known here, or cannot be told.
+        """
+
+    def graph(self) -> list[Endpoint] | None:
+        """What all other nodes publish, hear, serve and call; None where the middleware does not tell."""
+
+    def listeners_to(self, topic: str) -> int | None:
+        """How many hear a topic; None where the middleware does not tell."""
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic; what is returned sends one message."""
@@ -112,6 +145,25 @@ class Bus(Protocol):
         """Leave the bus."""
 
 
+class WithoutGraph:
+    """What the back-ends without ROS's own library cannot tell."""
+
+    about = ""
+
+    def interfaces(self, given: Interfaces) -> Interfaces:
+        """Those given."""
+        return given
+
+    def graph(self) -> list[Endpoint] | None:
+        """It is not known."""
+        return None
+
+    def listeners_to(self, topic: str) -> int | None:
+        """It is not known."""
+        del topic
+        return None
+
+
 def open_bus(
     backend: Backend | None = None,
     *,
@@ -124,7 +176,7 @@ def open_bus(
     """Join a ROS 2 bus.
 
     Args:
-        backend: None takes the first of BACKENDS that is installed, and says which.
+        backend: None takes the first of BACKENDS that works here.
         node: what the node is called.
         domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. rosbridge has that of its server.
         localhost: whether cyclonedds keeps to this machine whatever the environment says; else ROS_LOCALHOST_ONLY,
@@ -137,11 +189,10 @@ def open_bus(
         BusError: where what it needs is not installed, or where the bus cannot be reached.
     """
     number = _checked_domain(domain)
-    is_asked_for = backend is not None
     if backend is None:
         backend = next((one for one in BACKENDS if _is_installed(one)), None)
         if backend is None:
-            raise BusError(f"a ROS 2 bus needs cyclonedds, websockets or rclpy: {_INSTALL}")
+            raise BusError(f"a ROS 2 bus needs rclpy, cyclonedds or websockets: {_INSTALL}")
     elif not _is_installed(backend):
         raise BusError(_missing(backend))
     if backend == "rosbridge" and domain is not None:
@@ -152,8 +203,6 @@ def open_bus(
         raise ConfigError(
             f"--url {url} must come with --bus rosbridge, whose server listens there, got --bus {backend}"
         )
-    if not is_asked_for:
-        log(f"bus: {backend}")
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
         from catch_arena.ros.middleware.dds_domain import Discovery, discovery_of
@@ -167,6 +216,14 @@ def open_bus(
     from catch_arena.ros.middleware.rclpy_bus import RclpyBus
 
     return RclpyBus(node, number, log=log)
+
+
+def described(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
+    """One line on how nodes reach this bus, and with which types."""
+    where = "" if bus.backend == "rosbridge" else f", domain {_checked_domain(domain)}"
+    below = f", {bus.about}" if bus.about else ""
+    python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    return f"bus: {bus.backend}{where}{below}, {python}, interfaces of {interfaces.package}"
 
 
 def is_service(name: str) -> bool:
@@ -195,7 +252,16 @@ def _checked_domain(domain: int | None) -> int:
 
 def _is_installed(backend: Backend) -> bool:
     module = _MODULES[backend]
-    return module in sys.modules or find_spec(module) is not None
+    if module in sys.modules:
+        return True
+    if find_spec(module) is None:
+        return False
+    if backend == "rclpy":  # it may be there and not be sourced, or be built for another Python
+        try:
+            import_module(f"{module}.node")
+        except ImportError:
+            return False
+    return True
 
 
 def _missing(backend: Backend) -> str:

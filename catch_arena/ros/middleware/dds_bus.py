@@ -23,7 +23,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request, WithoutGraph
 from catch_arena.ros.middleware.dds_domain import Discovery, code_of, join
 from catch_arena.ros.middleware.dds_graph import Graph
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds, own_hash
@@ -47,7 +47,7 @@ _REPLY_WAIT_S: Final = 0.1
 """A client may be asking before its reader of responses is known here: so long a response waits for it."""
 
 
-class DdsBus:
+class DdsBus(WithoutGraph):
     """See `catch_arena.ros.middleware.bus.Bus`.
 
     Args:

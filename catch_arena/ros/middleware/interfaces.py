@@ -22,6 +22,7 @@ class Field(NamedTuple):
     """One line of a definition."""
 
     name: str
+    """Empty where a student's own type lacks it: it is not sent, and is zero when it is read."""
     type: "str | MessageType"
     """One of PRIMITIVES, or another message."""
     is_sequence: bool
@@ -177,7 +178,7 @@ def from_attributes(kind: MessageType, source: Any) -> Any:
     """Our tuple from what has the fields as attributes, as a library's messages do."""
     values = []
     for name, word, is_sequence in kind.fields:
-        value = getattr(source, name)
+        value: Any = getattr(source, name) if name else 0.0
         if not isinstance(word, str):
             value = tuple(from_attributes(word, one) for one in value) if is_sequence else from_attributes(word, value)
         elif is_sequence:
@@ -226,18 +227,17 @@ class Interfaces:
     """
 
     def __init__(self, package: str = INTERFACES, turtlesim: str = TURTLESIM) -> None:
-        self.turtle: Final = message_type(
+        self.package, self.turtlesim = package, turtlesim
+        self.turtle = message_type(
             f"{package}/msg/Turtle", messages.Turtle, "string name", "float64 x", "float64 y", "float64 theta"
         )
-        self.turtle_array: Final = message_type(
-            f"{package}/msg/TurtleArray", messages.TurtleArray, (self.turtle, "turtles[]")
-        )
-        self.catch_turtle: Final = service_type(
+        self.turtle_array = message_type(f"{package}/msg/TurtleArray", messages.TurtleArray, (self.turtle, "turtles[]"))
+        self.catch_turtle = service_type(
             f"{package}/srv/CatchTurtle",
             (messages.CatchTurtleRequest, "string name"),
             (messages.CatchTurtleResponse, "bool success"),
         )
-        self.pose: Final = message_type(
+        self.pose = message_type(
             f"{turtlesim}/msg/Pose",
             messages.Pose,
             "float32 x",
@@ -246,9 +246,22 @@ class Interfaces:
             "float32 linear_velocity",
             "float32 angular_velocity",
         )
-        self.spawn: Final = service_type(
+        self.spawn = service_type(
             f"{turtlesim}/srv/Spawn",
             (SpawnRequest, "float32 x", "float32 y", "float32 theta", "string name"),
             (Name, "string name"),
         )
-        self.kill: Final = service_type(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))
+        self.kill = service_type(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))
+
+    def of_turtlesim(self, package: str) -> "Interfaces":
+        """The same with turtlesim's types of another package."""
+        return self if package == self.turtlesim else Interfaces(self.package, package)
+
+    def with_types(self, turtle_array: MessageType, catch_turtle: ServiceType) -> "Interfaces":
+        """The same with a list and a catch service of another package."""
+        changed = Interfaces(catch_turtle.name.partition("/")[0], self.turtlesim)
+        (turtles,) = turtle_array.fields
+        if isinstance(turtles.type, MessageType):
+            changed.turtle = turtles.type
+        changed.turtle_array, changed.catch_turtle = turtle_array, catch_turtle
+        return changed

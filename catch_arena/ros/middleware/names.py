@@ -2,7 +2,7 @@
 
 from typing import Final, Literal, get_args
 
-Backend = Literal["cyclonedds", "rosbridge", "rclpy"]
+Backend = Literal["rclpy", "cyclonedds", "rosbridge"]
 BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
 """In the order in which they are looked for."""
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"

@@ -3,14 +3,22 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request
-from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
-from catch_arena.ros.middleware.names import Backend
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Endpoint, EndpointKind, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE
+from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.names import INTERFACES, Backend
 from catch_arena.ros.middleware.parameters import Parameters
+from catch_arena.ros.middleware.ros_types import (
+    fitting_packages,
+    package_types,
+    ros_class,
+    turtlesim_package,
+)
 
 
 class RclpyBus:
@@ -51,6 +59,49 @@ class RclpyBus:
     def backend(self) -> Backend:
         """Which one it is."""
         return "rclpy"
+
+    @property
+    def about(self) -> str:
+        """The middleware below."""
+        return str(import_module("rclpy").get_rmw_implementation_identifier())
+
+    def interfaces(self, given: Interfaces) -> Interfaces:
+        """The types of the nodes that are there, else of the one package that has them; see `Bus.interfaces`."""
+        given = given.of_turtlesim(turtlesim_package(given.turtlesim))
+        if given.package != INTERFACES:
+            return package_types(given.package, given)
+        for endpoint in self.graph():
+            if endpoint.name in {CATCH_TURTLE, ALIVE_TURTLES} and not endpoint.type.startswith(INTERFACES):
+                return package_types(endpoint.type.partition("/")[0], given)
+        found = fitting_packages(given)
+        if not found:
+            package_types(given.package, given)  # raises
+        if len(found) > 1:
+            raise BusError(f"{' and '.join(found)} have a catch service each: say which by --interfaces")
+        return next(iter(found.values()))
+
+    def graph(self) -> list[Endpoint]:
+        """What all other nodes publish, hear, serve and call."""
+        node, found = self._node, []
+        asked: tuple[tuple[EndpointKind, Any], ...] = (
+            ("publisher", node.get_publisher_names_and_types_by_node),
+            ("subscription", node.get_subscriber_names_and_types_by_node),
+            ("service", node.get_service_names_and_types_by_node),
+            ("client", node.get_client_names_and_types_by_node),
+        )
+        own = (node.get_name(), node.get_namespace())
+        for name, space in node.get_node_names_and_namespaces():
+            if (name, space) == own:
+                continue
+            for kind, ask in asked:
+                with suppress(RuntimeError):  # it has just gone
+                    full = f"{space}/{name}".replace("//", "/")
+                    found += [Endpoint(full, kind, topic, one) for topic, types in ask(name, space) for one in types]
+        return found
+
+    def listeners_to(self, topic: str) -> int:
+        """How many hear a topic."""
+        return int(self._node.count_subscribers(topic))
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
@@ -185,22 +236,11 @@ class _RclpyClient:
         return call
 
 
-def ros_class(name: str) -> Any:
-    """ROS's own class of a message or a service.
-
-    Raises:
-        BusError: where its package is not built, or not sourced.
-    """
-    package, folder, word = name.split("/")
-    try:
-        return getattr(import_module(f"{package}.{folder}"), word)
-    except (ImportError, AttributeError):
-        raise BusError(f"{name} is not known to this ROS: build {package} with colcon, and source it") from None
-
-
 def to_ros(kind: MessageType, message: Any, target: Any) -> Any:
     """Fill ROS's message from ours."""
     for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
+        if not name:
+            continue
         if isinstance(word, str):
             setattr(target, name, list(value) if is_sequence else value)
         elif is_sequence:

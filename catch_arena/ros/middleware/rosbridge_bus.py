@@ -17,7 +17,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SPIN_S, Call, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SPIN_S, Call, Log, OnMessage, Peer, Request, WithoutGraph
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, values_by_field
 from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.parameters import Parameters
@@ -47,7 +47,7 @@ _INTEGERS: Final = {
 }
 
 
-class RosbridgeBus:
+class RosbridgeBus(WithoutGraph):
     """See `catch_arena.ros.middleware.bus.Bus`. A thread receives; where the server goes away, it is looked for
     until it is back.
 

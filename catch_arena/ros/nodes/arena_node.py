@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
-from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, TurtleArray
 from catch_arena.ros.middleware import graph_names
 from catch_arena.ros.middleware.bus import Bus, Log, Request
 from catch_arena.ros.middleware.interfaces import (
@@ -26,12 +26,13 @@ from catch_arena.ros.middleware.interfaces import (
 )
 from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.ros.nodes.agents import AgentSeats
+from catch_arena.ros.nodes.neighbours import Neighbours, run_line
 from catch_arena.ros.nodes.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.text import one_line
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.ranks import ranks_of
-from catch_arena.verdicts import Verdict
+from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 _SECOND: Final = 1000 // TICK_MS
@@ -42,8 +43,10 @@ _MOST_JUDGED: Final = 4
 """R8.4: of one hunter's catch requests in one step, by its driver and by others. Only the first can be granted, and
 whoever shares the service hears all answers, in a queue of ten.
 """
-_EXERCISE_REACH_UM: Final = 500_000
-"""How near many solutions of the exercise go before they ask."""
+_HELD: Final = 10
+"""In ticks: a new node has heard its pose before it hears the list of targets, as many solutions need."""
+_AGAIN: Final = 10
+"""After so many requests for targets that are gone, its author is told."""
 _EXERCISE_CMD_VEL: Final = graph_names.cmd_vel_of(graph_names.TURTLE)
 _NOT_JUDGED: Final = CatchTurtleResponse(success=False)
 """What is answered where no hunter asks, or too many do."""
@@ -93,7 +96,13 @@ class ArenaNode:
             RosSeat(hunters[seat], log, only_drives=service.config.controls[seat] == "velocity")
             for seat in sorted(driven)
         ]
+        self._neighbours = Neighbours(hunters, [seat.hunter for seat in self.seats], interfaces, log)
         self._pending: list[_PendingRequest] = []
+        self._too_far: dict[str, list[int]] = {seat.hunter: [] for seat in self.seats}
+        """By hunter: how far away its targets were when it asked for them from out of reach [um]."""
+        self._too_late = dict.fromkeys(self._too_far, 0)
+        self._list_from = 0
+        """The first tick in which the list of targets may go out."""
         self._logged: set[str] = set()
         self._ticks = 0
         self._standing: tuple[tuple[int, ...], bool] = (), False
@@ -106,6 +115,7 @@ class ArenaNode:
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
         elif self.seats:  # nobody has them: a node that was not remapped is told so
             bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _twist, _peer: self._explain_remapping())
+        self._pose_topics = [topic for seat in self.seats for topic in poses[seat.hunter]]
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
         self._alive = bus.publisher(graph_names.ALIVE_TURTLES, interfaces.turtle_array)
         self._rulings = self._optional_publisher(graph_names.RULINGS, RULING)
@@ -122,7 +132,8 @@ class ArenaNode:
         bus.serve(graph_names.KILL, interfaces.kill, self._on_kill)
         bus.serve(graph_names.CLEAR, EMPTY, lambda request: request.answer(Empty()))  # there is no drawing
         bus.serve(graph_names.RESET, EMPTY, self._on_reset)
-        service.subscribe(self._alive)
+        self._listeners = [bus.listeners_to(topic) for topic in self._pose_topics]
+        service.subscribe(self._publish_list)
 
     def begin(self, seed: int | None) -> None:
         """A match begins; its clock stands until the first `tick`."""
@@ -152,7 +163,10 @@ class ArenaNode:
         """R1.4: one step. R8.4: what came since the step before is judged in this one."""
         self._bus.spin()
         before = self._service.world
-        commands = {seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS) for seat in self.seats}
+        targets = bool(before.targets)
+        commands = {
+            seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS, targets=targets) for seat in self.seats
+        }
         goals: dict[str, str] = {}
         asked, self._pending = sorted(self._pending, key=lambda one: one.foreign), []
         requests = [(one.hunter, CatchTurtleRequest(one.request.message.name)) for one in asked]
@@ -164,13 +178,7 @@ class ArenaNode:
         rulings = self._service.step(commands, requests, goals)
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
-            away_um = ruling.distance_um
-            if ruling.verdict is Verdict.OUT_OF_REACH and away_um is not None and away_um < _EXERCISE_REACH_UM:
-                hint = "--set reach_m=0.5 is the reach that many solutions of the exercise have in mind"
-                self._log_once(f"{ruling}; {hint}", one.hunter)
-            if ruling.verdict is Verdict.DUPLICATE and not one.foreign:
-                hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
-                self._log_once(f"{one.hunter} asked for several targets at once; {hint}", f"{one.hunter} several")
+            self._note(one, ruling, {other.request.message.name for other in asked if other.hunter == one.hunter})
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
@@ -191,14 +199,61 @@ class ArenaNode:
         ranks = ranks_of([sum(scores[seat] for seat in seats) for seats in self._parties.seats], lasted)
         return tuple(self._parties.to_seats(ranks)), scores
 
+    def remarks(self) -> tuple[str, ...]:
+        """What the authors of nodes should know after the match, a line for each."""
+        lines = []
+        for hunter, distances in self._too_far.items():
+            if distances:
+                reach = self._service.config.reaches[self._service.config.hunter_names.index(hunter)]
+                near, far = min(distances) / 1e6, max(distances) / 1e6
+                times = "1 request" if len(distances) == 1 else f"{len(distances)} requests"
+                lines.append(
+                    f"{self._player(hunter)}: {times} from too far, {near:.2f} to {far:.2f} m away: "
+                    f"a catch needs less than reach_m, {reach:g} m"
+                )
+        return tuple(lines)
+
+    def tell_who_is_missing(self, *, again: bool) -> None:
+        """Say what is waited for, with the command for each seat; after a while also what was seen meanwhile."""
+        shared = len(self.seats) > 1
+        for seat in self.missing:
+            topic = graph_names.cmd_vel_of(seat.hunter) if shared else _EXERCISE_CMD_VEL
+            waiting = f"waiting for {self._player(seat.hunter)} on {topic}"
+            self._log(f"{waiting}: {run_line(seat.hunter, shared=shared)}")
+        if again and self._bus.graph() is not None:
+            seen = ", ".join(self._neighbours.seen) or "no other node: same ROS_DOMAIN_ID? same network?"
+            self._log(f"seen: {seen}; `catch-arena ros doctor` says more")
+
+    def _player(self, hunter: str) -> str:
+        return self._names[self._service.config.hunter_names.index(hunter)]
+
+    def _note(self, one: "_PendingRequest", ruling: Ruling, names: Collection[str]) -> None:
+        """Tell a node's author what it asks for in vain."""
+        if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
+            self._too_far[one.hunter].append(ruling.distance_um)
+        elif ruling.verdict is Verdict.DUPLICATE and not one.foreign and len(names) > 1:
+            hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
+            self._log_once(f"{one.hunter} asked for several targets at once; {hint}", f"{one.hunter} several")
+        elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
+            self._too_late[one.hunter] += 1
+            if self._too_late[one.hunter] == _AGAIN:
+                asked_for = one_line(one.request.message.name[:40])
+                self._log(
+                    f"{self._player(one.hunter)} has asked {_AGAIN} times for targets that are gone, as {asked_for}: "
+                    f"choose another when yours leaves {graph_names.ALIVE_TURTLES}"
+                )
+
     # publishing
+
+    def _publish_list(self, turtles: TurtleArray) -> None:
+        if self._ticks >= self._list_from:
+            self._alive(turtles)
 
     def _optional_publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """A topic with a type of ours, which a ROS on the other side may not have."""
         try:
             return self._bus.publisher(topic, kind)
-        except BusError as error:
-            self._log(f"warning: {topic} is not published: {error}")
+        except BusError:
             return lambda _: None
 
     def _publish_state(self, world: World) -> None:
@@ -211,8 +266,14 @@ class ArenaNode:
             self._clock(Clock(Time(seconds, rest * 1_000_000)))
         now = self._ticks % _SECOND
         often = self._ticks % _OFTEN == 0
-        if now == 0 or (often and self._service.config.targets_move):
-            self._alive(world.alive_turtles)
+        listeners = [self._bus.listeners_to(topic) for topic in self._pose_topics]
+        if listeners != self._listeners:
+            self._listeners, self._list_from = listeners, self._ticks + _HELD
+        moved = often and self._service.config.targets_move
+        if now == 0 or moved or self._ticks == self._list_from:
+            self._publish_list(world.alive_turtles)
+        if now == _SECOND // 2 and (graph := self._bus.graph()) is not None:
+            self._neighbours.look(graph)
         if often:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
@@ -313,6 +374,16 @@ class ArenaNode:
         request.answer(Name(name))
 
     def _on_kill(self, request: Request) -> None:
+        """R8.1: a target that a player kills is one that it asks for: nobody is robbed of it from afar."""
+        if request.message.name in {target.name for target in self._service.world.targets} and self.seats:
+            if len(self.seats) == 1:
+                self._warn_once(f"{graph_names.KILL} of a target is judged as a request to catch it")
+                wanted = CatchTurtleRequest(request.message.name)
+                self._ask(self.seats[0], Request(wanted, request.peer, lambda _: request.answer(Empty())))
+                return
+            self._warn_once(f"{graph_names.KILL} of a target is refused: ask {graph_names.CATCH_TURTLE} for it")
+            request.answer(Empty())
+            return
         try:
             self._service.kill(request.message.name)
         except EpisodeError as error:

@@ -32,6 +32,10 @@ class RosSeat:
         self._log = log
         self._twist = STANDING_STILL
         self._fresh = False
+        self._missed = True
+        """Whether it is news that a node drives it."""
+        self._was_there = False
+        """Whether a node could drive it that has not done so yet."""
         self._given_ms = -WATCHDOG_MS
         self._logged: set[str] = set()
 
@@ -48,32 +52,40 @@ class RosSeat:
             self._log_once("finite", f"warning: {self.hunter}: a Twist that is not finite is left out")
             return
         if not self.driven:
-            self._log(f"{self.hunter}: its node {'is back' if 'gone' in self._logged else 'is there'}")
+            if self._missed:
+                self._log(f"{self.hunter}: its node {'is back' if 'gone' in self._logged else 'is there'}")
             self._logged.discard("two")
         self.driver, self.driven = peer, True
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
         self._fresh = True
 
-    def command(self, now_ms: int, tick_ms: int) -> Twist:
+    def command(self, now_ms: int, tick_ms: int, *, targets: bool = True) -> Twist:
         """R2.4: the last Twist, repeated in each step, and zero at the first tick more than a second after it came.
 
         Args:
             now_ms: when the step begins; a Twist that was heard since the step before is given then.
             tick_ms: when the step's tick is.
+            targets: whether there is a target to drive to: without one, to be silent is no news.
         """
         if self._fresh:
             self._fresh = False
             self._given_ms = now_ms
         if tick_ms - self._given_ms > WATCHDOG_MS:
             if self.driven:
-                self._leave("is silent")
+                self._leave("is silent", tell=targets)
             return STANDING_STILL
         return self._twist
 
     def look_for(self, publishers: frozenset[Peer] | None) -> None:
         """Whether its driver is still on the bus, and, where the middleware does not tell who sends, the only one."""
-        if not self.driven or publishers is None:
+        if publishers is None:
             return
+        if not self.driven:
+            if self._was_there and not publishers:
+                self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
+            self._was_there = bool(publishers)
+            return
+        self._was_there = False
         if self.driver is None and len(publishers) > 1:
             self._log_once(
                 "two",
@@ -88,10 +100,12 @@ class RosSeat:
         self._twist, self._fresh = STANDING_STILL, False
         self._given_ms = -WATCHDOG_MS
 
-    def _leave(self, how: str) -> None:
-        self.driven, self.driver = False, None
-        self._logged.add("gone")
+    def _leave(self, how: str, *, tell: bool = True) -> None:
+        self.driven, self.driver, self._missed = False, None, tell
         self.stop()
+        if not tell:
+            return
+        self._logged.add("gone")
         self._log(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")
 
     def _log_once(self, what: str, line: str) -> None:

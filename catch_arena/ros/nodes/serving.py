@@ -23,6 +23,8 @@ from catch_arena.tournament.isolation.starting import sandbox_for, start_players
 
 FASTEST: Final = 100.0
 """The most that --speed may be."""
+_ASK_AGAIN: Final = 20_000 // TICK_MS
+"""In ticks: who is waited for is told again."""
 _LAST_TICKS: Final = 30
 """After the end: those who ask late are told MATCH_OVER, and the standings reach everybody."""
 
@@ -35,6 +37,8 @@ class Served:
     ranks: tuple[int, ...]
     scores: tuple[int, ...]
     rate: Rate
+    remarks: tuple[str, ...]
+    """What is said after the ranking."""
 
 
 def serve_match(
@@ -95,14 +99,18 @@ def serve_match(
             stack.callback(players.close)
         driven = [seat for seat in range(config.hunters) if seat not in agents]
         joined = stack.enter_context(bus)
+        interfaces = joined.interfaces(interfaces)
         node = ArenaNode(joined, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
         node.begin(seed)
         gc.freeze()  # to look for garbage in all that was loaded takes as long as several ticks
         stack.callback(gc.unfreeze)
         rate = Rate(TICK_MS / 1000.0 / speed)
         if wait and node.missing:
-            log(f"waiting for {' and '.join(f'/{seat.hunter}/cmd_vel' for seat in node.missing)}")
+            ticks = 0
             while node.missing:
+                if ticks % _ASK_AGAIN == 0:
+                    node.tell_who_is_missing(again=ticks > 0)
+                ticks += 1
                 rate.sleep()
                 node.wait()
             log("all seats are taken: the match begins")
@@ -128,7 +136,7 @@ def serve_match(
                     _save(service, record, log)
 
         interrupts.linger(end)
-    return Served(tuple(names), ranks, scores, rate)
+    return Served(tuple(names), ranks, scores, rate, node.remarks())
 
 
 def _save(service: ArenaService, record: Path, log: Log) -> None:

@@ -1,0 +1,72 @@
+"""What keeps nodes from playing on this machine's ROS 2 bus: facts, and problems with a command for each."""
+
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from catch_arena.errors import BusError
+from catch_arena.ros.middleware.bus import Bus, Endpoint
+from catch_arena.ros.middleware.graph_names import TURTLE
+from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.middleware.ros_types import described
+from catch_arena.ros.nodes.neighbours import Neighbours
+
+LOOK_S: Final = 3.0
+"""How long nodes are looked for: as long as they need to find each other on a busy machine."""
+_VARIABLES: Final = ("ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY")
+_VERBS: Final = {"publisher": "publishes", "subscription": "hears", "service": "answers", "client": "calls"}
+_HOUSEKEEPING: Final = ("/rosout", "/parameter_events")
+
+
+def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[str], list[str]]:
+    """Look for other nodes on a bus.
+
+    Args:
+        bus: the bus.
+        given: the packages of --interfaces and --turtlesim.
+        look_s: how long to look [s].
+
+    Returns:
+        the facts, and the problems, a line each.
+    """
+    facts = [f"Python {sys.version.split()[0]}, {bus.backend}{f' with {bus.about}' if bus.about else ''}"]
+    facts += [f"{name}={os.environ[name]}" for name in _VARIABLES if name in os.environ]
+    problems = []
+    end = time.monotonic() + look_s
+    while (left := end - time.monotonic()) > 0:
+        bus.spin(left)
+    try:
+        types = bus.interfaces(given)
+        facts.append(f"interfaces: {types.catch_turtle.name}: {described(types.catch_turtle)}")
+        (turtles,) = types.turtle_array.fields
+        facts.append(f"interfaces: {types.turtle_array.name}: {turtles.name}, each {described(types.turtle)}")
+    except BusError as error:
+        types = given
+        problems.append(str(error))
+    graph = bus.graph()
+    if graph is None:
+        problems.append(
+            f"{bus.backend} does not tell which nodes there are: use rclpy, with the Python that ROS was built for, "
+            "after `source /opt/ros/$ROS_DISTRO/setup.bash`"
+        )
+        return facts, problems
+    facts += _nodes(graph)
+    if not graph:
+        problems.append(
+            "no other node is there: start yours; if it runs, give both terminals the same ROS_DOMAIN_ID and "
+            "ROS_AUTOMATIC_DISCOVERY_RANGE"
+        )
+    Neighbours([TURTLE], [TURTLE], types, problems.append).look(graph)
+    return facts, [line.removeprefix("warning: ") for line in problems]
+
+
+def _nodes(graph: Sequence[Endpoint]) -> Iterator[str]:
+    for node in sorted({one.node for one in graph}):
+        does = [
+            f"{_VERBS[one.kind]} {one.name} ({one.type})"
+            for one in graph
+            if one.node == node and one.name not in _HOUSEKEEPING and not one.name.startswith(f"{node}/")
+        ]
+        yield f"node {node}: {', '.join(does) or 'no topics'}"

@@ -1,0 +1,178 @@
+"""The exercise's types as a student's own package has them: fields are matched by name, then by kind."""
+
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final
+
+from catch_arena.errors import BusError
+from catch_arena.ros.middleware.interfaces import OWN_PACKAGE, Field, Interfaces, MessageType, ServiceType
+from catch_arena.ros.middleware.names import INTERFACES
+
+_KINDS: Final[Mapping[str, str]] = {
+    "string": "text",
+    "wstring": "text",
+    "float": "real number",
+    "double": "real number",
+    "boolean": "bool",
+}
+"""By ROS's word for a type, what a field of it can stand for."""
+_BY_KIND: Final = {"text", "bool", "list of messages"}
+"""Kinds of which the only field may have any name."""
+_NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"), "success": ("success", "sucess")}
+"""Other names that solutions of the exercise have for a field, the usual one first."""
+
+
+def ros_class(name: str) -> Any:
+    """ROS's own class of a message or a service.
+
+    Raises:
+        BusError: where its package is not built, or not sourced.
+    """
+    package, folder, word = name.split("/")
+    try:
+        return getattr(import_module(f"{package}.{folder}"), word)
+    except (ImportError, AttributeError):
+        raise BusError(f"{name} is not known to this ROS: build {package} with colcon, and source it") from None
+
+
+def catch_service(name: str, wanted: ServiceType) -> ServiceType:
+    """A service of any package in the place of CatchTurtle.
+
+    Raises:
+        BusError: where it is not known, or a field that is needed is missing or ambiguous.
+    """
+    service = ros_class(name)
+    request = _matched(f"{name}_Request", service.Request, wanted.request)
+    return ServiceType(name, request, _matched(f"{name}_Response", service.Response, wanted.response))
+
+
+def turtle_list(name: str, wanted: MessageType) -> MessageType:
+    """A message of any package in the place of TurtleArray.
+
+    Raises:
+        BusError: where it is not known, or a field that is needed is missing or ambiguous.
+    """
+    return _matched(name, ros_class(name), wanted)
+
+
+def package_types(package: str, given: Interfaces) -> Interfaces:
+    """The exercise's types of this package: CatchTurtle and TurtleArray, or the only ones that could be theirs.
+
+    Raises:
+        BusError: where it has none, or several.
+    """
+    catch = _only(package, "srv", "CatchTurtle", lambda name: catch_service(name, given.catch_turtle))
+    turtles = _only(package, "msg", "TurtleArray", lambda name: turtle_list(name, given.turtle_array))
+    return given.with_types(turtle_array=turtles, catch_turtle=catch)
+
+
+def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
+    """The packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has."""
+    found = {}
+    for package in sorted(_packages()):
+        try:
+            found[package] = package_types(package, given)
+        except BusError:
+            continue
+    if len(found) > 1:
+        found.pop(OWN_PACKAGE, None)
+    return {INTERFACES: found[INTERFACES]} if INTERFACES in found else found
+
+
+def turtlesim_package(usual: str) -> str:
+    """turtlesim_msgs, as from Kilted on, if only that is installed; else the usual one."""
+    for package in (usual, f"{usual}_msgs"):
+        try:
+            ros_class(f"{package}/msg/Pose")
+        except BusError:
+            continue
+        return package
+    return usual
+
+
+def described(kind: MessageType | ServiceType) -> str:
+    """The fields that were matched, in ROS's words: `string name, double x, double y`."""
+    if isinstance(kind, ServiceType):
+        return f"{described(kind.request)} -> {described(kind.response)}"
+    words = ((one.type if isinstance(one.type, str) else one.type.name, one.name) for one in kind.fields if one.name)
+    return ", ".join(map(" ".join, words))
+
+
+def _packages() -> Iterator[str]:
+    """Those with messages and services of their own."""
+    try:
+        resources = import_module("ament_index_python.resources")
+    except ImportError:
+        return
+    for package, prefix in resources.get_resources("rosidl_interfaces").items():
+        share = Path(prefix) / "share" / package
+        if any(share.glob("srv/*.srv")) and any(share.glob("msg/*.msg")):
+            yield package
+
+
+def _only(package: str, folder: str, usual: str, match: Any) -> Any:
+    """The match of the usual word, or of the only one that fits."""
+    try:
+        module = import_module(f"{package}.{folder}")
+    except ImportError:
+        words = f"{package} has no {folder} that this Python can import"
+        raise BusError(f"{words}: build it with colcon, and source its workspace") from None
+    mark = "Request" if folder == "srv" else "get_fields_and_field_types"
+    names = [word for word in dir(module) if hasattr(getattr(module, word), mark)]
+    if usual in names:
+        return match(f"{package}/{folder}/{usual}")
+    found, faults = [], []
+    for word in names:
+        try:
+            found.append(match(f"{package}/{folder}/{word}"))
+        except BusError as error:
+            faults.append(str(error))
+    if len(found) == 1:
+        return found[0]
+    if found:
+        several = " and ".join(one.name for one in found)
+        raise BusError(f"{package}: {usual} could be {several}: name one of them {usual}")
+    raise BusError("; ".join(faults) or f"{package}/{folder} holds nothing in the place of {usual}")
+
+
+def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
+    """The type with the fields of `own` in the places of those that are wanted; theta may be missing."""
+    there: dict[str, str] = own.get_fields_and_field_types()
+    fields = []
+    for field in wanted.fields:
+        kind = "list of messages" if field.is_sequence else _KINDS[_ros_word(field)]
+        found = _field(there, field.name, kind)
+        if found is None and field.name == "theta":
+            fields.append(Field("", field.type, is_sequence=False))
+            continue
+        if found is None:
+            holds = ", ".join(f"{word} {one}" for one, word in there.items()) or "no field"
+            other = f", or only one {kind}" if kind in _BY_KIND else ""
+            raise BusError(f"{name} holds {holds}: it needs one {kind} named {field.name}{other}")
+        if isinstance(field.type, MessageType):
+            package, _, word = there[found].removeprefix("sequence<").rstrip(">").partition("/")
+            element = f"{package}/msg/{word}"
+            fields.append(Field(found, _matched(element, ros_class(element), field.type), is_sequence=True))
+        else:
+            fields.append(Field(found, field.type, is_sequence=False))
+    return MessageType(name, wanted.make, tuple(fields))
+
+
+def _ros_word(field: Field) -> str:
+    return {"float64": "double", "bool": "boolean"}.get(str(field.type), str(field.type))
+
+
+def _field(there: Mapping[str, str], wanted: str, kind: str) -> str | None:
+    """The name of the field in the place of a wanted one; None if there is none, or more than one."""
+    fitting = [name for name, word in there.items() if _kind_of(word) == kind]
+    for name in _NAMES.get(wanted, (wanted,)):
+        if name in fitting:
+            return name
+    return fitting[0] if len(fitting) == 1 and kind in _BY_KIND else None
+
+
+def _kind_of(word: str) -> str | None:
+    if word.startswith("sequence<") and "/" in word:
+        return "list of messages"
+    return _KINDS.get(word.partition("<")[0])

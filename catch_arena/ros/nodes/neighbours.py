@@ -1,0 +1,122 @@
+"""What other nodes do that the arena or a player would suffer from: each is told once, with what to type."""
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import Final
+
+from catch_arena.ros.middleware.bus import Endpoint, Log
+from catch_arena.ros.middleware.graph_names import (
+    ALIVE_TURTLES,
+    CATCH_TURTLE,
+    POSE,
+    SPAWN,
+    TURTLE,
+    catch_turtle_of,
+    cmd_vel_of,
+    pose_of,
+)
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
+
+_CMD_VEL: Final = "/cmd_vel"
+RUN: Final = "ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
+
+
+def run_line(hunter: str, *, shared: bool) -> str:
+    """The command that starts the exercise's controller for one hunter.
+
+    Args:
+        hunter: whose node it is to be.
+        shared: whether several seats are for nodes, so that each must be told which is its own.
+    """
+    if not shared:
+        return RUN
+    names = [
+        (cmd_vel_of(TURTLE), cmd_vel_of(hunter)),
+        (pose_of(TURTLE), pose_of(hunter)),
+        (CATCH_TURTLE, catch_turtle_of(hunter)),
+    ]
+    return f"{RUN} --ros-args {_remapped(names)}"
+
+
+class Neighbours:
+    """Looks at the graph.
+
+    Args:
+        hunters: all hunters' names.
+        driven: those that nodes drive.
+        interfaces: the arena's types.
+        log: takes one line for each thing that is found.
+    """
+
+    def __init__(self, hunters: Sequence[str], driven: Collection[str], interfaces: Interfaces, log: Log) -> None:
+        self._driven, self._interfaces, self._log = sorted(driven), interfaces, log
+        self._poses = {pose_of(one) for one in (*hunters, TURTLE)}
+        self._cmd_vels = {cmd_vel_of(one) for one in (*hunters, TURTLE)}
+        self._own = self._poses | self._cmd_vels | {ALIVE_TURTLES, CATCH_TURTLE, SPAWN}
+        self._lists = self._poses | {ALIVE_TURTLES}
+        self._told: set[str] = set()
+        self.seen: tuple[str, ...] = ()
+        """The names of the nodes that were there in the last look."""
+
+    def look(self, graph: Sequence[Endpoint]) -> None:
+        """Tell what is new."""
+        self.seen = tuple(sorted({one.node for one in graph}))
+        published = {one.name for one in graph if one.kind == "publisher"} | self._own
+        served = {one.name for one in graph if one.kind == "service"} | self._own
+        for node in self.seen:
+            own = [one for one in graph if one.node == node]
+            for line in (*self._referees(node, own), *self._other_types(node, own)):
+                self._tell(line)
+            if remapped := dict(self._other_names(own, published, served)):
+                names = " and ".join(remapped)
+                self._tell(
+                    f"{node} uses {names}, which nobody answers here: start it with --ros-args "
+                    f"{_remapped(list(remapped.items()))}"
+                )
+
+    def _tell(self, line: str) -> None:
+        if line not in self._told:
+            self._told.add(line)
+            self._log(f"warning: {line}")
+
+    def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
+        does = [f"publishes {one.name}" for one in own if one.kind == "publisher" and one.name in self._lists]
+        does += [f"answers {one.name}" for one in own if one.kind == "service" and one.name in {CATCH_TURTLE, SPAWN}]
+        if does:
+            what = "turtlesim or a second arena" if any(SPAWN in one or POSE in one for one in does) else "a spawner"
+            hunter = self._driven[0] if self._driven else TURTLE
+            yield (
+                f"{node} {' and '.join(does)}, as the arena does: two referees in one domain. It looks like {what}: "
+                f"end it, and start your controller alone: {run_line(hunter, shared=len(self._driven) > 1)}"
+            )
+
+    def _other_types(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
+        ours = {ALIVE_TURTLES: self._interfaces.turtle_array.name, CATCH_TURTLE: self._interfaces.catch_turtle.name}
+        for one in own:
+            if one.name in ours and one.kind in {"subscription", "client"} and one.type != ours[one.name]:
+                package = one.type.partition("/")[0]
+                yield (
+                    f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
+                    f"other. Start the arena again with --interfaces {package}"
+                )
+
+    def _other_names(
+        self, own: Sequence[Endpoint], published: Collection[str], served: Collection[str]
+    ) -> Iterator[tuple[str, str]]:
+        """The names that a node uses in the place of the arena's, each with the arena's."""
+        hunter = self._driven[0] if len(self._driven) > 1 else TURTLE
+        catch = catch_turtle_of(hunter) if len(self._driven) > 1 else CATCH_TURTLE
+        for one in own:
+            if one.kind == "publisher" and one.type == TWIST.name:
+                if one.name.endswith(_CMD_VEL) and one.name not in self._cmd_vels:
+                    yield one.name, cmd_vel_of(hunter)
+            elif one.kind == "subscription" and one.name not in published:
+                if one.type == self._interfaces.turtle_array.name:
+                    yield one.name, ALIVE_TURTLES
+                elif one.type == self._interfaces.pose.name:
+                    yield one.name, pose_of(hunter)
+            elif one.kind == "client" and one.name not in served and one.type == self._interfaces.catch_turtle.name:
+                yield one.name, catch
+
+
+def _remapped(names: Sequence[tuple[str, str]]) -> str:
+    return " ".join(f"-r {name}:={own}" for name, own in names)

@@ -1,0 +1,114 @@
+"""What other nodes of a graph do, and the line for each; and what the doctor makes of it."""
+
+import pytest
+
+from catch_arena.errors import BusError
+from catch_arena.ros.doctor import examine
+from catch_arena.ros.middleware.bus import Endpoint, WithoutGraph
+from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.nodes.neighbours import Neighbours, run_line
+
+TYPES = Interfaces()
+TWIST, POSE = "geometry_msgs/msg/Twist", "turtlesim/msg/Pose"
+LIST, CATCH = TYPES.turtle_array.name, TYPES.catch_turtle.name
+PLAYER = [
+    Endpoint("/turtle_controller", "publisher", "/turtle1/cmd_vel", TWIST),
+    Endpoint("/turtle_controller", "subscription", "/turtle1/pose", POSE),
+    Endpoint("/turtle_controller", "subscription", "/alive_turtles", LIST),
+    Endpoint("/turtle_controller", "client", "/catch_turtle", CATCH),
+]
+
+
+def lines(graph, driven=("hunter_0",)):
+    said = []
+    watch = Neighbours(["hunter_0", "hunter_1"], driven, TYPES, said.append)
+    for _ in range(2):  # each is told once
+        watch.look(graph)
+    assert watch.seen == tuple(sorted({one.node for one in graph}))
+    return said
+
+
+def test_a_node_of_the_exercise_is_no_news():
+    assert lines(PLAYER) == []
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "does", "what"),
+    [
+        (("publisher", "/alive_turtles", LIST), "publishes /alive_turtles", "a spawner"),
+        (("service", "/catch_turtle", CATCH), "answers /catch_turtle", "a spawner"),
+        (("publisher", "/turtle1/pose", POSE), "publishes /turtle1/pose", "turtlesim or a second arena"),
+        (("publisher", "/hunter_1/pose", POSE), "publishes /hunter_1/pose", "turtlesim or a second arena"),
+        (("service", "/spawn", "turtlesim/srv/Spawn"), "answers /spawn", "turtlesim or a second arena"),
+    ],
+)
+def test_a_second_referee_is_named_with_the_command_for_the_controller_alone(endpoint, does, what):
+    (line,) = lines([*PLAYER, Endpoint("/other", *endpoint)])
+    assert line == (
+        f"warning: /other {does}, as the arena does: two referees in one domain. It looks like {what}: end it, and "
+        "start your controller alone: ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
+    )
+
+
+def test_other_names_get_the_remapping_to_type():
+    graph = [
+        Endpoint("/bot", "publisher", "/autobot/cmd_vel", TWIST),
+        Endpoint("/bot", "subscription", "/autobot/pose", POSE),
+        Endpoint("/bot", "subscription", "/turtles", LIST),
+        Endpoint("/bot", "client", "/catch_turtles", CATCH),
+    ]
+    start = "warning: /bot uses /autobot/cmd_vel and /autobot/pose and /turtles and /catch_turtles, which nobody "
+    (line,) = lines(graph)
+    assert line == (
+        f"{start}answers here: start it with --ros-args -r /autobot/cmd_vel:=/turtle1/cmd_vel "
+        "-r /autobot/pose:=/turtle1/pose -r /turtles:=/alive_turtles -r /catch_turtles:=/catch_turtle"
+    )
+    assert "-r /catch_turtles:=/hunter_0/catch_turtle" in lines(graph, ("hunter_0", "hunter_1"))[0]
+
+
+def test_a_node_with_another_package_is_told_which_one_to_give():
+    (line,) = lines([*PLAYER[:2], Endpoint("/mine", "subscription", "/alive_turtles", "other_msgs/msg/Turtles")])
+    assert line.endswith("Start the arena again with --interfaces other_msgs")
+
+
+def test_each_of_several_seats_has_a_command_of_its_own():
+    assert run_line("hunter_1", shared=False) == "ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
+    assert run_line("hunter_1", shared=True) == (
+        "ros2 run YOUR_PACKAGE YOUR_CONTROLLER --ros-args -r /turtle1/cmd_vel:=/hunter_1/cmd_vel "
+        "-r /turtle1/pose:=/hunter_1/pose -r /catch_turtle:=/hunter_1/catch_turtle"
+    )
+
+
+class Bus(WithoutGraph):
+    backend = "rclpy"
+    about = "rmw_fastrtps_cpp"
+
+    def __init__(self, graph, fault=None):
+        self.endpoints, self.fault = graph, fault
+
+    def graph(self):
+        return self.endpoints
+
+    def interfaces(self, given):
+        if self.fault:
+            raise BusError(self.fault)
+        return given
+
+    def spin(self, timeout_s=0.0):
+        pass
+
+
+def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    facts, problems = examine(Bus(PLAYER), TYPES, 0.0)
+    assert problems == []
+    assert facts[0].endswith("rclpy with rmw_fastrtps_cpp")
+    assert "ROS_DOMAIN_ID=7" in facts
+    assert "interfaces: my_robot_interfaces/srv/CatchTurtle: string name -> bool success" in facts
+    assert facts[-1].startswith("node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), hears ")
+
+    assert examine(Bus(PLAYER, "my package is not built"), TYPES, 0.0)[1] == ["my package is not built"]
+    assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node is there: start yours; ")
+    spawner = Endpoint("/turtle_spawner", "service", "/catch_turtle", CATCH)
+    assert examine(Bus([*PLAYER, spawner]), TYPES, 0.0)[1][0].startswith("/turtle_spawner answers /catch_turtle, as ")
+    assert examine(Bus(None), TYPES, 0.0)[1][0].startswith("rclpy does not tell which nodes there are: ")

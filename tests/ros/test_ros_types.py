@@ -1,0 +1,162 @@
+"""Interface packages as students have them: what is found in them, and what is said where it is not."""
+
+import sys
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+from catch_arena.errors import BusError
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
+from catch_arena.ros.middleware import ros_types
+from catch_arena.ros.middleware.interfaces import Interfaces, from_attributes
+from catch_arena.ros.middleware.rclpy_bus import to_ros
+from catch_arena.ros.middleware.ros_types import described, fitting_packages, package_types, turtlesim_package
+
+USUAL = {
+    "msg": {
+        "Turtle": {"name": "string", "x": "double", "y": "double", "theta": "double"},
+        "TurtleArray": {"turtles": "sequence<mine/Turtle>"},
+    },
+    "srv": {"CatchTurtle": ({"name": "string"}, {"success": "boolean"})},
+}
+
+
+def message_class(fields):
+    class Message(SimpleNamespace):
+        def __init__(self):
+            super().__init__(**dict.fromkeys(fields))
+
+        get_fields_and_field_types = staticmethod(lambda: dict(fields))
+
+    return Message
+
+
+@pytest.fixture
+def package(monkeypatch):
+    """Makes a package with these messages and services importable."""
+
+    def make(name, msg, srv):
+        folders = {"msg": ModuleType(f"{name}.msg"), "srv": ModuleType(f"{name}.srv")}
+        for word, fields in msg.items():
+            setattr(folders["msg"], word, message_class(fields))
+        for word, (request, response) in srv.items():
+            service = SimpleNamespace(Request=message_class(request), Response=message_class(response))
+            setattr(folders["srv"], word, service)
+            setattr(folders["srv"], f"{word}_Event", SimpleNamespace())
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+        for folder, module in folders.items():
+            monkeypatch.setitem(sys.modules, f"{name}.{folder}", module)
+
+    return make
+
+
+VARIANTS = {
+    "the exercise's": (USUAL["msg"], USUAL["srv"]),
+    "other names of fields": (
+        {
+            "Turtle": {"turtle_name": "string", "x": "float", "y": "float", "theta": "float", "age": "int32"},
+            "TurtleArray": {"list": "sequence<mine/Turtle>"},
+        },
+        {"CatchTurtle": ({"id": "string"}, {"sucess": "boolean", "message": "string"})},
+    ),
+    "other names of types": (
+        {"Info": {"name": "string", "x": "double", "y": "double"}, "Infos": {"arr": "sequence<mine/Info>"}},
+        {"Catch": ({"name": "string", "x": "double"}, {"success": "boolean"}), "Other": ({"a": "int64"}, {})},
+    ),
+    "two texts, one of them the usual": (
+        {
+            "Turtle": {"kind": "string", "name": "string", "x": "double", "y": "double"},
+            "TurtleArray": {"names": "sequence<string>", "turtles": "sequence<mine/Turtle>"},
+        },
+        {"CatchTurtle": ({"by": "string", "name": "string"}, {"late": "boolean", "success": "boolean"})},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_a_package_is_taken_as_it_is(package, name):
+    package("mine", *VARIANTS[name])
+    types = package_types("mine", Interfaces())
+    turtles = TurtleArray((Turtle("t1", 1.5, 2.5, 0.5), Turtle("t2", 3.0, 4.0, -1.0)))
+    listed = to_ros(types.turtle_array, turtles, ros_types.ros_class(types.turtle_array.name)())
+    has_theta = "theta" in vars(ros_types.ros_class(types.turtle.name)())
+    expected = tuple(one if has_theta else one._replace(theta=0.0) for one in turtles.turtles)
+    assert from_attributes(types.turtle_array, listed).turtles == expected
+    service = ros_types.ros_class(types.catch_turtle.name)
+    request = to_ros(types.catch_turtle.request, CatchTurtleRequest("t1"), service.Request())
+    assert "t1" in vars(request).values()
+    assert from_attributes(types.catch_turtle.request, request) == CatchTurtleRequest("t1")
+    response = to_ros(types.catch_turtle.response, CatchTurtleResponse(success=True), service.Response())
+    assert list(vars(response).values()).count(True) == 1
+    assert from_attributes(types.catch_turtle.response, response) == CatchTurtleResponse(success=True)
+
+
+@pytest.mark.parametrize(
+    ("msg", "srv", "why"),
+    [
+        (
+            USUAL["msg"],
+            {"CatchTurtle": ({"one": "string", "two": "string"}, {"success": "boolean"})},
+            "mine/srv/CatchTurtle_Request holds string one, string two: it needs one text named name, or only one text",
+        ),
+        (
+            USUAL["msg"],
+            {"CatchTurtle": ({"name": "string"}, {})},
+            "mine/srv/CatchTurtle_Response holds no field: it needs one bool named success, or only one bool",
+        ),
+        (
+            {**USUAL["msg"], "Turtle": {"name": "string", "pose": "turtlesim/Pose"}},
+            USUAL["srv"],
+            "mine/msg/Turtle holds string name, turtlesim/Pose pose: it needs one real number named x",
+        ),
+        (
+            USUAL["msg"],
+            {"Catch": USUAL["srv"]["CatchTurtle"], "Grab": USUAL["srv"]["CatchTurtle"]},
+            "mine: CatchTurtle could be mine/srv/Catch and mine/srv/Grab: name one of them CatchTurtle",
+        ),
+        (USUAL["msg"], {}, "mine/srv holds nothing in the place of CatchTurtle"),
+    ],
+)
+def test_what_is_missing_or_ambiguous_is_told_with_what_the_file_holds(package, msg, srv, why):
+    package("mine", msg, srv)
+    with pytest.raises(BusError) as error:
+        package_types("mine", Interfaces())
+    assert str(error.value).startswith(why)
+
+
+def test_a_package_that_is_not_built_is_one_line():
+    with pytest.raises(BusError, match=r"^none_such has no srv that this Python can import: build it with colcon"):
+        package_types("none_such", Interfaces())
+
+
+@pytest.mark.parametrize(
+    ("there", "found"),
+    [
+        (["mine", "example"], ["mine"]),
+        (["mine", "yours"], ["mine", "yours"]),
+        (["mine", "my_robot_interfaces"], ["my_robot_interfaces"]),
+        (["mine", "catch_arena_interfaces"], ["mine"]),
+        (["catch_arena_interfaces"], ["catch_arena_interfaces"]),
+        (["example"], []),
+    ],
+)
+def test_packages_that_fit_are_found_and_ours_only_if_no_other_does(package, monkeypatch, there, found):
+    for name in there:
+        msg = {word: {a: b.replace("mine", name) for a, b in fields.items()} for word, fields in USUAL["msg"].items()}
+        package(name, msg if name != "example" else {}, USUAL["srv"])
+    monkeypatch.setattr(ros_types, "_packages", lambda: iter(there))
+    assert list(fitting_packages(Interfaces())) == found
+
+
+def test_turtlesim_has_another_package_from_kilted_on(package):
+    assert turtlesim_package("turtlesim") == "turtlesim"
+    package("turtlesim_msgs", {"Pose": {"x": "float"}}, {})
+    assert turtlesim_package("turtlesim") == "turtlesim_msgs"
+    package("turtlesim", {"Pose": {"x": "float"}}, {})
+    assert turtlesim_package("turtlesim") == "turtlesim"
+
+
+def test_what_was_matched_is_described():
+    types = Interfaces()
+    assert described(types.catch_turtle) == "string name -> bool success"
+    assert described(types.turtle) == "string name, float64 x, float64 y, float64 theta"
