@@ -3,5 +3,6 @@
 - middleware: messages and services, and what carries them: DDS, rosbridge or rclpy. Nothing of the arena.
 - nodes: the arena as a node, and the exercise's two nodes.
 - node_tests: the conformance cases asked of somebody else's node, and its grade.
+- doctor: what keeps a node from playing.
 - bags: recorded matches as bags, and bags of turtlesim read and judged.
 """

@@ -8,9 +8,7 @@ if sys.version_info >= (3, 14) or (sys.platform == "linux" and platform.machine(
     collect_ignore += [
         "test_cdr.py",
         "test_dds_bus.py",
-        "test_dds_graph.py",
         "test_floods.py",
         "test_matches.py",
         "test_nodes.py",
-        "test_parameter_services.py",
     ]  # cyclonedds has no wheels there

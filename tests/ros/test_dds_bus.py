@@ -281,8 +281,8 @@ def watch():
     return made, said
 
 
-def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned(watch):
-    """One line, with the two ways out, however often its nodes appear, and whatever they call."""
+def test_fast_dds_is_told_apart_by_its_ids_where_services_or_lists_are_concerned(watch):
+    """One line, with the ways out, however often its nodes appear, and whatever they call."""
     looking, said = watch
     shown = [
         ("rq/catch_turtleRequest", dds_name(TYPES.catch_turtle.request)),
@@ -297,8 +297,16 @@ def test_fast_dds_is_told_apart_by_its_ids_and_only_where_services_are_concerned
     assert line == (
         "warning: a node with Fast DDS, ROS's default middleware, has to do with /catch_turtle, and its services "
         "cannot be spoken to over cyclonedds: start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus "
-        "rosbridge"
+        "rclpy or --bus rosbridge"
     )
+
+
+def test_a_node_with_fast_dds_that_only_hears_the_list_is_told_too(watch):
+    looking, said = watch
+    looking._check(endpoint("rt/turtle1/cmd_vel", dds_name(TWIST), b"\x01\x0f"), writes=True)
+    assert said == []
+    looking._check(endpoint("rt/alive_turtles", dds_name(TYPES.turtle_array), b"\x01\x0f"), writes=False)
+    assert [line.partition(",")[0] for line in said] == ["warning: a node with Fast DDS"]
 
 
 def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(watch):
@@ -310,7 +318,7 @@ def test_other_fields_under_the_same_name_are_told_where_a_node_announces_them(w
     assert said == []
 
     looking._check(
-        endpoint("rt/alive_turtles", name, b"\x01\x0f", b"a=b;typehash=RIHS01_" + b"0" * 64 + b";"), writes=True
+        endpoint("rt/alive_turtles", name, b"\x01\x10", b"a=b;typehash=RIHS01_" + b"0" * 64 + b";"), writes=True
     )
     (line,) = said
     assert "other fields in my_robot_interfaces/msg/TurtleArray, on /alive_turtles" in line
@@ -358,7 +366,7 @@ def test_who_appears_is_looked_at_a_few_at_a_time():
 
     looking = object.__new__(dds_peers.PeerWatch)
     looking._appeared, looking._own, looking._expected = [(SimpleNamespace(take=take), True)], None, {}
-    looking._served, looking._on_writer = {}, seen.append
+    looking._check = lambda one, *, writes: seen.append((one, writes))
     counts = []
     for _ in range(4):
         looking.look()

@@ -6,13 +6,11 @@ import sys
 import pytest
 from ros.local import Hub
 from ros.match import TYPES
-from rosbags.typesys import Stores, get_typestore
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import Pose, Turtle, TurtleArray
 from catch_arena.ros.middleware.interfaces import Name
-from catch_arena.ros.middleware.parameter_services import SERVICES
 from catch_arena.ros.middleware.parameters import arena_parameters, controller_parameters, spawner_parameters
 from catch_arena.ros.nodes.controller import Controller
 from catch_arena.ros.nodes.ros_args import take_ros_args
@@ -182,28 +180,6 @@ def test_where_nothing_reads_yaml_it_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "ruamel.yaml", None)
     with pytest.raises(BusError, match=r"pip install '\.\[ros\]' in the clone"):
         given("-p", f"{FREQUENCY}:=2.0")
-
-
-def test_the_services_are_those_that_ros_knows():
-    """By rosbags' definitions, which are ROS's own; but for the names of bytes."""
-    known = get_typestore(Stores.ROS2_JAZZY).fielddefs
-
-    def compared(kind):
-        _, fields = known[kind.name]
-        assert [field.name for field in kind.fields] == [name for name, _ in fields]
-        for field, (_, (_, content)) in zip(kind.fields, fields, strict=True):
-            told = content[0][1] if field.is_sequence else content
-            if isinstance(field.type, str):
-                assert field.type == {"byte": "uint8"}.get(told[0], told[0])
-            else:
-                assert field.type.name == told
-                compared(field.type)
-
-    for service in SERVICES.values():
-        for half in (service.request, service.response):
-            for field in half.fields:
-                if not isinstance(field.type, str):
-                    compared(field.type)
 
 
 def test_a_match_has_the_spawners_parameters_and_keeps_them():

@@ -1,6 +1,5 @@
 """A node that speaks bytes: DDS carries them, and whoever uses this makes and reads each of them (ros.cdr)."""
 
-import re
 from contextlib import suppress
 from socket import AF_INET, SOCK_DGRAM, socket
 from struct import pack as struct_pack
@@ -61,7 +60,6 @@ EMPTY = (
     struct("std_srvs::srv::dds_::Empty_Request_", **_HEAD, **_DUMMY),
     struct("std_srvs::srv::dds_::Empty_Response_", **_HEAD, **_DUMMY),
 )
-_GID = "rmw_dds_common::msg::dds_::Gid_"
 GRAPH = (
     Policy.Reliability.Reliable(duration(seconds=1)),
     Policy.Durability.TransientLocal,
@@ -69,85 +67,6 @@ GRAPH = (
     Policy.WriterDataLifecycle(autodispose=False),
 )
 """Of the topic on which ROS processes tell which nodes they have."""
-
-
-def participant_entities(size):
-    """With gids of so many bytes: 24 up to Humble, 16 from Iron on."""
-    gid = struct(_GID, data=types.array[types.uint8, size])
-    name = types.bounded_str[256]
-    gids = types.sequence[gid]
-    node = struct(
-        "rmw_dds_common::msg::dds_::NodeEntitiesInfo_",
-        node_namespace=name,
-        node_name=name,
-        reader_gid_seq=gids,
-        writer_gid_seq=gids,
-    )
-    return struct(
-        "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", gid=gid, node_entities_info_seq=types.sequence[node]
-    )
-
-
-def parameter_services():
-    """By their names behind the node's: a request and a response each.
-
-    What is set has bounds here, in which it differs from ROS's own: DDS does not bring two types together of which
-    one has them deep inside. Nodes of ROS announce no such details of their types up to Kilted.
-    """
-
-    def value(*most):
-        def sequence(of):
-            return types.sequence[(of, *most)]
-
-        return struct(
-            "rcl_interfaces::msg::dds_::ParameterValue_",
-            type=types.uint8,
-            bool_value=bool,
-            integer_value=types.int64,
-            double_value=_D,
-            string_value=str,
-            byte_array_value=sequence(types.uint8),
-            bool_array_value=sequence(bool),
-            integer_array_value=sequence(types.int64),
-            double_array_value=sequence(_D),
-            string_array_value=sequence(str),
-        )
-
-    parameter = struct("rcl_interfaces::msg::dds_::Parameter_", name=str, value=value(16))
-    floats = struct("rcl_interfaces::msg::dds_::FloatingPointRange_", from_value=_D, to_value=_D, step=_D)
-    integers = struct(
-        "rcl_interfaces::msg::dds_::IntegerRange_", from_value=types.int64, to_value=types.int64, step=types.uint64
-    )
-    descriptor = struct(
-        "rcl_interfaces::msg::dds_::ParameterDescriptor_",
-        name=str,
-        type=types.uint8,
-        description=str,
-        additional_constraints=str,
-        read_only=bool,
-        dynamic_typing=bool,
-        floating_point_range=types.sequence[floats],
-        integer_range=types.sequence[integers],
-    )
-    names, parameters = types.sequence[str], types.sequence[parameter, 16]
-    listed = struct("rcl_interfaces::msg::dds_::ListParametersResult_", names=names, prefixes=names)
-    changed = struct("rcl_interfaces::msg::dds_::SetParametersResult_", successful=bool, reason=str)
-    fields = {
-        "ListParameters": ({"prefixes": names, "depth": types.uint64}, {"result": listed}),
-        "DescribeParameters": ({"names": names}, {"descriptors": types.sequence[descriptor]}),
-        "GetParameters": ({"names": names}, {"values": types.sequence[value()]}),
-        "GetParameterTypes": ({"names": names}, {"types": types.sequence[types.uint8]}),
-        "SetParameters": ({"parameters": parameters}, {"results": types.sequence[changed]}),
-        "SetParametersAtomically": ({"parameters": parameters}, {"result": changed}),
-    }
-    made = {}
-    for word, halves in fields.items():
-        name = re.sub("(?<!^)([A-Z])", r"_\1", word).lower()
-        made[name] = tuple(
-            struct(f"rcl_interfaces::srv::dds_::{word}_{half}_", **_HEAD, **one)
-            for half, one in zip(("Request", "Response"), halves, strict=True)
-        )
-    return made
 
 
 _domains = {}

@@ -129,9 +129,7 @@ class Bus(Protocol):
         """
 
     def declare(self, parameters: Parameters) -> None:
-        """Let others read and change the node's parameters, as `ros2 param` does. Over rosbridge there is no node of
-        ours, and nobody finds them.
-        """
+        """Let others read and change the node's parameters, as `ros2 param` does: over rclpy only."""
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Who publishes on a topic that was subscribed to; None where the middleware does not tell."""
@@ -162,6 +160,9 @@ class WithoutGraph:
         """It is not known."""
         del topic
         return None
+
+    def declare(self, parameters: Parameters) -> None:
+        """There is no node of ROS's: only --ros-args gives parameters."""
 
 
 def open_bus(

@@ -25,13 +25,10 @@ from cyclonedds.util import duration
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request, WithoutGraph
 from catch_arena.ros.middleware.dds_domain import Discovery, code_of, join
-from catch_arena.ros.middleware.dds_graph import Graph
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, PeerWatch, is_fast_dds, own_hash
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
 from catch_arena.ros.middleware.names import Backend
-from catch_arena.ros.middleware.parameter_services import serve_parameters
-from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
 _SERVICE_DEPTH: Final = 64
@@ -70,8 +67,7 @@ class DdsBus(WithoutGraph):
         self._late: list[_Reply] = []
         self._unsent: set[str] = set()
         self._ids = count(1)
-        self._graph = Graph(self._participant, node)
-        self._watch = PeerWatch(self._participant, log, self._graph.hear_of)
+        self._watch = PeerWatch(self._participant, log)
 
     @property
     def backend(self) -> Backend:
@@ -101,17 +97,12 @@ class DdsBus(WithoutGraph):
         gone.waiting.clear()
         self._readers.remove(gone)
         self._waiting.detach(gone.fresh)
-        self._graph.remove_reader(gone.reader.guid)
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
         name = _absolute(service)
         self._watch.serve(name, f"rr{name}Reply")
         self._serve(name, kind, on_request)
-
-    def declare(self, parameters: Parameters) -> None:
-        """Answer the services of the node's parameters. That two nodes have one name is ROS's to tell."""
-        serve_parameters(self._serve, self._node, parameters)
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_DdsClient":
         """Call a service."""
@@ -146,12 +137,10 @@ class DdsBus(WithoutGraph):
         if self._late:
             self._late = [reply for reply in self._late if not reply.send()]
         self._watch.look()
-        self._graph.tell()
 
     def close(self) -> None:
         """Leave the bus."""
         self._watch.close()
-        self._graph.close()
         self._readers.clear()
         self._topics.clear()
         self._late.clear()
@@ -196,7 +185,6 @@ class DdsBus(WithoutGraph):
         self._watch.expect(topic, kind)
         qos = _qos(DEPTH if not header else _SERVICE_DEPTH, Policy.WriterDataLifecycle(autodispose=False), *policies)
         made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
-        self._graph.add_writer(made.guid)
         return made
 
     def _reader(
@@ -212,7 +200,6 @@ class DdsBus(WithoutGraph):
         reader: DataReader[Any] = DataReader(
             self._participant, self._topic(topic, kind, header=header), qos=_qos(_HISTORY, *policies)
         )
-        self._graph.add_reader(reader.guid)
         made = _Reader(topic, reader, depth, on_sample)
         self._readers.append(made)
         self._waiting.attach(made.fresh)

@@ -1,7 +1,6 @@
 """Who else is on the DDS bus, as far as something would go wrong with them: told once, in one line."""
 
 import re
-from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any, Final
 from uuid import UUID
@@ -17,9 +16,9 @@ from catch_arena.ros.middleware.type_hashes import type_hash
 
 FAST_DDS: Final = (
     "a node with Fast DDS, ROS's default middleware, {what}, and its services cannot be spoken to over cyclonedds: "
-    "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus rosbridge"
+    "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus rclpy or --bus rosbridge"
 )
-"""The one line, with its two ways out."""
+"""The one line, with its ways out."""
 _FAST_DDS_VENDOR: Final = b"\x01\x0f"
 """What Fast DDS's ids begin with; Cyclone's begin with 01 10."""
 _TYPE_HASH: Final = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
@@ -35,16 +34,15 @@ class PeerWatch:
     Args:
         participant: of this process.
         log: takes one line for each that something would go wrong with.
-        on_writer: takes each writer of another process that appears.
     """
 
-    def __init__(self, participant: DomainParticipant, log: Log, on_writer: Callable[[Any], object]) -> None:
+    def __init__(self, participant: DomainParticipant, log: Log) -> None:
         self._appeared = [
             (BuiltinDataReader(participant, BuiltinTopicDcpsPublication), True),
             (BuiltinDataReader(participant, BuiltinTopicDcpsSubscription), False),
         ]
         self._own = participant.guid
-        self._log, self._on_writer = log, on_writer
+        self._log = log
         self._expected: dict[str, MessageType] = {}
         self._served: dict[str, str] = {}
         self._warned: set[tuple[str, str]] = set()
@@ -64,8 +62,6 @@ class PeerWatch:
             for endpoint in reader.take(_AT_ONCE):
                 if endpoint.sample_info.valid_data and endpoint.participant_key != self._own:
                     self._check(endpoint, writes=writes)
-                    if writes:
-                        self._on_writer(endpoint)
 
     def close(self) -> None:
         """Look no more."""
@@ -88,11 +84,12 @@ class PeerWatch:
                 f"{_ros_type(endpoint.type_name)} is what another node has on {topic[2:]}, where we have {kind.name}: "
                 "they do not hear each other; --interfaces and --turtlesim name the packages",
             )
-        elif topic.startswith("rq") and is_fast_dds(endpoint.participant_key):
-            if not self._knows_fast_dds:  # one line, whatever else such nodes call
-                self._knows_fast_dds = True
-                self._warn_once(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
-        elif topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, own_hash(kind)}:
+            return
+        fails = topic.startswith("rq") or _has_list(kind)
+        if fails and not self._knows_fast_dds and is_fast_dds(endpoint.participant_key):
+            self._knows_fast_dds = True  # one line, whatever else such nodes call or hear
+            self._warn_once(topic, FAST_DDS.format(what=f"has to do with {topic[2:].removesuffix('Request')}"))
+        if topic.startswith("rt") and (announced := announced_hash(endpoint)) not in {None, own_hash(kind)}:
             self._warn_once(
                 topic,
                 f"another node has other fields in {kind.name}, on {topic[2:]}, so that numbers arrive as garbage: "
@@ -103,6 +100,11 @@ class PeerWatch:
         if (topic, line) not in self._warned:
             self._warned.add((topic, line))
             self._log(f"warning: {line}")
+
+
+def _has_list(kind: MessageType) -> bool:
+    """Fast DDS 3.2 takes no type of Cyclone's that holds a list."""
+    return any(field.is_sequence for field in kind.fields)
 
 
 def is_fast_dds(participant: UUID) -> bool:

@@ -20,7 +20,6 @@ from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SPIN_S, Call, Log, OnMessage, Peer, Request, WithoutGraph
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, values_by_field
 from catch_arena.ros.middleware.names import Backend
-from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
 _logger = logging.getLogger("websockets.client")
@@ -144,9 +143,6 @@ class RosbridgeBus(WithoutGraph):
         client = _BridgeClient(service, kind, self._call, self._ids, on_failure or self._complain)
         self._handle(("service_response", service), _REQUESTS, client.handle)
         return client
-
-    def declare(self, parameters: Parameters) -> None:
-        """The node is rosbridge's own, and so are its parameters."""
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
         """Rosbridge does not tell."""
