@@ -50,15 +50,27 @@ def read_text(path: Path) -> str:
         ConfigError: for another encoding.
     """
     content = path.read_bytes()
-    if content.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
-        raise ConfigError(f"{path}: is text in UTF-32: save it as UTF-8")
-    two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
-    if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        raise ConfigError(f"{path}: is text in UTF-16: save it as UTF-8")
+    if (fault := wide_text_fault(content)) is not None:
+        raise ConfigError(f"{path}: {fault}")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: must be text in UTF-8, and byte {error.start + 1} is none") from None
+
+
+def wide_text_fault(content: bytes) -> str | None:
+    """What is wrong with text in UTF-16 or UTF-32, with or without a byte order mark; None for all else."""
+    if len(content) % 4 == 0 and b"\0\0" in (content[:2], content[2:4]):
+        return "is text in UTF-32: save it as UTF-8"
+    two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
+    if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "is text in UTF-16: save it as UTF-8"
+    return None
+
+
+def is_loop(path: Path) -> bool:
+    """Return if a path is a link that leads to itself, also by way of others."""
+    return Path(os.path.realpath(path)).is_symlink()
 
 
 def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
@@ -137,7 +149,8 @@ def prepare_folder(folder: Path) -> Path:
         probe.unlink(missing_ok=True)  # another process may probe the folder at the same time
     except (FileExistsError, NotADirectoryError):
         taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
-        raise OutputError(f"{taken}: cannot be written: is a file, not a folder") from None
+        is_what = "a link that leads to itself" if is_loop(taken) else "a file, not a folder"
+        raise OutputError(f"{taken}: cannot be written: is {is_what}") from None
     except OSError as error:
         raise unwritable(folder, error) from None
     return folder

@@ -23,6 +23,7 @@ from typing import Any, Final, NamedTuple
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
+from catch_arena.files import wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.text import composed, name_fault, one_line
 
@@ -375,8 +376,10 @@ _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 
 
 def _name_parts(file: Path) -> tuple[str, ...]:
-    named = file.parent if file.stem == "__init__" else file
-    return tuple(map(composed, (*named.parts[1:-1], named.stem)))
+    parts = file.parts[1:-1]
+    if file.name != "__init__.py" or not parts:  # that of a package, which is called as its folder
+        parts = (*parts, file.stem)
+    return tuple(map(composed, parts))
 
 
 def _unique_names(agents: Sequence[_Resolved]) -> list[str]:
@@ -466,7 +469,8 @@ def _import_file(path: Path) -> ModuleType:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
-        raise AgentError(f"{path}: {_why_not_imported(error, path.stem, path.parent)}") from error
+        fault = wide_text_fault(_content_of(str(path)) or b"")
+        raise AgentError(f"{path}: {fault or _why_not_imported(error, path.stem, path.parent)}") from error
     return module
 
 

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
-from catch_arena.files import LEAST_FREE, is_full, room
+from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
 from catch_arena.tournament.entrants import Entrant
@@ -154,6 +154,8 @@ class Store:
             StoreError: where there is none; from here on also where something in it is none of ours.
         """
         path = folder / STORE
+        if is_loop(folder):
+            raise StoreError(f"{folder}: is a link that leads to itself")
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
         store = cls(path, writable=False)

@@ -147,15 +147,20 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
             ["match", "idle", "idle", "-o", "loop.replay"],
             "loop.replay: cannot be written: Too many levels of ",
         ),
-        (["match", "idle", "idle", "-o", "loop.py/x.replay"], "loop.py: cannot be written: is a file, not a folder"),
+        (["match", "idle", "idle", "-o", "loop/x.replay"], "loop: cannot be written: is a link that leads to itself"),
+        (["tournament", "idle", "idle", "--out", "loop"], "loop: cannot be written: is a link that leads to itself"),
+        (["suite", "idle", "--out", "loop"], "loop: cannot be written: is a link that leads to itself"),
+        (["report", "loop"], "loop: is a link that leads to itself"),
+        (["export", "loop", "-o", "x.csv"], "loop: is a link that leads to itself"),
+        (["mosaic", "loop", "-o", "x.mp4"], "loop: is no folder"),
         (["match", "idle", "idle", "-o", 300 * "x" + ".replay"], "x.replay: cannot be written: File name too long"),
         (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),
     ],
 )
 def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
-    for name in ("loop.py", "loop.replay", "loop.mp4"):
+    for name in ("loop", "loop.py", "loop.replay", "loop.mp4"):
         (tmp_path / name).symlink_to(name)
-    done = run(tmp_path, *words, *(QUICK if words[0] == "match" else ()))
+    done = run(tmp_path, *words, *(QUICK if words[0] in {"match", "tournament"} else ()))
     assert (done.returncode, done.stdout) == (2, "")
     assert why in done.stderr
     assert len(done.stderr.splitlines()) == 1

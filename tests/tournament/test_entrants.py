@@ -3,6 +3,7 @@
 import hashlib
 import importlib
 import pickle
+import re
 import sys
 from pathlib import Path
 
@@ -65,6 +66,27 @@ def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file
         "ann/hw1/agent#2",
         "idle/Agent",
     ]
+
+
+def test_a_package_has_its_folders_name(agent_file, tmp_path):
+    """A generic one has that of the folder above too, as a file has."""
+    for folder in ("x", "ann/agent", "bob/agent"):
+        (tmp_path / folder).mkdir(parents=True)
+    words = [agent_file(HOLDS, f"{folder}/__init__.py") for folder in ("x", "ann/agent", "bob/agent")]
+    assert [one.name for one in enter([*words, words[0]])] == ["x", "ann/agent", "bob/agent", "x#2"]
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-32", "utf-32-be"])
+def test_a_file_in_another_encoding_is_told_which(tmp_path, encoding):
+    """Trusted or not."""
+    path = tmp_path / "mine.py"
+    path.write_text(HOLDS, encoding=encoding)
+    why = f"{path}: is text in {encoding[:6].upper()}: save it as UTF-8"
+    with pytest.raises(AgentError, match=f"^{re.escape(why)}$"):
+        enter([str(path)])
+    with Sandbox(AgentLimits(entrants=(str(path),))) as sandbox:
+        (entrant,) = enter([str(path)], inspector(sandbox))
+    assert entrant.fault == why
 
 
 def test_file_names_that_look_the_same_give_two_names_in_composed_form(agent_file):
