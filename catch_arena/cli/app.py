@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from catch_arena.tournament.inspection_journal import InspectionJournal
 
 _EXIT_ERROR = 2
+_FILES: Final = ("output", "json", "junit", "seeds", "record")
+"""The options that name a file to write. An empty name has become the path of this folder when a command has it."""
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 """Click's, which newer versions of typer carry inside."""
@@ -115,6 +117,9 @@ class Program(typer.Typer):
         def decorate(command: _Function) -> _Function:
             @wraps(command)
             def run(**given: Any) -> Any:
+                for name in _FILES:
+                    if given.get(name) == Path():
+                        raise ConfigError(f"--{name} must name a file, got '' or '.'")
                 return command(**{name: _absolute(value) for name, value in given.items()})
 
             register(run)

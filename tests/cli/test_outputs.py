@@ -137,6 +137,17 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
     }
 
 
+@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize("empty", ["", "."])
+def test_an_empty_name_is_refused(played, tmp_path, monkeypatch, name, empty):
+    monkeypatch.chdir(tmp_path)
+    words = [empty if word == name else word.replace("{o}", str(played / "o")) for word in WRITERS[name]]
+    option = {"-o": "--output"}.get(before := words[words.index(empty) - 1], before)
+    done = CliRunner().invoke(main, words)
+    assert (done.exit_code, done.output) == (2, f"error: {option} must name a file, got '' or '.'\n")
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
     """Its standings and its report hold nothing else, so that nothing is lost."""
     report = played / "o" / "report.html"
