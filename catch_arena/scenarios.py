@@ -76,7 +76,7 @@ _WORDS_OF_MPE: Final = {
     "max_steps": "max_cycles",
     "seed": "reset(seed=...)",
     "num_obstacles": None,
-    "local_ratio": "rewards",
+    "local_ratio": "1 - team_share",
     "dynamic_rescaling": None,
 }
 """What programs for PettingZoo's particle environments call our settings."""

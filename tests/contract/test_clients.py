@@ -201,6 +201,7 @@ def test_an_aec_env_may_have_other_names():
             "{seat:x!}",
             'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got \'{seat:x!}\'',
         ),
+        ("{seat[0]}", 'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got \'{seat[0]}\''),
         (
             "{seat}{other}",
             'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got \'{seat}{other}\'',
@@ -240,7 +241,7 @@ def test_continuous_actions_stand_for_velocity_control():
         ("num_good", "prey"),
         ("max_steps", "max_cycles"),
         ("seed", "reset(seed=...)"),
-        ("local_ratio", "rewards"),
+        ("local_ratio", "1 - team_share"),
         ("num_obstacles", None),
         ("dynamic_rescaling", None),
     ],
