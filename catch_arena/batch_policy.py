@@ -3,8 +3,10 @@
 from functools import cached_property
 from typing import Any, Final, Protocol, runtime_checkable
 
+from catch_arena.errors import ConfigError, require_type
 from catch_arena.layout import SelfFeatures
-from catch_arena.policy import Limits, first_rival_column, rival_features, target_features
+from catch_arena.policy import Limits, first_rival_column, numbers_seen, rival_features, target_features
+from catch_arena.text import in_short
 
 TYPE_CHECKING = False  # an agent that does not use NumPy need not load it
 if TYPE_CHECKING:
@@ -24,6 +26,12 @@ class BatchView:
     """
 
     def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
+        require_type("limits", limits, Limits, "Limits.of(config)")
+        size = numbers_seen(limits)
+        if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
+            raise ConfigError(
+                f"observations must be an array whose last axis has {size} numbers, got {in_short(observations)}"
+            )
         self.observations = observations
         """As they were given, for policies that learn."""
         self.masks = masks

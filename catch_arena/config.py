@@ -471,6 +471,8 @@ class ArenaConfig:
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
         """The config that `to_dict` wrote; unknown or impossible settings are ConfigErrors."""
+        if not isinstance(settings, Mapping) or not all(isinstance(name, str) for name in settings):
+            raise ConfigError(f"settings must map names to values, as of to_dict(), got {in_short(settings)}")
         return cls().replace(**settings)
 
     @property
@@ -492,7 +494,9 @@ _PARTS: Final[dict[str, type]] = {
 def _make_plain(settings: object) -> None:
     """Give a dataclass of settings Python's own numbers, and tuples for arrays and lists."""
     for setting in dataclasses.fields(settings):  # type: ignore[arg-type]
-        object.__setattr__(settings, setting.name, plain_setting(getattr(settings, setting.name)))
+        value = plain_setting(getattr(settings, setting.name))
+        if not isinstance(value, tuple) or "tuple" in str(setting.type):  # else it stays, for the error to show it
+            object.__setattr__(settings, setting.name, value)
 
 
 def _micrometres(metres: float) -> int:
@@ -533,6 +537,12 @@ def require_flag(name: str, value: object) -> bool:
     if not isinstance(flag, bool):
         raise ConfigError(f"{name} must be true or false, got {with_type(value)}")
     return flag
+
+
+def require_options(options: object) -> None:
+    """Raise ConfigError unless the options of a reset are a dict or None."""
+    if not isinstance(options, Mapping | None):
+        raise ConfigError(f"options must be a dict or None, got {with_type(options)}")
 
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:

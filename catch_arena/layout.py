@@ -6,7 +6,7 @@ are all made from it. A column is a field: its name, and what is said of it. The
 
 import math
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import lru_cache, wraps
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
@@ -54,7 +54,6 @@ class _Arena(NamedTuple):
     @classmethod
     def of(cls, config: ArenaConfig) -> "_Arena":
         """Of one config."""
-        require_type("config", config, ArenaConfig, "scenario(name)")
         # one part in a thousand of slack: sums and rotations round
         diagonal = 1.001 * math.sqrt(2.0) * config.side_m
         fastest, fastest_target = max(config.max_speeds), config.target_speed_mps
@@ -244,7 +243,19 @@ def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
-@lru_cache(maxsize=16)  # a tournament makes an env for each match
+def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
+    """Make each config's columns once: a tournament makes an env for each match."""
+    kept = lru_cache(maxsize=16)(make)
+
+    @wraps(make)
+    def checked(config: ArenaConfig) -> tuple[Column, ...]:
+        require_type("config", config, ArenaConfig, "scenario(name)")
+        return kept(config)
+
+    return checked
+
+
+@_kept
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """The columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
@@ -257,7 +268,7 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
 
 
-@lru_cache(maxsize=16)
+@_kept
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: the columns of prey's observation in order; () where there is no prey."""
     if not config.prey:
@@ -303,7 +314,7 @@ STATE_PREY_COLUMNS: Final = (
 """And of each prey, by index."""
 
 
-@lru_cache(maxsize=16)
+@_kept
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: the columns of the global view, in the world frame."""
     arena = _Arena.of(config)

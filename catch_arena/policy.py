@@ -290,6 +290,11 @@ def first_rival_column(limits: Limits) -> int:
     return _OWN + limits.targets_seen * len(target_features(limits)._fields)
 
 
+def numbers_seen(limits: Limits) -> int:
+    """R7.1: the length of a hunter's observation."""
+    return first_rival_column(limits) + limits.hunters_seen * len(rival_features(limits)._fields)
+
+
 Seen = TypeVar("Seen", SeenTarget, SeenHunter, SeenBody)
 
 _TYPED: Final = {
@@ -297,19 +302,6 @@ _TYPED: Final = {
     for kind in (SeenTarget, SeenHunter, SeenBody)
 }
 """Of what is seen, which columns become something else than a float."""
-
-
-def _own_part(observation: Sequence[float], columns: int) -> Sequence[float]:
-    """The first columns, which tell of the viewer itself."""
-    try:
-        own = observation[:columns]
-        if len(own) == columns:
-            return own
-    except TypeError:
-        pass
-    raise ConfigError(
-        f"observation must be a vector, as env.step returns it for each agent, got {in_short(observation)}"
-    )
 
 
 def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: int, most: int) -> tuple[Seen, ...]:
@@ -335,6 +327,23 @@ def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: 
         seen.append(kind(rank, *its))
         at += columns
     return tuple(seen)
+
+
+def _first_columns(observation: Sequence[float], count: int, size: int) -> Sequence[float]:
+    """What an agent knows of itself.
+
+    Raises:
+        ConfigError: unless `size` columns are there.
+    """
+    try:
+        if len(observation) == size:
+            return observation[:count]
+    except (TypeError, LookupError):  # a number, or a dict
+        pass
+    raise ConfigError(
+        f"observation must be a vector of {size} numbers, as env.step returns it for each agent, "
+        f"got {in_short(observation)}"
+    )
 
 
 class _Body:
@@ -375,7 +384,7 @@ class View(_Body):
         limits: what the hunter can do, and what the arena is.
 
     Raises:
-        ConfigError: for an observation that is no sequence of numbers.
+        ConfigError: for an observation of another length, and limits that are none.
     """
 
     def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:
@@ -384,7 +393,8 @@ class View(_Body):
         self.mask = mask
         """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
         self.limits = limits
-        own = SelfFeatures(*_own_part(observation, _OWN))
+        require_type("limits", limits, Limits, "Limits.of(config)")
+        own = SelfFeatures(*_first_columns(observation, _OWN, numbers_seen(limits)))
         super().__init__(own)
         self.score = own.score
         """Granted catches so far."""
@@ -414,14 +424,16 @@ class PreyView(_Body):
         limits: what prey can do, and what the arena is.
 
     Raises:
-        ConfigError: for an observation that is no sequence of numbers.
+        ConfigError: for an observation of another length, and limits that are none.
     """
 
     def __init__(self, observation: Sequence[float], limits: PreyLimits) -> None:
         self.observation = observation
         """R12.4's vector as it was given, for policies that learn."""
         self.limits = limits
-        own = PreySelfFeatures(*_own_part(observation, _PREY))
+        require_type("limits", limits, PreyLimits, "PreyLimits.of(config)")
+        size = _PREY + len(BodyFeatures._fields) * (limits.hunters_seen + limits.prey_seen)
+        own = PreySelfFeatures(*_first_columns(observation, _PREY, size))
         super().__init__(own)
         self.times_caught = own.times_caught
         """So far."""

@@ -1,7 +1,7 @@
 """Rulebook chapter 8: the arena as the ROS 2 exercise knows it, by names and Twists in place of ranks and actions."""
 
 from bisect import insort
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,10 @@ from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.spaces import require_pose
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
-from catch_arena.replay import Replay
-from catch_arena.replay.fileformat import checked_text
+from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
+from catch_arena.text import in_short
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
@@ -82,10 +82,9 @@ class ArenaService:
         """
         if self._config.policy == "capstone":
             raise ConfigError("a recorded match must be of another policy than capstone, whose grants need no target")
-        for seat, name in enumerate(names):
-            checked_text(f"names[{seat}]", name)
+        called = checked_names(names, self._config)
         checked_text("name_prefix", self._config.name_prefix)
-        self._record_as = (tuple(names), checked_text("title", title))
+        self._record_as = (called, checked_text("title", title))
 
     @property
     def replay(self) -> Replay:
@@ -201,7 +200,7 @@ class ArenaService:
         """
         self._require_play("kill")
         numbers = {target.name: target.number for target in self.world.targets}
-        if name not in numbers:
+        if not isinstance(name, str) or name not in numbers:
             return False
         self._engine.kill(0, numbers[name])
         self._appeared.discard(name)
@@ -232,6 +231,11 @@ class ArenaService:
             EpisodeError: before the first reset.
         """
         before = self.world
+        for field, given, values in (("cmd_vel", cmd_vel, "Twists"), ("goals", goals, "names of targets")):
+            if not isinstance(given, Mapping | None):
+                raise ActionError(f"{field} must map hunters to {values}, got {in_short(given)}")
+        if not isinstance(requests, Collection):
+            raise ActionError(f"requests must be a sequence of (hunter, request), got {in_short(requests)}")
         goals = goals or {}
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
         seats = [self._asking_seat(hunter) for hunter, _ in requests]

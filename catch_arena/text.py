@@ -54,9 +54,7 @@ def in_short(value: object) -> str:
 
 def with_type(value: object) -> str:
     """A value in short with the name of its type, for errors about the type: `'4' (str)`."""
-    if value is None or isinstance(value, tuple):  # what settings make of arrays and lists
-        return in_short(value)
-    return f"{in_short(value)} ({printable(type(value).__name__)})"
+    return "None" if value is None else f"{in_short(value)} ({printable(type(value).__name__)})"
 
 
 def name_fault(name: str) -> str | None:

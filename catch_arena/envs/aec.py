@@ -13,7 +13,7 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv, Infos, SavedEpisode, parallel_env
 from catch_arena.equality import equal_fields
-from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type
 from catch_arena.text import in_short
 
 _CALLERS: Final = ("_actions", "_observations", "infos")
@@ -35,7 +35,11 @@ class SavedTurn:
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
     """The arena, hunter by hunter; `world`, `digest`, `withdraw`, `record` and `replay` are the parallel env's."""
 
+    _has_reset: bool
+    _has_updated: bool
+
     def __init__(self, parallel: CatchArenaEnv) -> None:
+        require_type("parallel", parallel, CatchArenaEnv, "parallel_env(name)")
         super().__init__(_CheckedAec(parallel))
         self.world = parallel.world
         self.digest = parallel.digest
@@ -47,6 +51,19 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
     def _repr_html_(self) -> str:
         """How a notebook shows it: like the parallel env."""
         return self._parallel._repr_html_()
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
+        """Begin an episode; arguments as for the parallel env.
+
+        Raises:
+            ConfigError: as the parallel env's; nothing has begun then.
+        """
+        begun = self._has_reset, self._has_updated
+        try:
+            super().reset(seed, options)
+        except ConfigError:
+            self._has_reset, self._has_updated = begun
+            raise
 
     def step(self, action: Any) -> None:
         """The action of the hunter whose turn it is; one that is refused changes nothing.

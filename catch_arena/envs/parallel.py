@@ -16,7 +16,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from catch_arena.config import RULESET, ArenaConfig, Control, require_choice
+from catch_arena.config import RULESET, ArenaConfig, Control, require_choice, require_options
 from catch_arena.core import state
 from catch_arena.core.catching import ANSWER_COLUMNS
 from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
@@ -39,11 +39,11 @@ from catch_arena.envs.spaces import (
     velocity_space,
 )
 from catch_arena.equality import equal_fields
-from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
-from catch_arena.plain import as_python
+from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type, suggest
+from catch_arena.plain import as_python, whole_number
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.text import in_short, with_type
+from catch_arena.text import in_short
 from catch_arena.verdicts import NO_REQUEST
 from catch_arena.world import World
 
@@ -103,8 +103,9 @@ def parallel_env(
         scenario: a name or a config.
         render_mode: None, "rgb_array" or "human".
         infos: "full", "mask" (the mask alone) or "none": see CatchArenaEnv.
-        agent_names: what this env calls its agents: a pattern such as "agent_{seat}", in which prey's seats follow the
-            hunters', or a list with one name for each. The world, replays and digests do not depend on it.
+        agent_names: what this env calls its agents: a pattern such as "agent_{seat}" or "agent_{seat:02d}", in which
+            prey's seats follow the hunters', or a list with one name for each. The world, replays and digests do not
+            depend on it.
         overrides: fields of ArenaConfig.
 
     Raises:
@@ -157,6 +158,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         infos: Infos = "full",
         agent_names: str | Sequence[str] | None = None,
     ) -> None:
+        require_type("config", config, ArenaConfig, "scenario(name)")
         require_choice("infos", infos, get_args(Infos))
         require_choice("render_mode", render_mode, (None, *RENDER_MODES))
         if render_mode is not None:
@@ -318,8 +320,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         Raises:
             ConfigError: for a seed that is no such number, and options that are no dict.
         """
-        if options is not None and not isinstance(options, Mapping):
-            raise ConfigError(f"options must be a dict or None, got {with_type(options)}")
+        require_options(options)
         follows = seed is None and self._engine.ends.item() == state.TRUNCATED
         cut = [agent for agent in self.possible_agents if agent not in self._leaving] if follows else ()
         self._seed = episode_seed(seed, self._seed)
@@ -431,7 +432,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         self._require_changeable("kill")
         numbers = {target.name: target.number for target in self._engine.world().targets}
-        return name in numbers and self._engine.kill(0, numbers[name])
+        return isinstance(name, str) and name in numbers and self._engine.kill(0, numbers[name])
 
     def _require_changeable(self, what: str) -> None:
         self._require_episode(what)
@@ -445,9 +446,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.world()
 
     def rank_of(self, seat: int, name: str) -> int:
-        """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
+        """R7.1: the rank at which a seat sees the target of that name, 0 where it does not.
+
+        Raises:
+            ActionError: for a seat that no hunter has.
+        """
         self._require_episode("rank_of")
-        return self._engine.rank_of(0, seat, name)
+        number = whole_number(seat)
+        if number is None or not 0 <= number < self.config.hunters:
+            raise ActionError(f"seat must be a whole number from 0 to {self.config.hunters - 1}, got {in_short(seat)}")
+        return self._engine.rank_of(0, number, name)
 
     def hunter_observations(self) -> NDArray[np.float32]:
         """What all hunters observe now (R7.1), by seat, whether they act or have left: (H, D), a copy."""
@@ -736,7 +744,7 @@ def _checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) ->
     if isinstance(given, str) and "{seat" in given:
         try:
             names = [given.format(seat=seat) for seat in range(len(usual))]
-        except (ValueError, LookupError, AttributeError):
+        except (ValueError, LookupError, AttributeError, TypeError):
             raise ConfigError(
                 f'agent_names must be a pattern such as "agent_{{seat}}", or "agent_{{seat:02d}}", got {given!r}'
             ) from None

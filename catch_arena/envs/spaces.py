@@ -73,9 +73,11 @@ def require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
         ActionError: for anything else.
     """
     for axis, value in (("x", x), ("y", y)):
-        if not 0.0 <= value <= config.side_m:
+        number = real_number(as_python(value))
+        if number is None or not 0.0 <= number <= config.side_m:
             raise ActionError(f"spawn: {axis} must lie in [0, {config.side_m:g}], got {value!r}")
-    if not -MAX_HEADING_RAD <= theta <= MAX_HEADING_RAD:
+    angle = real_number(as_python(theta))
+    if angle is None or not -MAX_HEADING_RAD <= angle <= MAX_HEADING_RAD:
         limits = f"[{-MAX_HEADING_RAD:g}, {MAX_HEADING_RAD:g}]"
         raise ActionError(f"spawn: theta must lie in {limits}, got {theta!r}")
 

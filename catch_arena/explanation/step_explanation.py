@@ -19,8 +19,9 @@ from catch_arena.explanation.sentences import (
     distances_sentence,
     prey_action_sentences,
 )
-from catch_arena.plain import whole_number
+from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
+from catch_arena.text import with_type
 from catch_arena.verdicts import REASONS, Ruling, Verdict
 from catch_arena.world import World
 
@@ -89,11 +90,14 @@ def step_at(replay: Replay, at_s: float) -> int:
         ConfigError: for a time at which no step begins any more.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
+    time_s = real_number(as_python(at_s))
+    if time_s is None:
+        raise ConfigError(f"at must be a number of seconds, got {with_type(at_s)}")
     period_ms = replay.config.control_period_ms
-    step = round(1000 * at_s) // period_ms + 1 if math.isfinite(at_s) else 0
+    step = round(1000 * time_s) // period_ms + 1 if math.isfinite(time_s) else 0
     if not 1 <= step <= replay.steps:
         last = f"to {seconds((replay.steps - 1) * period_ms)}, when the last step is judged"
-        raise ConfigError(f"at must be from 0 {last if replay.steps else 'on, and in a step'}, got {at_s:g} s")
+        raise ConfigError(f"at must be from 0 {last if replay.steps else 'on, and in a step'}, got {time_s:g} s")
     return step
 
 

@@ -201,11 +201,11 @@ def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
     Raises:
         ConfigError: for a number of names that is not that of the agents, and one that cannot be shown.
     """
-    names, wanted = plain_setting(names), config.hunters + config.prey
-    if not isinstance(names, tuple) or len(names) != wanted:
+    plain, wanted = plain_setting(names), config.hunters + config.prey
+    if not isinstance(plain, tuple) or len(plain) != wanted:
         each = "hunter and each prey" if config.prey else "hunter"
         raise ConfigError(f"names must be {wanted}, one for each {each}, got {repr(names)[: _LONGEST_TEXT + 10]}")
-    return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(names))
+    return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(plain))
 
 
 def _checksum(content: bytes | memoryview) -> bytes:

@@ -190,6 +190,8 @@ class Replay(ReplayContent):
         Raises:
             OutputError: where it cannot be written.
         """
+        if not isinstance(file, str | os.PathLike | BytesIO):
+            raise OutputError(f"file must be a path or a BytesIO, got {with_type(file)}")
         try:
             content = encode_replay(self)
         except ReplayError as error:

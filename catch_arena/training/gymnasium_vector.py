@@ -8,7 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from catch_arena.config import ArenaConfig
+from catch_arena.config import ArenaConfig, require_options
 from catch_arena.errors import ConfigError
 from catch_arena.plain import as_python
 from catch_arena.training.batch import LearnerBatch
@@ -55,8 +55,9 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             Observations (N, D) float32, and infos.
 
         Raises:
-            ConfigError: for a mask or a seed that cannot be.
+            ConfigError: for a mask, a seed or options that cannot be.
         """
+        require_options(options)
         first = as_python(seed)
         if isinstance(first, Sequence) and not isinstance(first, str | bytes):
             if len(first) != self.num_envs:

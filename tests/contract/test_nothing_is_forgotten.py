@@ -29,7 +29,9 @@ from catch_arena.layout import (
     SelfFeatures,
     TeamRivalFeatures,
     columns,
+    observation_size,
     prey_columns,
+    prey_observation_size,
     state_columns,
 )
 from catch_arena.policy import Limits, PreyLimits, SeenBody, SeenHunter, SeenTarget
@@ -258,9 +260,12 @@ def test_what_agents_see_by_rank_has_the_columns_of_its_table(kind, table):
 
 def test_an_agent_reads_by_name_what_it_knows_of_itself():
     """policy.py: each column of layout.py is an attribute of `View`, or of `PreyView`."""
-    for limits, table in ((Limits.of(RICH, 0), SelfFeatures), (PreyLimits.of(RICH), PreySelfFeatures)):
+    for limits, table, size in (
+        (Limits.of(RICH, 0), SelfFeatures, observation_size(RICH)),
+        (PreyLimits.of(RICH), PreySelfFeatures, prey_observation_size(RICH)),
+    ):
         own = [float(place) for place in range(1, len(table._fields) + 1)]
-        view = limits.view([*own, *[0.0] * 100], [])
+        view = limits.view([*own, *[0.0] * (size - len(own))], [])
         read = {name: getattr(view, name, f"is no attribute of {type(view).__name__}") for name in table._fields}
         assert read == dict(zip(table._fields, own, strict=True)) | ({"alive": True} if "alive" in read else {})
 

@@ -373,6 +373,11 @@ def test_seeds_of_a_gymnasium_env_may_be_a_range_or_numpys(seeds):
     assert np.array_equal(env.reset(seed=seeds)[0], env.reset(seed=4)[0])
 
 
+def test_options_of_a_gymnasium_env_are_a_dict_or_none():
+    with pytest.raises(ConfigError, match=r"^options must be a dict or None, got 3 \(int\)$"):
+        GymnasiumVectorEnv("duel", 3, opponents="nearest").reset(options=3)
+
+
 def test_seeds_of_a_gymnasium_env_may_be_a_list_or_a_tuple():
     """Gymnasium's own envs take both, with None among them; the first counts."""
     env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
