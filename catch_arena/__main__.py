@@ -17,7 +17,9 @@ def main(words: "Sequence[str] | None" = None, name: str = "catch-arena") -> "No
     """
     interrupts.listen()  # before anything that takes time is imported
     from catch_arena.cli import main as command
+    from catch_arena.streams import outlive_readers
 
+    outlive_readers()
     interrupts.run(lambda: command(words, prog_name=name))
 
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from inspect import cleandoc
-from io import BufferedWriter, FileIO, TextIOWrapper
+from io import TextIOWrapper
 from pathlib import Path
 from textwrap import wrap
 from typing import IO, Any, Final, cast
@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.file_proxy import FileProxy
 from rich.text import Text
 
+from catch_arena.streams import lasting
 from catch_arena.text import printable, printable_lines
 
 WIDE: Final = 80
@@ -44,17 +45,6 @@ def shown(text: str) -> str:
 def own_console(*, err: bool = False) -> Console:
     """For tables and progress bars, on stdout or stderr."""
     return Console(file=_stream(err=err))
-
-
-class _Lasting(FileIO):
-    """A file whose reader may go, as `head` does: the command goes on, and its own result is what counts."""
-
-    def write(self, data: Any, /) -> int:
-        """Write; what nobody reads any more is lost."""
-        try:
-            return super().write(data)
-        except BrokenPipeError:
-            return len(data)
 
 
 def _stream(*, err: bool) -> IO[str] | None:
@@ -127,10 +117,7 @@ def own_streams() -> Iterator[None]:
     for err, stream in ((False, sys.stdout), (True, sys.stderr)):
         _OWN[err] = stream
         with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
-            raw = _Lasting(os.dup(stream.fileno()), "w")
-            copies.append(
-                TextIOWrapper(BufferedWriter(raw), stream.encoding, stream.errors, line_buffering=stream.isatty())
-            )
+            copies.append(lasting(stream, os.dup(stream.fileno())))
             _OWN[err] = copies[-1]
     try:
         yield

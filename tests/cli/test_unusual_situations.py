@@ -2,6 +2,7 @@
 traceback, and its output is where it was asked for.
 """
 
+import csv
 import locale
 import os
 import subprocess
@@ -114,6 +115,32 @@ def test_a_command_whose_reader_has_gone_works_to_its_end(tmp_path, words, statu
         done = run(tmp_path, *words, stdout=gone)
     assert (done.returncode, done.stderr) == (status, "")
     assert (tmp_path / written).stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["--help"], 0),
+        (["match", "--help"], 0),
+        ([], 2),
+        (["check-agent", "mine.py", "--scenario", "duel", "--trusted"], 0),
+        (["conformance", "mine.py:arbiter", "--only", "reach.299999"], 1),
+        (["tournament", "mine.py", "idle", *QUICK, "--rounds", "1", "--jobs", "2"], 0),
+    ],
+    ids=lambda words: " ".join(words[:2]) if isinstance(words, list) else None,
+)
+def test_helps_and_prints_of_agents_outlive_their_reader_too(tmp_path, words, status):
+    """An agent that printed to a closed pipe used to forfeit."""
+    (tmp_path / "mine.py").write_text(MODULE.format(change="print('one')", late="print('two', flush=True)"))
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w") as gone:
+        done = run(tmp_path, *words, stdout=gone)
+    assert done.returncode == status
+    assert "error" not in done.stderr
+    if words[:1] == ["tournament"]:
+        with (tmp_path / "out" / "tournament" / "standings.csv").open(newline="") as standings:
+            assert [row["forfeits"] for row in csv.DictReader(standings)] == ["0", "0"]
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")

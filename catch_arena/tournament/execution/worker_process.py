@@ -14,6 +14,7 @@ from typing import Any, Final, NamedTuple
 
 from catch_arena.descendants import end, start, state
 from catch_arena.errors import CatchArenaError, NoContest, WorkerLost
+from catch_arena.streams import outlive_readers
 from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
 from catch_arena.tournament.isolation.newcomers import kill_newcomers
 from catch_arena.tournament.isolation.processes import adopt_orphans
@@ -139,6 +140,7 @@ class WorkerProcess:
 
 def main() -> None:
     """Play what is requests for until the other side goes."""
+    outlive_readers()
     channel: Connection = Connection(os.dup(0))
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)  # agents that read from the standard input find it empty
