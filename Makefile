@@ -5,8 +5,8 @@ BIN := $(VENV)/bin
 # By files, since the tests of one share what is slow to make; where a single file is most of the work, test by test.
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
-USUAL := not nightly and not extras and not hostile and not torch and not cgroups
-MEASURED := not nightly and not large and not hostile and not torch and not cgroups
+USUAL := not nightly and not extras and not hostile and not torch and not cgroups and not rclpy
+MEASURED := not nightly and not large and not hostile and not torch and not cgroups and not rclpy
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
@@ -22,7 +22,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser window check format bench wheel pictures golden docs \
+.PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser ros window check format bench wheel pictures golden docs \
 	clean setup pythons
 
 help: ## list the targets
@@ -53,7 +53,8 @@ hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and
 cgroups: $(VENV)/ready-dev ## what the kernel bounds by control groups: needs systemd, or root and cgroup v2 mounted
 	$(if $(wildcard /run/systemd/system),systemd-run --user --scope --quiet -p Delegate=yes) $(BIN)/pytest -m cgroups tests
 
-nightly: long laws interpreted boundscheck coverage mutate compat pythons ## what takes long: the six targets that follow, compat and pythons
+nightly: long laws interpreted boundscheck coverage mutate compat pythons ## what takes long: the six targets that follow, compat, pythons, and ros on each Python
+	$(BIN)/python scripts/ros_nodes.py --all
 
 long: $(VENV)/ready-dev ## the tests that make test leaves out
 	$(BIN)/pytest $(WORKERS) -m nightly tests
@@ -87,6 +88,9 @@ browser: $(VENV)/ready-browser ## play videos and open pages in a headless Chrom
 
 window: $(VENV)/ready-window ## play in a real window, on an X server without a screen
 	$(BIN)/pytest tests/window
+
+ros: $(VENV)/ready-dev ## real ROS 2 nodes play, and are graded (the environment: 500 MB in .venv-ros, and a compiler)
+	$(BIN)/python scripts/ros_nodes.py
 
 pythons: $(VENV)/ready-dev ## the rules, a match, a video and a tournament on each CPython found, with the newest and the oldest dependencies
 	$(BIN)/python scripts/pythons.py
@@ -130,7 +134,7 @@ docs: $(VENV)/ready ## write the tables in docs/ that are made from code
 setup: $(VENV)/ready-dev ## make .venv with everything that development needs
 
 clean: ## remove .venv, caches and out/
-	rm -rf $(VENV) out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .venv-ros out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(BIN)/uv:
 	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' || \
