@@ -9,8 +9,8 @@ import pytest
 
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware import bus
-from catch_arena.ros.middleware.bus import SPIN_S, open_bus
+from catch_arena.ros.middleware import bus, rclpy_bus
+from catch_arena.ros.middleware.bus import SPIN_S, Endpoint, open_bus
 from catch_arena.ros.middleware.interfaces import RULING, TWIST, Interfaces, TwistMessage
 from catch_arena.ros.middleware.parameters import spawner_parameters
 
@@ -209,6 +209,24 @@ def test_topics_go_through_ross_own_messages(joined):
 
     joined.publisher("/a", TWIST)  # by another node, which has the same name
     assert joined.publishers_of("/a") == {"/arena", "/arena (2)"}
+
+
+def test_the_types_that_a_node_uses_come_before_those_of_packages(joined, monkeypatch):
+    monkeypatch.setattr(rclpy_bus, "fitting_packages", lambda given: {"a": given, "b": given})
+    monkeypatch.setattr(rclpy_bus, "package_types", lambda *names, **used: (names[0], used))
+    graph = [Endpoint("/mine", "client", "/catch_turtle", "mine/srv/CatchIt")]
+    monkeypatch.setattr(joined, "graph", lambda: graph)
+    assert joined.interfaces(TYPES) == ("mine", {"turtles": "", "catch": "mine/srv/CatchIt"})
+    graph.clear()
+    assert joined.interfaces(TYPES)[0] == "mine"  # it keeps what its topics were made with
+
+
+def test_of_several_packages_one_must_be_named(joined, monkeypatch):
+    monkeypatch.setattr(rclpy_bus, "fitting_packages", lambda given: {"a": given, "b": given})
+    monkeypatch.setattr(rclpy_bus, "_LOOK_S", 0.0)
+    monkeypatch.setattr(joined, "graph", list)
+    with pytest.raises(BusError, match=r"^a and b have a catch service each: say which by --interfaces"):
+        joined.interfaces(TYPES)
 
 
 def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(joined):

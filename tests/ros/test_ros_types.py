@@ -21,10 +21,15 @@ USUAL = {
 }
 
 
-def message_class(fields):
+def message_class(fields, others):
     class Message(SimpleNamespace):
         def __init__(self):
-            super().__init__(**dict.fromkeys(fields))
+            super().__init__(
+                **{
+                    name: others[word.partition("/")[2]]() if word.startswith("mine/") else None
+                    for name, word in fields.items()
+                }
+            )
 
         get_fields_and_field_types = staticmethod(lambda: dict(fields))
 
@@ -38,9 +43,10 @@ def package(monkeypatch):
     def make(name, msg, srv):
         folders = {"msg": ModuleType(f"{name}.msg"), "srv": ModuleType(f"{name}.srv")}
         for word, fields in msg.items():
-            setattr(folders["msg"], word, message_class(fields))
+            setattr(folders["msg"], word, message_class(fields, vars(folders["msg"])))
         for word, (request, response) in srv.items():
-            service = SimpleNamespace(Request=message_class(request), Response=message_class(response))
+            halves = (message_class(half, vars(folders["msg"])) for half in (request, response))
+            service = SimpleNamespace(**dict(zip(("Request", "Response"), halves, strict=True)))
             setattr(folders["srv"], word, service)
             setattr(folders["srv"], f"{word}_Event", SimpleNamespace())
         monkeypatch.setitem(sys.modules, name, ModuleType(name))
@@ -91,6 +97,33 @@ def test_a_package_is_taken_as_it_is(package, name):
     assert from_attributes(types.catch_turtle.response, response) == CatchTurtleResponse(success=True)
 
 
+def test_fields_may_stand_in_a_message_and_an_answer_may_have_none(package):
+    """And a service for something else stands beside it, as in the course's package."""
+    msg = {
+        "Place": {"x": "float", "y": "float"},
+        "Turtle": {"at": "mine/Place", "name": "string"},
+        "TurtleArray": {"turtlearray": "sequence<mine/Turtle>"},
+    }
+    package(
+        "mine", msg, {"Catch": ({"turtle": "mine/Turtle"}, {}), "SetLed": ({"state": "string"}, {"success": "boolean"})}
+    )
+    types = package_types("mine", Interfaces())
+    listed = to_ros(types.turtle_array, TurtleArray((Turtle("t1", 1.5, 2.5, 0.5),)), SimpleNamespace())
+    assert (listed.turtlearray[0].name, vars(listed.turtlearray[0].at)) == ("t1", {"x": 1.5, "y": 2.5})
+    service = ros_types.ros_class("mine/srv/Catch")
+    request = to_ros(types.catch_turtle.request, CatchTurtleRequest("t1"), service.Request())
+    assert request.turtle.name == "t1"
+    assert from_attributes(types.catch_turtle.request, request) == CatchTurtleRequest("t1")
+    assert vars(to_ros(types.catch_turtle.response, CatchTurtleResponse(success=True), service.Response())) == {}
+    assert described(types.catch_turtle) == "string turtle.name -> no field"
+
+
+def test_what_a_node_uses_decides_between_types_of_one_package(package):
+    package("mine", USUAL["msg"], dict.fromkeys(("CatchTurtle", "CatchIt"), USUAL["srv"]["CatchTurtle"]))
+    found = package_types("mine", Interfaces(), catch="mine/srv/CatchIt")
+    assert (found.catch_turtle.name, found.turtle_array.name) == ("mine/srv/CatchIt", "mine/msg/TurtleArray")
+
+
 @pytest.mark.parametrize(
     ("msg", "srv", "why"),
     [
@@ -101,18 +134,18 @@ def test_a_package_is_taken_as_it_is(package, name):
         ),
         (
             USUAL["msg"],
-            {"CatchTurtle": ({"name": "string"}, {})},
-            "mine/srv/CatchTurtle_Response holds no field: it needs one bool named success, or only one bool",
+            {"CatchTurtle": ({"name": "string"}, {"success": "string"})},
+            "mine/srv/CatchTurtle_Response holds string success: it needs one bool named success, or only one bool",
         ),
         (
-            {**USUAL["msg"], "Turtle": {"name": "string", "pose": "turtlesim/Pose"}},
+            {**USUAL["msg"], "Turtle": {"name": "string", "coordinates": "sequence<double>"}},
             USUAL["srv"],
-            "mine/msg/Turtle holds string name, turtlesim/Pose pose: it needs one real number named x",
+            "mine/msg/Turtle holds string name, sequence<double> coordinates: it needs one real number named x",
         ),
         (
             USUAL["msg"],
-            {"Catch": USUAL["srv"]["CatchTurtle"], "Grab": USUAL["srv"]["CatchTurtle"]},
-            "mine: CatchTurtle could be mine/srv/Catch and mine/srv/Grab: name one of them CatchTurtle",
+            {"Catch": USUAL["srv"]["CatchTurtle"], "KillTurtle": USUAL["srv"]["CatchTurtle"]},
+            "mine: CatchTurtle could be mine/srv/Catch and mine/srv/KillTurtle: name one of them CatchTurtle",
         ),
         (USUAL["msg"], {}, "mine/srv holds nothing in the place of CatchTurtle"),
     ],
@@ -137,7 +170,6 @@ def test_a_package_that_is_not_built_is_one_line():
         (["mine", "my_robot_interfaces"], ["my_robot_interfaces"]),
         (["mine", "catch_arena_interfaces"], ["mine"]),
         (["catch_arena_interfaces"], ["catch_arena_interfaces"]),
-        (["example"], []),
     ],
 )
 def test_packages_that_fit_are_found_and_ours_only_if_no_other_does(package, monkeypatch, there, found):
@@ -146,6 +178,21 @@ def test_packages_that_fit_are_found_and_ours_only_if_no_other_does(package, mon
         package(name, msg if name != "example" else {}, USUAL["srv"])
     monkeypatch.setattr(ros_types, "_packages", lambda: iter(there))
     assert list(fitting_packages(Interfaces())) == found
+
+
+def test_where_none_fits_the_nearest_are_told_with_what_they_hold(package, monkeypatch):
+    """Others are no concern of the exercise's."""
+    package("leds", {"State": {"on": "boolean"}}, {"SetLed": ({"state": "string"}, {"success": "boolean"})})
+    package("mine", USUAL["msg"], {"CatchTurtle": ({"id": "int64"}, {"success": "boolean"})})
+    monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds", "mine"]))
+    with pytest.raises(BusError) as error:
+        fitting_packages(Interfaces())
+    assert str(error.value) == (
+        "mine/srv/CatchTurtle_Request holds int64 id: it needs one text named name, or only one text"
+    )
+    monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds"]))
+    with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import: build it"):
+        fitting_packages(Interfaces())
 
 
 def test_turtlesim_has_another_package_from_kilted_on(package):

@@ -6,6 +6,7 @@ width stand in one place.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
 from catch_arena import messages
@@ -22,7 +23,9 @@ class Field(NamedTuple):
     """One line of a definition."""
 
     name: str
-    """Empty where a student's own type lacks it: it is not sent, and is zero when it is read."""
+    """Empty where a student's own type lacks it: it is not sent, and is zero when it is read. Dots lead into messages:
+    turtle.name.
+    """
     type: "str | MessageType"
     """One of PRIMITIVES, or another message."""
     is_sequence: bool
@@ -178,7 +181,7 @@ def from_attributes(kind: MessageType, source: Any) -> Any:
     """Our tuple from what has the fields as attributes, as a library's messages do."""
     values = []
     for name, word, is_sequence in kind.fields:
-        value: Any = getattr(source, name) if name else 0.0
+        value: Any = attrgetter(name)(source) if name else 0.0
         if not isinstance(word, str):
             value = tuple(from_attributes(word, one) for one in value) if is_sequence else from_attributes(word, value)
         elif is_sequence:

@@ -5,7 +5,8 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
-from typing import Any
+from operator import attrgetter
+from typing import Any, Final
 
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Endpoint, EndpointKind, Log, OnMessage, Peer, Request
@@ -19,6 +20,9 @@ from catch_arena.ros.middleware.ros_types import (
     ros_class,
     turtlesim_package,
 )
+
+_LOOK_S: Final = 2.0
+"""So long the nodes are looked for whose types are to be used, if no single package has them."""
 
 
 class RclpyBus:
@@ -49,6 +53,7 @@ class RclpyBus:
         self._executor.add_node(self._node)
         self._log = log
         self._subscriptions: dict[str, Any] = {}
+        self._types: Interfaces | None = None
         self._heard = 0
         self._owed = 0
         self._spinning = False
@@ -67,17 +72,31 @@ class RclpyBus:
 
     def interfaces(self, given: Interfaces) -> Interfaces:
         """The types of the nodes that are there, else of the one package that has them; see `Bus.interfaces`."""
-        given = given.of_turtlesim(turtlesim_package(given.turtlesim))
+        if self._types is None:
+            self._types = self._find_types(given.of_turtlesim(turtlesim_package(given.turtlesim)))
+        return self._types
+
+    def _find_types(self, given: Interfaces) -> Interfaces:
         if given.package != INTERFACES:
             return package_types(given.package, given)
-        for endpoint in self.graph():
-            if endpoint.name in {CATCH_TURTLE, ALIVE_TURTLES} and not endpoint.type.startswith(INTERFACES):
-                return package_types(endpoint.type.partition("/")[0], given)
-        found = fitting_packages(given)
-        if not found:
-            package_types(given.package, given)  # raises
+        found, fault = {}, ""
+        try:
+            found = fitting_packages(given)
+        except BusError as error:
+            fault = str(error)
+        end = time.monotonic() + (_LOOK_S if len(found) > 1 else 0.0)
+        while True:
+            used = {one.name: one.type for one in self.graph()}
+            turtles, catch = used.get(ALIVE_TURTLES, ""), used.get(CATCH_TURTLE, "")
+            if turtles or catch:
+                return package_types((turtles or catch).partition("/")[0], given, turtles=turtles, catch=catch)
+            if time.monotonic() >= end:
+                break
+            time.sleep(0.1)
         if len(found) > 1:
             raise BusError(f"{' and '.join(found)} have a catch service each: say which by --interfaces")
+        if not found:
+            raise BusError(fault)
         return next(iter(found.values()))
 
     def graph(self) -> list[Endpoint]:
@@ -241,10 +260,12 @@ def to_ros(kind: MessageType, message: Any, target: Any) -> Any:
     for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
         if not name:
             continue
+        outer, _, inner = name.rpartition(".")
+        holder = attrgetter(outer)(target) if outer else target
         if isinstance(word, str):
-            setattr(target, name, list(value) if is_sequence else value)
+            setattr(holder, inner, list(value) if is_sequence else value)
         elif is_sequence:
-            setattr(target, name, [to_ros(word, one, ros_class(word.name)()) for one in value])
+            setattr(holder, inner, [to_ros(word, one, ros_class(word.name)()) for one in value])
         else:
-            to_ros(word, value, getattr(target, name))
+            to_ros(word, value, getattr(holder, inner))
     return target

@@ -1,5 +1,6 @@
 """The exercise's types as a student's own package has them: fields are matched by name, then by kind."""
 
+import re
 from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -21,6 +22,9 @@ _BY_KIND: Final = {"text", "bool", "list of messages"}
 """Kinds of which the only field may have any name."""
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"), "success": ("success", "sucess")}
 """Other names that solutions of the exercise have for a field, the usual one first."""
+_LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
+"""Of several types that fit, those with such a name come first: a course's package often has a set_led beside them."""
+_MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
 def ros_class(name: str) -> Any:
@@ -56,28 +60,50 @@ def turtle_list(name: str, wanted: MessageType) -> MessageType:
     return _matched(name, ros_class(name), wanted)
 
 
-def package_types(package: str, given: Interfaces) -> Interfaces:
+def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: str = "") -> Interfaces:
     """The exercise's types of this package: CatchTurtle and TurtleArray, or the only ones that could be theirs.
+
+    Args:
+        package: its name.
+        given: the exercise's own types.
+        turtles: the type of the list that a node uses, if that is known, as other_msgs/msg/Turtles.
+        catch: the type of its service.
 
     Raises:
         BusError: where it has none, or several.
     """
-    catch = _only(package, "srv", "CatchTurtle", lambda name: catch_service(name, given.catch_turtle))
-    turtles = _only(package, "msg", "TurtleArray", lambda name: turtle_list(name, given.turtle_array))
-    return given.with_types(turtle_array=turtles, catch_turtle=catch)
+
+    def service(name: str) -> ServiceType:
+        return catch_service(name, given.catch_turtle)
+
+    def message(name: str) -> MessageType:
+        return turtle_list(name, given.turtle_array)
+
+    asked = service(catch) if catch else _only(package, "srv", "CatchTurtle", service)
+    listed = message(turtles) if turtles else _only(package, "msg", "TurtleArray", message)
+    return given.with_types(turtle_array=listed, catch_turtle=asked)
 
 
 def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
-    """The packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has."""
-    found = {}
-    for package in sorted(_packages()):
+    """The packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has.
+
+    Raises:
+        BusError: where none fits.
+    """
+    found, faults = {}, {}
+    for package in sorted(_packages(), key=lambda name: (name != INTERFACES, name)):
         try:
             found[package] = package_types(package, given)
-        except BusError:
-            continue
+        except BusError as error:
+            faults[package] = str(error)
+        if package in found and package == INTERFACES:
+            break
     if len(found) > 1:
         found.pop(OWN_PACKAGE, None)
-    return {INTERFACES: found[INTERFACES]} if INTERFACES in found else found
+    if not found:
+        near = [fault for package, fault in faults.items() if _is_near(fault, package)]
+        raise BusError("; ".join(near) or _not_built(given.package, "srv"))
+    return found
 
 
 def turtlesim_package(usual: str) -> str:
@@ -96,7 +122,7 @@ def described(kind: MessageType | ServiceType) -> str:
     if isinstance(kind, ServiceType):
         return f"{described(kind.request)} -> {described(kind.response)}"
     words = ((one.type if isinstance(one.type, str) else one.type.name, one.name) for one in kind.fields if one.name)
-    return ", ".join(map(" ".join, words))
+    return ", ".join(map(" ".join, words)) or "no field"
 
 
 def _packages() -> Iterator[str]:
@@ -116,8 +142,7 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
     try:
         module = import_module(f"{package}.{folder}")
     except ImportError:
-        words = f"{package} has no {folder} that this Python can import"
-        raise BusError(f"{words}: build it with colcon, and source its workspace") from None
+        raise BusError(_not_built(package, folder)) from None
     mark = "Request" if folder == "srv" else "get_fields_and_field_types"
     names = [word for word in dir(module) if hasattr(getattr(module, word), mark)]
     if usual in names:
@@ -128,26 +153,39 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
             found.append(match(f"{package}/{folder}/{word}"))
         except BusError as error:
             faults.append(str(error))
-    if len(found) == 1:
-        return found[0]
+    likely = [one for one in found if _LIKELY.search(one.name.rpartition("/")[2])] or found
+    if len(likely) == 1:
+        return likely[0]
     if found:
-        several = " and ".join(one.name for one in found)
+        several = " and ".join(one.name for one in likely)
         raise BusError(f"{package}: {usual} could be {several}: name one of them {usual}")
-    raise BusError("; ".join(faults) or f"{package}/{folder} holds nothing in the place of {usual}")
+    near = [fault for fault in faults if _is_near(fault, package)]
+    raise BusError("; ".join(near) or f"{package}/{folder} holds nothing in the place of {usual}")
+
+
+def _is_near(fault: str, package: str) -> bool:
+    """Whether it is about a type that by its name may be meant for the exercise."""
+    return _LIKELY.search(" ".join(fault.replace(package, "").split()[:2])) is not None
+
+
+def _not_built(package: str, folder: str) -> str:
+    return f"{package} has no {folder} that this Python can import: build it with colcon, and source its workspace"
 
 
 def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
-    """The type with the fields of `own` in the places of those that are wanted; theta may be missing."""
-    there: dict[str, str] = own.get_fields_and_field_types()
+    """The type with the fields of `own` in the places of those that are wanted. theta may be missing, and an answer may
+    have no fields.
+    """
+    there = dict(_flat(own))
     fields = []
     for field in wanted.fields:
         kind = "list of messages" if field.is_sequence else _KINDS[_ros_word(field)]
         found = _field(there, field.name, kind)
-        if found is None and field.name == "theta":
+        if found is None and (field.name == "theta" or (field.name == "success" and not there)):
             fields.append(Field("", field.type, is_sequence=False))
             continue
         if found is None:
-            holds = ", ".join(f"{word} {one}" for one, word in there.items()) or "no field"
+            holds = ", ".join(f"{word} {one}" for one, word in there.items() if "." not in one) or "no field"
             other = f", or only one {kind}" if kind in _BY_KIND else ""
             raise BusError(f"{name} holds {holds}: it needs one {kind} named {field.name}{other}")
         if isinstance(field.type, MessageType):
@@ -155,8 +193,17 @@ def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
             element = f"{package}/msg/{word}"
             fields.append(Field(found, _matched(element, ros_class(element), field.type), is_sequence=True))
         else:
-            fields.append(Field(found, field.type, is_sequence=False))
+            fields.append(Field(found, there[found], is_sequence=False))
     return MessageType(name, wanted.make, tuple(fields))
+
+
+def _flat(own: Any) -> Iterator[tuple[str, str]]:
+    """The fields with ROS's words for their types, also those of the messages in it: `turtle.name`."""
+    for name, word in own.get_fields_and_field_types().items():
+        yield name, word
+        if _MESSAGE.fullmatch(word):
+            inner = ros_class(word.replace("/", "/msg/")).get_fields_and_field_types()
+            yield from ((f"{name}.{deeper}", one) for deeper, one in inner.items())
 
 
 def _ros_word(field: Field) -> str:
@@ -164,12 +211,18 @@ def _ros_word(field: Field) -> str:
 
 
 def _field(there: Mapping[str, str], wanted: str, kind: str) -> str | None:
-    """The name of the field in the place of a wanted one; None if there is none, or more than one."""
-    fitting = [name for name, word in there.items() if _kind_of(word) == kind]
-    for name in _NAMES.get(wanted, (wanted,)):
-        if name in fitting:
-            return name
-    return fitting[0] if len(fitting) == 1 and kind in _BY_KIND else None
+    """The name of the field in the place of a wanted one; None if there is none, or more than one.
+
+    A message's own fields come before those of the messages in it.
+    """
+    for depth in (0, 1):
+        fitting = [name for name, word in there.items() if name.count(".") == depth and _kind_of(word) == kind]
+        for usual in _NAMES.get(wanted, (wanted,)):
+            if found := [name for name in fitting if name.rpartition(".")[2] == usual]:
+                return found[0] if len(found) == 1 else None
+        if fitting and kind in _BY_KIND:
+            return fitting[0] if len(fitting) == 1 else None
+    return None
 
 
 def _kind_of(word: str) -> str | None:
