@@ -38,7 +38,8 @@ def test_a_single_seat_has_the_exercises_names_too():
 
     assert match.sent("/turtle1/pose") == match.sent("/hunter_0/pose")
     assert match.sent("/turtle1/pose")[-1].linear_velocity == 1.0
-    assert [turtle.name for turtle in match.sent("/alive_turtles")[0].turtles] == []
+    match.service.spawn(9.0, 9.0)
+    assert [len(sent.turtles) for sent in match.sent("/alive_turtles")] == [1]  # and none before the first target
 
 
 def test_several_seats_have_their_own_names_and_every_hunter_is_seen():
