@@ -221,6 +221,26 @@ def test_a_node_that_goes_and_never_drove_is_told():
     assert match.said == ["hunter_0: its node has gone, and never drove: look for an error in its terminal"]
 
 
+@pytest.mark.parametrize("targets", [0, 1])
+@pytest.mark.parametrize("silent_ticks", [3, 100])
+def test_a_node_that_drove_and_goes_is_told_once(targets, silent_ticks):
+    """Where the bus does not tell who drives, too, and where there was no target to drive to."""
+    match = Match(hunter_poses=ONE)
+    for _ in range(targets):
+        match.service.spawn(9.0, 9.0)
+    there = {"/hunter_0/cmd_vel": frozenset({"/anna"})}
+    match.node._bus.publishers_of = lambda topic: there.get(topic, frozenset())
+    match.drive(match.hub.bus(None), 1.0)
+    match.tick(silent_ticks)
+    there.clear()
+    match.tick(100)
+    how = "is silent" if targets and silent_ticks > 63 else "has gone"
+    assert match.said == [
+        "hunter_0: its node is there",
+        f"hunter_0: its node {how}; the hunter stands still until one drives it again",
+    ]
+
+
 @pytest.mark.parametrize("seats", [1, 2])
 def test_nobody_is_robbed_by_a_kill_from_afar(seats):
     """It used to take all targets from any distance."""

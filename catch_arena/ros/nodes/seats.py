@@ -34,8 +34,8 @@ class RosSeat:
         self._fresh = False
         self._missed = True
         """Whether it is news that a node drives it."""
-        self._was_there = False
-        """Whether a node could drive it that has not done so yet."""
+        self._was_there = self._drove = False
+        """Whether a node that could drive it was on the bus, and whether one ever did."""
         self._given_ms = -WATCHDOG_MS
         self._logged: set[str] = set()
 
@@ -55,7 +55,7 @@ class RosSeat:
             if self._missed:
                 self._log(f"{self.hunter}: its node {'is back' if 'gone' in self._logged else 'is there'}")
             self._logged.discard("two")
-        self.driver, self.driven = peer, True
+        self.driver, self.driven, self._drove = peer, True, True
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
         self._fresh = True
 
@@ -80,20 +80,20 @@ class RosSeat:
         """Whether its driver is still on the bus, and, where the middleware does not tell who sends, the only one."""
         if publishers is None:
             return
-        if not self.driven:
-            if self._was_there and not publishers:
-                self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
-            self._was_there = bool(publishers)
-            return
-        self._was_there = False
-        if self.driver is None and len(publishers) > 1:
+        if self.driven and self.driver is None and len(publishers) > 1:
             self._log_once(
                 "two",
                 f"warning: {self.hunter}: {len(publishers)} nodes may drive it, and this bus does not tell which of "
                 "them sends: all are heard",
             )
-        elif self.driver is not None and self.driver not in publishers:
+        gone = self._was_there and not publishers
+        if self.driven and (self.driver not in publishers if self.driver is not None else not publishers):
             self._leave("has gone")
+        elif gone and not self._drove:
+            self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
+        elif gone and not self._missed:  # it was silent, and that was no news
+            self._leave("has gone")
+        self._was_there = bool(publishers)
 
     def stop(self) -> None:
         """It stands still until the next Twist."""
