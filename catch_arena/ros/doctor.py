@@ -17,6 +17,8 @@ LOOK_S: Final = 3.0
 """How long nodes are looked for: as long as they need to find each other on a busy machine."""
 _VARIABLES: Final = ("ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY")
 _VERBS: Final = {"publisher": "publishes", "subscription": "hears", "service": "answers", "client": "calls"}
+ARENA: Final = "/catch_arena"
+"""The node of `ros serve`, which may run meanwhile."""
 _HOUSEKEEPING: Final = ("/rosout", "/parameter_events")
 
 
@@ -53,12 +55,13 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
         )
         return facts, problems
     facts += _nodes(graph)
-    if not graph:
+    if all(one.node == ARENA for one in graph):
         problems.append(
             "no other node is there: start yours; if it runs, give both terminals the same ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE"
         )
-    Neighbours([TURTLE], [TURTLE], types, problems.append).look(graph)
+    others = [one for one in graph if one.node != ARENA]
+    Neighbours([TURTLE], [TURTLE], types, problems.append).look(others)
     return facts, [line.removeprefix("warning: ") for line in problems]
 
 

@@ -111,4 +111,7 @@ def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypat
     assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node is there: start yours; ")
     spawner = Endpoint("/turtle_spawner", "service", "/catch_turtle", CATCH)
     assert examine(Bus([*PLAYER, spawner]), TYPES, 0.0)[1][0].startswith("/turtle_spawner answers /catch_turtle, as ")
+    arena = Endpoint("/catch_arena", "publisher", "/turtle1/pose", POSE)
+    assert examine(Bus([*PLAYER, arena]), TYPES, 0.0)[1] == []
+    assert examine(Bus([arena]), TYPES, 0.0)[1][0].startswith("no other node is there: ")
     assert examine(Bus(None), TYPES, 0.0)[1][0].startswith("rclpy does not tell which nodes there are: ")

@@ -229,6 +229,21 @@ def test_of_several_packages_one_must_be_named(joined, monkeypatch):
         joined.interfaces(TYPES)
 
 
+def test_another_node_of_our_name_is_seen_and_we_are_not(joined, monkeypatch):
+    """As a second arena in the domain."""
+    node = joined._node
+    ask = lambda name, space: [("/a", [f"{name}s"])] if space == "/" else []  # noqa: E731 - one line says it
+    for kind in ("publisher", "subscriber", "service", "client"):
+        monkeypatch.setattr(node, f"get_{kind}_names_and_types_by_node", ask, raising=False)
+    monkeypatch.setattr(node, "get_name", lambda: "arena", raising=False)
+    monkeypatch.setattr(node, "get_namespace", lambda: "/", raising=False)
+    names = [("arena", "/"), ("mine", "/")]
+    monkeypatch.setattr(node, "get_node_names_and_namespaces", lambda: names, raising=False)
+    assert {one.node for one in joined.graph()} == {"/mine"}
+    names.append(("arena", "/"))
+    assert {one.node for one in joined.graph()} == {"/mine", "/arena"}
+
+
 def test_a_topic_is_heard_no_more_when_it_was_unsubscribed(joined):
     heard = []
     joined.subscribe("/a", TWIST, lambda *received: heard.append(received))

@@ -108,10 +108,10 @@ class RclpyBus:
             ("service", node.get_service_names_and_types_by_node),
             ("client", node.get_client_names_and_types_by_node),
         )
-        own = (node.get_name(), node.get_namespace())
-        for name, space in node.get_node_names_and_namespaces():
-            if (name, space) == own:
-                continue
+        nodes = list(node.get_node_names_and_namespaces())
+        with suppress(ValueError):
+            nodes.remove((node.get_name(), node.get_namespace()))  # another of that name stays: a second arena
+        for name, space in nodes:
             for kind, ask in asked:
                 with suppress(RuntimeError):  # it has just gone
                     full = f"{space}/{name}".replace("//", "/")
