@@ -11,6 +11,9 @@ from pathlib import Path
 class CatchArenaError(Exception):
     """The base of all errors below: catch this one to catch them all."""
 
+    hint = ""
+    """What to do, in one line, if the message does not say it."""
+
 
 class ConfigError(CatchArenaError, ValueError):
     """A setting, a scenario or an option that cannot be."""
@@ -66,7 +69,16 @@ class OutputError(CatchArenaError):
 
 
 class BusError(CatchArenaError):
-    """A ROS 2 bus that cannot be reached, or on which somebody cannot be answered."""
+    """A ROS 2 bus that cannot be reached, or on which somebody cannot be answered.
+
+    Args:
+        message: what is wrong.
+        hint: what to do, if the message does not say it.
+    """
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
 
 
 class MissingServiceError(BusError):

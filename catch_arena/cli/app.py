@@ -104,6 +104,8 @@ class _Commands(TyperGroup):
         except CatchArenaError as error:
             if not interrupts.received():  # else it is no news that something fails
                 say(f"error: {error}", err=True)
+                if error.hint:
+                    say(f"hint: {error.hint}", err=True)
             raise typer.Exit(_EXIT_ERROR) from None
 
 

@@ -46,7 +46,7 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
         facts.append(f"interfaces: {types.turtle_array.name}: {turtles.name}, each {described(types.turtle)}")
     except BusError as error:
         types = given
-        problems.append(str(error))
+        problems.append(f"{error}: {error.hint}" if error.hint else str(error))
     graph = bus.graph()
     if graph is None:
         problems.append(

@@ -9,6 +9,7 @@ from ros.processes import own_domain
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
+from catch_arena.errors import BusError
 from catch_arena.ros.middleware import bus
 from catch_arena.ros.nodes.rate import Rate
 
@@ -124,6 +125,14 @@ def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
     for arguments in (("serve",), ("serve", "--bus", "cyclonedds"), ("controller", "--bus", "rosbridge")):
         status, output = run(*arguments)
         assert (status, "pip install '.[ros]' in the clone of Catch Arena" in output) == (2, True), output
+
+
+def test_an_error_about_types_is_followed_by_what_to_do(monkeypatch):
+    def refuse(*_, **__):
+        raise BusError("mine/srv/Catch_Request holds no field", "correct the file")
+
+    monkeypatch.setattr(bus, "open_bus", refuse)
+    assert run("doctor") == (2, "error: mine/srv/Catch_Request holds no field\nhint: correct the file\n")
 
 
 def served_without_a_network(**variables):

@@ -91,7 +91,7 @@ class Bus(WithoutGraph):
 
     def interfaces(self, given):
         if self.fault:
-            raise BusError(self.fault)
+            raise BusError(*self.fault)
         return given
 
     def spin(self, timeout_s=0.0):
@@ -107,7 +107,8 @@ def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypat
     assert "interfaces: my_robot_interfaces/srv/CatchTurtle: string name -> bool success" in facts
     assert facts[-1].startswith("node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), hears ")
 
-    assert examine(Bus(PLAYER, "my package is not built"), TYPES, 0.0)[1] == ["my package is not built"]
+    said = examine(Bus(PLAYER, ("my package is not built", "build it")), TYPES, 0.0)[1]
+    assert said == ["my package is not built: build it"]
     assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node is there: start yours; ")
     spawner = Endpoint("/turtle_spawner", "service", "/catch_turtle", CATCH)
     assert examine(Bus([*PLAYER, spawner]), TYPES, 0.0)[1][0].startswith("/turtle_spawner answers /catch_turtle, as ")

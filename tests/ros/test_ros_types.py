@@ -145,7 +145,7 @@ def test_what_a_node_uses_decides_between_types_of_one_package(package):
         (
             USUAL["msg"],
             {"Catch": USUAL["srv"]["CatchTurtle"], "KillTurtle": USUAL["srv"]["CatchTurtle"]},
-            "mine: CatchTurtle could be mine/srv/Catch and mine/srv/KillTurtle: name one of them CatchTurtle",
+            "mine: CatchTurtle could be mine/srv/Catch and mine/srv/KillTurtle",
         ),
         (USUAL["msg"], {}, "mine/srv holds nothing in the place of CatchTurtle"),
     ],
@@ -155,10 +155,11 @@ def test_what_is_missing_or_ambiguous_is_told_with_what_the_file_holds(package, 
     with pytest.raises(BusError) as error:
         package_types("mine", Interfaces())
     assert str(error.value).startswith(why)
+    assert f"build {'the package' if 'holds' in why else 'mine'} again" in error.value.hint
 
 
 def test_a_package_that_is_not_built_is_one_line():
-    with pytest.raises(BusError, match=r"^none_such has no srv that this Python can import: build it with colcon"):
+    with pytest.raises(BusError, match=r"^none_such has no srv that this Python can import$"):
         package_types("none_such", Interfaces())
 
 
@@ -191,7 +192,7 @@ def test_where_none_fits_the_nearest_are_told_with_what_they_hold(package, monke
         "mine/srv/CatchTurtle_Request holds int64 id: it needs one text named name, or only one text"
     )
     monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds"]))
-    with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import: build it"):
+    with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import$"):
         fitting_packages(Interfaces())
 
 

@@ -79,11 +79,11 @@ class RclpyBus:
     def _find_types(self, given: Interfaces) -> Interfaces:
         if given.package != INTERFACES:
             return package_types(given.package, given)
-        found, fault = {}, ""
+        found, fault = {}, None
         try:
             found = fitting_packages(given)
         except BusError as error:
-            fault = str(error)
+            fault = error
         end = time.monotonic() + (_LOOK_S if len(found) > 1 else 0.0)
         while True:
             used = {one.name: one.type for one in self.graph()}
@@ -93,10 +93,12 @@ class RclpyBus:
             if time.monotonic() >= end:
                 break
             time.sleep(0.1)
+        if fault is not None:
+            raise fault
         if len(found) > 1:
-            raise BusError(f"{' and '.join(found)} have a catch service each: say which by --interfaces")
-        if not found:
-            raise BusError(fault)
+            raise BusError(
+                f"{' and '.join(found)} have a catch service each", f"give --interfaces {next(iter(found))}, or another"
+            )
         return next(iter(found.values()))
 
     def graph(self) -> list[Endpoint]:

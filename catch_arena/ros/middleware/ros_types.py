@@ -24,6 +24,9 @@ _NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"),
 """Other names that solutions of the exercise have for a field, the usual one first."""
 _LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
 """Of several types that fit, those with such a name come first: a course's package often has a set_led beside them."""
+_CORRECT: Final = (
+    "correct the file, build the package again with colcon and source it; ros2/catch_arena_interfaces is an example"
+)
 _MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
@@ -102,7 +105,7 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
         found.pop(OWN_PACKAGE, None)
     if not found:
         near = [fault for package, fault in faults.items() if _is_near(fault, package)]
-        raise BusError("; ".join(near) or _not_built(given.package, "srv"))
+        raise BusError("; ".join(near), _CORRECT) if near else _not_built(given.package, "srv")
     return found
 
 
@@ -142,7 +145,7 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
     try:
         module = import_module(f"{package}.{folder}")
     except ImportError:
-        raise BusError(_not_built(package, folder)) from None
+        raise _not_built(package, folder) from None
     mark = "Request" if folder == "srv" else "get_fields_and_field_types"
     names = [word for word in dir(module) if hasattr(getattr(module, word), mark)]
     if usual in names:
@@ -158,9 +161,9 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
         return likely[0]
     if found:
         several = " and ".join(one.name for one in likely)
-        raise BusError(f"{package}: {usual} could be {several}: name one of them {usual}")
+        raise BusError(f"{package}: {usual} could be {several}", f"name one of them {usual}, and build {package} again")
     near = [fault for fault in faults if _is_near(fault, package)]
-    raise BusError("; ".join(near) or f"{package}/{folder} holds nothing in the place of {usual}")
+    raise BusError("; ".join(near) or f"{package}/{folder} holds nothing in the place of {usual}", _CORRECT)
 
 
 def _is_near(fault: str, package: str) -> bool:
@@ -168,8 +171,11 @@ def _is_near(fault: str, package: str) -> bool:
     return _LIKELY.search(" ".join(fault.replace(package, "").split()[:2])) is not None
 
 
-def _not_built(package: str, folder: str) -> str:
-    return f"{package} has no {folder} that this Python can import: build it with colcon, and source its workspace"
+def _not_built(package: str, folder: str) -> BusError:
+    return BusError(
+        f"{package} has no {folder} that this Python can import",
+        "build your package with colcon, and source its workspace: source install/setup.bash",
+    )
 
 
 def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
@@ -187,7 +193,7 @@ def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
         if found is None:
             holds = ", ".join(f"{word} {one}" for one, word in there.items() if "." not in one) or "no field"
             other = f", or only one {kind}" if kind in _BY_KIND else ""
-            raise BusError(f"{name} holds {holds}: it needs one {kind} named {field.name}{other}")
+            raise BusError(f"{name} holds {holds}: it needs one {kind} named {field.name}{other}", _CORRECT)
         if isinstance(field.type, MessageType):
             package, _, word = there[found].removeprefix("sequence<").rstrip(">").partition("/")
             element = f"{package}/msg/{word}"
