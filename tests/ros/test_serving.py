@@ -12,6 +12,7 @@ from catch_arena.cli.ros import _print_ranking
 from catch_arena.errors import ConfigError
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
+from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.nodes.rate import Rate
 from catch_arena.ros.nodes.serving import Served, serve_match
@@ -85,6 +86,33 @@ def test_every_scenario_is_played_and_recorded_or_refused_in_one_line(name, tmp_
     played = Replay.load(record)
     assert played.steps == LAST_TICK
     assert verify(played) == []
+
+
+def test_what_nodes_do_is_seen_before_the_match_begins():
+    """Whoever uses another name can start again, and has not lost yet."""
+
+    class Seen(LocalBus):
+        def graph(self):
+            return [Endpoint("/mine", "subscription", "/turtles", Interfaces().turtle_array.name)]
+
+        def publishers_of(self, topic):
+            return frozenset({"/mine"}) if topic == "/turtle1/cmd_vel" else frozenset()
+
+    said = []
+    config = scenario("exercise", hunters=1, time_limit_s=1)
+    serve_match(
+        nullcontext(Seen(Hub(), "arena")),
+        config,
+        5,
+        {},
+        None,
+        names=["anna"],
+        interfaces=Interfaces(),
+        speed=100.0,
+        log=said.append,
+    )
+    assert said[0].endswith("start it with --ros-args -r /turtles:=/alive_turtles")
+    assert said[1] == "all seats are taken: the match begins"
 
 
 def test_a_scenario_with_prey_is_played_without_it(tmp_path):

@@ -25,6 +25,8 @@ FASTEST: Final = 100.0
 """The most that --speed may be."""
 _ASK_AGAIN: Final = 20_000 // TICK_MS
 """In ticks: who is waited for is told again."""
+_SETTLE: Final = 1000 // TICK_MS
+"""In ticks: before a match that was waited for, what other nodes use and do is seen."""
 _LAST_TICKS: Final = 30
 """After the end: those who ask late are told MATCH_OVER, and the standings reach everybody."""
 
@@ -105,12 +107,15 @@ def serve_match(
         gc.freeze()  # to look for garbage in all that was loaded takes as long as several ticks
         stack.callback(gc.unfreeze)
         rate = Rate(TICK_MS / 1000.0 / speed)
-        if wait and node.missing:
+        if wait and node.seats:
             ticks = 0
             while node.missing:
                 if ticks % _ASK_AGAIN == 0:
                     node.tell_who_is_missing(again=ticks > 0)
                 ticks += 1
+                rate.sleep()
+                node.wait()
+            for _ in range(_SETTLE):
                 rate.sleep()
                 node.wait()
             log("all seats are taken: the match begins")
