@@ -10,6 +10,7 @@ from catch_arena.errors import BusError, ConfigError, EpisodeError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.policy import View
 from catch_arena.replay.verification import verify
+from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import (
     CLOCK,
     EMPTY,
@@ -239,6 +240,32 @@ def test_a_node_that_drove_and_goes_is_told_once(targets, silent_ticks):
         "hunter_0: its node is there",
         f"hunter_0: its node {how}; the hunter stands still until one drives it again",
     ]
+
+
+@pytest.mark.parametrize("seats", [1, 2])
+def test_one_node_may_use_other_names_for_the_list_and_the_service(seats):
+    """One that makes its client for each call is seen with the first call, when the match is under way."""
+    match = Match(hunters=seats, hunter_poses=TWO[:seats])
+    graph = []
+    match.node._bus.graph = lambda: graph
+    match.tick(70)
+    graph += [
+        Endpoint("/mine", "subscription", "/turtles", TYPES.turtle_array.name),
+        Endpoint("/mine", "client", "/catch_it", TYPES.catch_turtle.name),
+    ]
+    match.tick(150)
+    if seats == 2:  # nobody knows which of them asks
+        assert "/catch_it" not in match.hub.served
+        assert "-r /turtles:=/alive_turtles -r /catch_it:=/hunter_0/catch_turtle" in match.said[0]
+        return
+    assert match.said == [
+        f"a node uses {name}: it is served as {usual} (or start it with --ros-args -r {name}:={usual})"
+        for name, usual in (("/turtles", "/alive_turtles"), ("/catch_it", "/catch_turtle"))
+    ]
+    answer = match.ask(match.a, match.service.spawn(2.1, 2.0), "/catch_it")
+    match.tick()
+    assert answer.response == YES
+    assert [len(one.turtles) for one in match.sent("/turtles")] == [1, 0]
 
 
 @pytest.mark.parametrize("seats", [1, 2])

@@ -13,7 +13,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 from catch_arena.ros.middleware.bus import Endpoint
-from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 from catch_arena.ros.nodes.rate import Rate
 from catch_arena.ros.nodes.serving import Served, serve_match
 from catch_arena.scenarios import SCENARIOS, scenario
@@ -93,7 +93,7 @@ def test_what_nodes_do_is_seen_before_the_match_begins():
 
     class Seen(LocalBus):
         def graph(self):
-            return [Endpoint("/mine", "subscription", "/turtles", Interfaces().turtle_array.name)]
+            return [Endpoint("/mine", "publisher", "/autobot/cmd_vel", TWIST.name)]
 
         def publishers_of(self, topic):
             return frozenset({"/mine"}) if topic == "/turtle1/cmd_vel" else frozenset()
@@ -111,7 +111,7 @@ def test_what_nodes_do_is_seen_before_the_match_begins():
         speed=100.0,
         log=said.append,
     )
-    assert said[0].endswith("start it with --ros-args -r /turtles:=/alive_turtles")
+    assert said[0].endswith("start it with --ros-args -r /autobot/cmd_vel:=/turtle1/cmd_vel")
     assert said[1] == "all seats are taken: the match begins"
 
 

@@ -104,6 +104,8 @@ class ArenaNode:
         self._list_from = 0
         """The first tick in which the list of targets may go out."""
         self._logged: set[str] = set()
+        self._other_names: set[str] = set()
+        self._interfaces = interfaces
         self._ticks = 0
         self._standing: tuple[tuple[int, ...], bool] = (), False
         """The scores, and whether the match has ended, as they were told last."""
@@ -117,7 +119,7 @@ class ArenaNode:
             bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _twist, _peer: self._explain_remapping())
         self._pose_topics = [topic for seat in self.seats for topic in poses[seat.hunter]]
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
-        self._alive = bus.publisher(graph_names.ALIVE_TURTLES, interfaces.turtle_array)
+        self._lists = [bus.publisher(graph_names.ALIVE_TURTLES, interfaces.turtle_array)]
         self._rulings = self._optional_publisher(graph_names.RULINGS, RULING)
         self._standings = self._optional_publisher(graph_names.STANDINGS, STANDING)
         self._clock = bus.publisher(graph_names.CLOCK, CLOCK) if clock else None
@@ -248,7 +250,8 @@ class ArenaNode:
     def _publish_list(self, turtles: TurtleArray) -> None:
         """An empty list is none before the first target, as with the exercise's spawner: some solutions end at it."""
         if self._ticks >= self._list_from and (turtles.turtles or self._service.world.spawned):
-            self._alive(turtles)
+            for publish in self._lists:
+                publish(turtles)
 
     def _optional_publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """A topic with a type of ours, which a ROS on the other side may not have."""
@@ -275,6 +278,7 @@ class ArenaNode:
             self._publish_list(world.alive_turtles)
         if now == _SECOND // 2 and (graph := self._bus.graph()) is not None:
             self._neighbours.look(graph)
+            self._serve_other_names()
         if often:
             for seat in self.seats:
                 seat.look_for(self._publishers(seat))
@@ -296,6 +300,17 @@ class ArenaNode:
                 )
         self._standing = scores, self.over
         self._ticks += 1
+
+    def _serve_other_names(self) -> None:
+        for name, usual in self._neighbours.other_names.items():
+            if name in self._other_names:
+                continue
+            self._other_names.add(name)
+            self._log(f"a node uses {name}: it is served as {usual} (or start it with --ros-args -r {name}:={usual})")
+            if usual == graph_names.CATCH_TURTLE:
+                self._bus.serve(name, self._interfaces.catch_turtle, self._on_catch_turtle)
+            else:
+                self._lists.append(self._bus.publisher(name, self._interfaces.turtle_array))
 
     def _explain_remapping(self) -> None:
         if graph_names.TURTLE in self._logged:
