@@ -32,6 +32,13 @@ def test_a_node_of_the_exercise_is_no_news():
     assert lines(PLAYER) == []
 
 
+def test_nor_is_one_that_was_remapped():
+    """The arena answers at each hunter's own service."""
+    remapped = [one._replace(name=one.name.replace("turtle1", "hunter_1")) for one in PLAYER[:3]]
+    asks = Endpoint("/turtle_controller", "client", "/hunter_1/catch_turtle", CATCH)
+    assert lines([*remapped, asks], ("hunter_0", "hunter_1")) == []
+
+
 @pytest.mark.parametrize(
     ("endpoint", "does", "what"),
     [

@@ -51,7 +51,8 @@ class Neighbours:
         self._driven, self._interfaces, self._log = sorted(driven), interfaces, log
         self._poses = {pose_of(one) for one in (*hunters, TURTLE)}
         self._cmd_vels = {cmd_vel_of(one) for one in (*hunters, TURTLE)}
-        self._own = self._poses | self._cmd_vels | {ALIVE_TURTLES, CATCH_TURTLE, SPAWN}
+        services = {catch_turtle_of(one) for one in driven} | {CATCH_TURTLE, SPAWN}
+        self._own = self._poses | self._cmd_vels | services | {ALIVE_TURTLES}
         self._lists = self._poses | {ALIVE_TURTLES}
         self._told: set[str] = set()
         self.seen: tuple[str, ...] = ()
