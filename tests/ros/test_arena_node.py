@@ -519,13 +519,16 @@ def test_a_huge_twist_is_limited_as_every_other(huge):
 
 
 def test_fields_that_turtles_do_not_obey_are_not_read():
-    """linear.y among them, as from Iron on."""
+    """linear.y among them, as from Iron on; of that a node is told once, as it may steer by it."""
     match = Match(hunter_poses=ONE)
     odd = TwistMessage(Vector3(1.0, math.nan, math.inf), Vector3(math.nan, 5.0, 0.0))
-    match.a.publisher("/hunter_0/cmd_vel", TWIST)(odd)
-    match.tick()
+    for _ in range(2):
+        match.a.publisher("/hunter_0/cmd_vel", TWIST)(odd)
+        match.tick()
 
     assert match.hunter().linear_velocity == 1.0
+    assert match.said[0] == "warning: hunter_0: its node sends linear.y, which is not obeyed: turn instead"
+    assert sum("linear.y" in line for line in match.said) == 1
 
 
 @pytest.mark.parametrize(

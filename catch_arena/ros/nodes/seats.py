@@ -51,6 +51,10 @@ class RosSeat:
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
             self._log_once("finite", f"warning: {self.hunter}: a Twist that is not finite is left out")
             return
+        if message.linear.y != 0.0:
+            self._log_once(
+                "sideways", f"warning: {self.hunter}: its node sends linear.y, which is not obeyed: turn instead"
+            )
         if not self.driven:
             if self._missed:
                 self._log(f"{self.hunter}: its node {'is back' if 'gone' in self._logged else 'is there'}")
