@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import pytest
 from ros.local import Hub, LocalBus
 
-from catch_arena import interrupts
 from catch_arena.cli.ros import _print_ranking
 from catch_arena.errors import ConfigError
 from catch_arena.replay import Replay
@@ -41,7 +40,7 @@ class InterruptedBus(LocalBus):
             raise KeyboardInterrupt
 
 
-def served(config, record, bus=None):
+def served(config, record, bus=None, log=lambda _: None):
     names = [f"p{seat}" for seat in range(config.hunters)]
     return serve_match(
         nullcontext(bus or Hub().bus("arena")),
@@ -54,7 +53,7 @@ def served(config, record, bus=None):
         speed=100.0,
         wait=False,
         record=record,
-        log=lambda _: None,
+        log=log,
     )
 
 
@@ -130,15 +129,13 @@ def test_an_interrupt_after_the_match_is_its_normal_end(tmp_path, after):
     assert Replay.load(record).steps == LAST_TICK
 
 
-def test_an_interrupt_in_the_match_keeps_the_replay_and_says_where_it_is(tmp_path, monkeypatch):
-    """The line about the interrupt does."""
-    said = []
-    monkeypatch.setattr(interrupts, "also_say", said.append)
-    record = tmp_path / "match.replay"
-    with pytest.raises(KeyboardInterrupt):
-        served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20))
+def test_an_interrupt_in_the_match_ends_it_with_a_ranking(tmp_path):
+    """And with the replay of what was played; students end most matches so."""
+    record, said = tmp_path / "match.replay", []
+    found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20), said.append)
+    assert found.ranks == (1, 1)
     assert Replay.load(record).steps == LAST_TICK - 21
-    assert [more() for more in said] == [f"replay: {record}"]
+    assert said == ["ended after 1 s, before its time: the ranking until then"]
 
 
 def test_no_tick_waits_for_a_look_at_all_that_was_loaded_before(tmp_path):

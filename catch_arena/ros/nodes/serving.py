@@ -120,20 +120,22 @@ def serve_match(
                 node.wait()
             log("all seats are taken: the match begins")
             rate = Rate(rate.period_s)
-        try:
+
+        def play() -> None:
             while not node.over:
                 rate.sleep()
                 node.tick()
-        except KeyboardInterrupt:
-            if record is not None:
-                _save(service, record, log)
-            raise
+
+        interrupts.linger(play)
+        early = not node.over
+        if early:
+            log(f"ended after {service.world.time_ms / 1000:.0f} s, before its time: the ranking until then")
         ranks, scores = node.standings()
         last = Rate(rate.period_s)  # not the match's own, whose ticks are counted
 
         def end() -> None:
             try:
-                for _ in range(_LAST_TICKS):
+                for _ in range(0 if early else _LAST_TICKS):
                     last.sleep()
                     node.tick()
             finally:
@@ -145,11 +147,10 @@ def serve_match(
 
 
 def _save(service: ArenaService, record: Path, log: Log) -> None:
-    """Whatever else comes; a line about an interrupt then says where it is."""
+    """Whatever else comes."""
 
     def save() -> None:
         service.replay.save(record)
-        interrupts.also_say(lambda: f"replay: {record}")
         if service.requests_left_out:
             log(f"the replay is without {service.requests_left_out} refused requests: there were too many to keep")
 
