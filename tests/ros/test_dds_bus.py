@@ -1,6 +1,5 @@
 """Two processes over DDS, on the loopback interface and without multicast: ours, and one that speaks bytes."""
 
-import re
 import sys
 import time
 from types import SimpleNamespace
@@ -17,7 +16,7 @@ from catch_arena.errors import BusError, ConfigError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import bus, dds_bus, dds_domain, dds_peers
 from catch_arena.ros.middleware.bus import described, open_bus
-from catch_arena.ros.middleware.dds_domain import Discovery, configuration, discovery_of
+from catch_arena.ros.middleware.dds_domain import configuration, discovery_of
 from catch_arena.ros.middleware.dds_types import dds_name
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 from catch_arena.ros.middleware.type_hashes import type_hash
@@ -450,90 +449,27 @@ def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_pa
     found.close()
 
 
-ALONE = Discovery(localhost=True)
-DEFAULT = Discovery(is_default=True)
-NETWORK = Discovery()
-PEERS = ("192.168.0.7", "10.0.0.2")
 NOBODYS = 200
 """A domain in which this process never is: it could be configured."""
 
 
 @pytest.mark.parametrize(
-    ("only", "reach", "peers", "expected"),
+    ("only", "reach", "expected"),
     [
-        ("", "", "", NETWORK),
-        ("1", "", "", ALONE),
-        ("", "localhost", "", ALONE),
-        ("0", "LOCALHOST", "", ALONE),
-        ("1", "SUBNET", "", ALONE),
-        ("0", "SUBNET", "", NETWORK),
-        ("", "SYSTEM_DEFAULT", "", DEFAULT),
-        ("", "OFF", "", DEFAULT),
-        ("", "", "192.168.0.7", Discovery(peers=PEERS[:1])),
-        ("0", "", "192.168.0.7;10.0.0.2", Discovery(peers=PEERS)),
-        ("", "SUBNET", ";192.168.0.7;; 10.0.0.2 ;", Discovery(peers=PEERS)),
-        ("", "LOCALHOST", "192.168.0.7;10.0.0.2", Discovery(localhost=True, peers=PEERS)),
-        ("", "", "localhost:7411", Discovery(peers=("127.0.0.1:7411",))),
-        ("", "", ";", NETWORK),
+        ("", "", "subnet"),
+        ("1", "", "localhost"),
+        ("", "localhost", "localhost"),
+        ("0", "LOCALHOST", "localhost"),
+        ("1", "SUBNET", "localhost"),
+        ("0", "SUBNET", "subnet"),
+        ("", "SYSTEM_DEFAULT", "default"),
+        ("", "OFF", "default"),
     ],
 )
-def test_the_environment_says_where_others_are_looked_for(only, reach, peers, expected):
-    """As ROS reads it: the older variable comes first, an unknown range is the narrow one, and peers are a list."""
-    variables = {"ROS_LOCALHOST_ONLY": only, "ROS_AUTOMATIC_DISCOVERY_RANGE": reach, "ROS_STATIC_PEERS": peers}
-    said = []
-    assert discovery_of(variables, said.append) == expected
-    assert said == []
-
-
-def test_without_any_variable_others_are_looked_for_in_the_network():
-    assert discovery_of({}, print) == NETWORK
-
-
-@pytest.mark.parametrize(
-    ("variables", "expected", "why"),
-    [
-        ({"ROS_LOCALHOST_ONLY": "1"}, ALONE, "ROS_LOCALHOST_ONLY=1"),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, DEFAULT, "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"),
-        (
-            {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"},
-            DEFAULT,
-            "ROS_AUTOMATIC_DISCOVERY_RANGE=SYSTEM_DEFAULT",
-        ),
-    ],
-)
-def test_peers_that_ros_ignores_are_ignored_with_a_line(variables, expected, why):
-    said = []
-    assert discovery_of(variables | {"ROS_STATIC_PEERS": "192.168.0.7"}, said.append) == expected
-    assert said == [f"warning: ROS_STATIC_PEERS is ignored because of {why}, as in ROS"]
-
-
-@pytest.mark.parametrize(
-    "peer",
-    [
-        "no-such-host.invalid",
-        "192.168.0.0/24",
-        "::1",
-        "a b",
-        '"/><x>',
-        "x" * 300,
-        "x." * 200,
-        "127.0.0.1:",
-        "127.0.0.1:x",
-        "127.0.0.1:0",
-        "127.0.0.1:65536",
-        "127.0.0.1:²",
-        "\u00e9.invalid",
-        ":7411",
-    ],
-)
-def test_a_peer_that_is_no_host_is_left_out_with_a_line(peer):
-    """It would end the process in cyclonedds; the others are asked nevertheless."""
-    said = []
-    assert discovery_of({"ROS_STATIC_PEERS": f"{peer};10.0.0.2"}, said.append) == Discovery(peers=("10.0.0.2",))
-    (line,) = said
-    assert line.startswith("warning: ROS_STATIC_PEERS must name hosts, as 192.168.0.7;robot.local: ")
-    assert line.endswith(" is left out")
-    assert len(line) < 200
+def test_the_environment_says_where_others_are_looked_for(only, reach, expected):
+    """As ROS reads it: the older variable comes first, and an unknown range is the narrow one."""
+    assert discovery_of({"ROS_LOCALHOST_ONLY": only, "ROS_AUTOMATIC_DISCOVERY_RANGE": reach}) == expected
+    assert discovery_of({}) == "subnet"
 
 
 def test_the_domain_is_configured_before_it_is_joined(monkeypatch):
@@ -543,11 +479,10 @@ def test_the_domain_is_configured_before_it_is_joined(monkeypatch):
     monkeypatch.setattr(dds_domain, "Domain", lambda *given: made.append(given))
     monkeypatch.setattr(dds_domain, "DomainParticipant", lambda domain, qos: (domain, qos))
     monkeypatch.setenv("CYCLONEDDS_URI", "<Own/>")
-    found = Discovery(peers=PEERS)
-    assert [dds_domain.join(7, found, "qos") for _ in range(2)] == [(7, "qos"), (7, "qos")]
-    assert made == [(7, configuration(found, "<Own/>"))]
-    dds_domain.join(8, DEFAULT, "qos")
-    assert made[1:] == [(8, configuration(DEFAULT, "<Own/>"))]
+    assert [dds_domain.join(7, "subnet", "qos") for _ in range(2)] == [(7, "qos"), (7, "qos")]
+    assert made == [(7, configuration("subnet", "<Own/>"))]
+    dds_domain.join(8, "default", "qos")
+    assert made[1:] == [(8, configuration("default", "<Own/>"))]
 
 
 @pytest.mark.parametrize("uri", ["<Nonsense/>", "file:///no/such/file.xml"])
@@ -566,23 +501,13 @@ def test_a_configuration_beyond_ascii_is_one_line(monkeypatch):
 
 
 def test_the_users_own_configuration_comes_last_and_overrides():
-    made = configuration(Discovery(localhost=True, peers=PEERS), "<Own/>")
-    assert made.endswith(",<Own/>")
-    assert "".join(f'<Peer address="{peer}"/>' for peer in ("127.0.0.1", *PEERS)) in made
-    assert "Peer" not in configuration(NETWORK, "")
-    assert "Discovery" not in configuration(DEFAULT, "")
+    assert configuration("localhost", "<Own/>").endswith(",<Own/>")
+    assert "Discovery" not in configuration("default", "")
 
 
-@pytest.mark.parametrize(
-    ("discovery", "expected"),
-    [
-        (NETWORK, []),
-        (ALONE, ['address="127.0.0.1" multicast="false"']),
-        (Discovery(localhost=True, peers=("127.0.0.1:7411",)), ['address="127.0.0.1" multicast="false"']),
-        (Discovery(localhost=True, peers=PEERS), ['autodetermine="true"', 'address="127.0.0.1" multicast="false"']),
-        (Discovery(peers=PEERS), []),
-    ],
-)
-def test_this_machine_is_heard_by_its_own_interface_and_peers_by_the_networks(discovery, expected):
-    """Cyclone hears nobody by an interface that it does not use; none of them is to be named twice."""
-    assert re.findall("<NetworkInterface ([^/]*)/>", configuration(discovery, "")) == expected
+@pytest.mark.parametrize(("discovery", "alone"), [("subnet", False), ("localhost", True), ("default", False)])
+def test_only_this_machine_is_heard_by_its_own_interface(discovery, alone):
+    """It has no multicast, so this machine is a peer of its own."""
+    made = configuration(discovery, "")
+    assert ('<NetworkInterface address="127.0.0.1" multicast="false"/>' in made) == alone
+    assert ('<Peer address="127.0.0.1"/>' in made) == alone

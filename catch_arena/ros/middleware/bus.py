@@ -180,8 +180,8 @@ def open_bus(
         backend: None takes the first of BACKENDS that works here.
         node: what the node is called.
         domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. rosbridge has that of its server.
-        localhost: whether cyclonedds keeps to this machine whatever the environment says; else ROS_LOCALHOST_ONLY,
-            ROS_AUTOMATIC_DISCOVERY_RANGE and ROS_STATIC_PEERS say where it looks for others.
+        localhost: whether cyclonedds keeps to this machine whatever the environment says; else ROS_LOCALHOST_ONLY and
+            ROS_AUTOMATIC_DISCOVERY_RANGE say where it looks for others.
         url: rosbridge's server; None is BRIDGE_URL.
         log: takes one line whenever there is something that people should know.
 
@@ -206,10 +206,9 @@ def open_bus(
         )
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
-        from catch_arena.ros.middleware.dds_domain import Discovery, discovery_of
+        from catch_arena.ros.middleware.dds_domain import discovery_of
 
-        discovery = Discovery(localhost=True) if localhost else discovery_of(os.environ, log)
-        return DdsBus(node, number, discovery, log=log)
+        return DdsBus(node, number, "localhost" if localhost else discovery_of(os.environ), log=log)
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
