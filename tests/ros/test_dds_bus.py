@@ -436,12 +436,20 @@ def test_what_is_missing_is_one_line_that_says_what_to_install(monkeypatch):
 def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_path, rclpy):
     """That is cyclonedds here."""
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
     if rclpy == "is not sourced":
+        monkeypatch.setenv("ROS_DISTRO", "jazzy")
         (tmp_path / "rclpy").mkdir()
         (tmp_path / "rclpy" / "__init__.py").touch()
         (tmp_path / "rclpy" / "node.py").write_text("raise ImportError('librcl.so')")
         monkeypatch.syspath_prepend(tmp_path)
-    found = open_bus(domain=domain)
+    said = []
+    found = open_bus(domain=domain, log=said.append)
+    warning = (
+        "warning: ROS is sourced, but rclpy cannot be imported (librcl.so), so cyclonedds is used: make the virtual "
+        "environment with ROS's own Python: python3 -m venv --system-site-packages"
+    )
+    assert said == [warning] * (rclpy == "is not sourced")
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     line = f"bus: cyclonedds, domain {domain}, {python}, interfaces of my_robot_interfaces"
     assert described(found, domain, found.interfaces(TYPES)) == line

@@ -13,6 +13,7 @@ from catch_arena.errors import BusError, ConfigError, install_hint
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType
 from catch_arena.ros.middleware.names import BACKENDS, BRIDGE_URL, INTERFACES, Backend
 from catch_arena.ros.middleware.parameters import Parameters
+from catch_arena.text import one_line
 
 DEPTH: Final = 10
 """Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
@@ -194,6 +195,11 @@ def open_bus(
         backend = next((one for one in BACKENDS if _is_installed(one)), None)
         if backend is None:
             raise BusError(f"a ROS 2 bus needs rclpy, cyclonedds or websockets: {_INSTALL}")
+        if backend != "rclpy" and "ROS_DISTRO" in os.environ:
+            log(
+                f"warning: ROS is sourced, but rclpy cannot be imported ({_import_fault()}), so {backend} is used: "
+                "make the virtual environment with ROS's own Python: python3 -m venv --system-site-packages"
+            )
     elif not _is_installed(backend):
         raise BusError(_missing(backend))
     if backend == "rosbridge" and domain is not None:
@@ -257,11 +263,16 @@ def _is_installed(backend: Backend) -> bool:
     if find_spec(module) is None:
         return False
     if backend == "rclpy":  # it may be there and not be sourced, or be built for another Python
-        try:
-            import_module(f"{module}.node")
-        except ImportError:
-            return False
+        return not _import_fault()
     return True
+
+
+def _import_fault() -> str:
+    try:
+        import_module("rclpy.node")
+    except ImportError as error:
+        return one_line(str(error))
+    return ""
 
 
 def _missing(backend: Backend) -> str:
