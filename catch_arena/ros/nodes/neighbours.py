@@ -59,7 +59,8 @@ class Neighbours:
         """The names of the nodes that were there in the last look."""
         self.other_names: dict[str, str] = {}
         """Names that nodes use in the place of the list's or the catch service's, each with that one, if there is one
-        seat for a node. A client that is made for each call appears with the first call, too late for a remapping.
+        seat for a node, and nothing else to be remapped. A client that is made for each call appears with the first
+        call, too late for a remapping.
         """
 
     def look(self, graph: Sequence[Endpoint]) -> None:
@@ -72,10 +73,9 @@ class Neighbours:
             for line in (*self._referees(node, own), *self._other_types(node, own)):
                 self._tell(line)
             remapped = dict(self._other_names(own, published, served))
-            if len(self._driven) == 1:
-                served_too = [name for name, usual in remapped.items() if usual in {ALIVE_TURTLES, CATCH_TURTLE}]
-                self.other_names |= {name: remapped.pop(name) for name in served_too}
-            if remapped:
+            if len(self._driven) == 1 and set(remapped.values()) <= {ALIVE_TURTLES, CATCH_TURTLE}:
+                self.other_names |= remapped
+            elif remapped:
                 names = " and ".join(remapped)
                 self._tell(
                     f"{node} uses {names}, which nobody answers here: start it with --ros-args "
