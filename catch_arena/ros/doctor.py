@@ -34,7 +34,7 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
         the facts, and the problems, a line each.
     """
     facts = [f"Python {sys.version.split()[0]}, {bus.backend}{f' with {bus.about}' if bus.about else ''}"]
-    facts += [f"{name}={os.environ[name]}" for name in _VARIABLES if name in os.environ]
+    facts += [f"{name}={os.environ[name]}" if name in os.environ else f"{name} is not set" for name in _VARIABLES]
     problems = []
     end = time.monotonic() + look_s
     while (left := end - time.monotonic()) > 0:

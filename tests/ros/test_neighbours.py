@@ -109,10 +109,12 @@ class Bus(WithoutGraph):
 
 def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
     facts, problems = examine(Bus(PLAYER), TYPES, 0.0)
     assert problems == []
     assert facts[0].endswith("rclpy with rmw_fastrtps_cpp")
     assert "ROS_DOMAIN_ID=7" in facts
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE is not set" in facts
     assert "interfaces: my_robot_interfaces/srv/CatchTurtle: string name -> bool success" in facts
     assert facts[-1].startswith("node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), hears ")
 
