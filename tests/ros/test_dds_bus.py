@@ -450,6 +450,8 @@ def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_pa
         "environment with ROS's own Python: python3 -m venv --system-site-packages"
     )
     assert said == [warning] * (rclpy == "is not sourced")
+    assert not bus._is_installed("rclpy")  # what was imported in vain is no rclpy the next time either
+    sys.modules.pop("rclpy", None)
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     line = f"bus: cyclonedds, domain {domain}, {python}, interfaces of my_robot_interfaces"
     assert described(found, domain, found.interfaces(TYPES)) == line

@@ -164,6 +164,7 @@ def joined(monkeypatch):
         init=lambda context, domain_id: begun.append((context, domain_id)),
         create_node=Node,
     )
+    module(monkeypatch, "rclpy.node")
     module(monkeypatch, "rclpy.executors", SingleThreadedExecutor=Executor)
     module(monkeypatch, "rclpy.task", Future=Future)
     module(monkeypatch, "rclpy.callback_groups", ReentrantCallbackGroup=Group)

@@ -257,14 +257,10 @@ def _checked_domain(domain: int | None) -> int:
 
 
 def _is_installed(backend: Backend) -> bool:
-    module = _MODULES[backend]
-    if module in sys.modules:
-        return True
-    if find_spec(module) is None:
-        return False
     if backend == "rclpy":  # it may be there and not be sourced, or be built for another Python
         return not _import_fault()
-    return True
+    module = _MODULES[backend]
+    return module in sys.modules or find_spec(module) is not None
 
 
 def _import_fault() -> str:
