@@ -49,7 +49,6 @@ def test_a_package_with_other_words_is_found_by_itself(bus_with):
     assert "interfaces of turtle_hunt_interfaces" in arena.text
 
 
-@pytest.mark.xfail(reason="the line names my_robot_interfaces, which is not there")
 def test_a_package_with_two_lists_is_refused_before_the_match(bus_with):
     """The line says what the file holds, and what is missing."""
     code, printed = bus_with("two_lists_interfaces").serve(*ANNA, waits=False).finish()
@@ -132,4 +131,4 @@ def test_doctor_names_the_node_and_the_fields(bus_with):
     bus.node("controller", "--types", *OTHER_WORDS)
     looks = (bus.command("ros", "doctor").finish()[1] for _ in range(10))
     printed = next(text for text in looks if "node /turtle_controller: " in text)
-    assert "turtle_hunt_interfaces/srv/CatchTurtle: string turtle_name -> bool turtle_killed" in printed
+    assert "turtle_hunt_interfaces/srv/CatchTurtle: string turtle_name -> boolean turtle_killed" in printed
