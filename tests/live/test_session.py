@@ -335,7 +335,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
         (["play", "--against", "nearst"], "did you mean nearest"),
         (["play", "nearest", "patrol", "idle", "first"], "agents must be 3 at most"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),
-        (["watch", "nearest", "--record", "."], "the name must end in .replay, got no ending"),
+        (["watch", "nearest", "--record", "."], "--record must name a file, got '' or '.'"),
     ],
 )
 def test_bad_words_are_one_line(session, words, said):
