@@ -116,6 +116,6 @@ def bus_with(tmp_path):
     if "ROS_NODES" not in os.environ:
         pytest.skip("`make ros` makes the environment that these tests need")
     with ExitStack() as stack:
-        domain = stack.enter_context(own_domain())
+        domain = 101 - stack.enter_context(own_domain())  # from the top: tests/ros, on another host too, begins with 1
         folder = tmp_path
         yield lambda *packages: Bus(stack, folder, Path(os.environ["ROS_NODES"]), domain, packages)
