@@ -26,7 +26,7 @@ from catch_arena.ros.middleware.interfaces import (
 )
 from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.ros.nodes.agents import AgentSeats
-from catch_arena.ros.nodes.neighbours import Neighbours, run_line
+from catch_arena.ros.nodes.neighbours import Neighbours, remapping_to, run_line
 from catch_arena.ros.nodes.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.text import one_line
@@ -180,7 +180,7 @@ class ArenaNode:
         rulings = self._service.step(commands, requests, goals)
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
-            self._note(one, ruling, {other.request.message.name for other in asked if other.hunter == one.hunter})
+            self._note(one, ruling, asked)
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
@@ -229,13 +229,20 @@ class ArenaNode:
     def _player(self, hunter: str) -> str:
         return self._names[self._service.config.hunter_names.index(hunter)]
 
-    def _note(self, one: "_PendingRequest", ruling: Ruling, names: Collection[str]) -> None:
-        """Tell a node's author what it asks for in vain."""
+    def _note(self, one: _PendingRequest, ruling: Ruling, asked: Sequence[_PendingRequest]) -> None:
+        """Tell a node's author what it asks for in vain.
+
+        Args:
+            one: the request.
+            ruling: what was ruled.
+            asked: all requests of the step.
+        """
         if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
             self._too_far[one.hunter].append(ruling.distance_um)
-        elif ruling.verdict is Verdict.DUPLICATE and not one.foreign and len(names) > 1:
-            hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
-            self._log_once(f"{one.hunter} asked for several targets at once; {hint}", f"{one.hunter} several")
+        elif ruling.verdict is Verdict.DUPLICATE and not one.foreign:
+            if len({other.request.message.name for other in asked if other.hunter == one.hunter}) > 1:
+                hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
+                self._log_once(f"{one.hunter} asked for several targets at once; {hint}", f"{one.hunter} several")
         elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
             self._too_late[one.hunter] += 1
             if self._too_late[one.hunter] == _AGAIN:
@@ -317,17 +324,11 @@ class ArenaNode:
             return
         free = [seat.hunter for seat in self.missing or self.seats]
         hunter, players = free[0], dict(zip(self._service.config.hunter_names, self._names, strict=True))
-        names = [
-            (_EXERCISE_CMD_VEL, graph_names.cmd_vel_of(hunter)),
-            (graph_names.pose_of(graph_names.TURTLE), graph_names.pose_of(hunter)),
-            (graph_names.CATCH_TURTLE, graph_names.catch_turtle_of(hunter)),
-        ]
-        remapping = " ".join(f"-r {name}:={own}" for name, own in names)
         others = [f"{one} ({players[one]})" for one in free[1:]]
         also = f"; in the same way for {', '.join(others)}" if others else ""
         self._warn_once(
             f"a node drives {graph_names.TURTLE}, which is no hunter where several seats are for nodes: start it with "
-            f"--ros-args {remapping} to drive {hunter} ({players[hunter]}){also}",
+            f"{remapping_to(hunter)} to drive {hunter} ({players[hunter]}){also}",
             graph_names.TURTLE,
         )
 

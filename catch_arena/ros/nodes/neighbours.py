@@ -27,14 +27,17 @@ def run_line(hunter: str, *, shared: bool) -> str:
         hunter: whose node it is to be.
         shared: whether several seats are for nodes, so that each must be told which is its own.
     """
-    if not shared:
-        return RUN
+    return f"{RUN} {remapping_to(hunter)}" if shared else RUN
+
+
+def remapping_to(hunter: str) -> str:
+    """Return the words that let a node of the exercise drive and ask for one hunter."""
     names = [
         (cmd_vel_of(TURTLE), cmd_vel_of(hunter)),
         (pose_of(TURTLE), pose_of(hunter)),
         (CATCH_TURTLE, catch_turtle_of(hunter)),
     ]
-    return f"{RUN} --ros-args {_remapped(names)}"
+    return f"--ros-args {_remapped(names)}"
 
 
 class Neighbours:
