@@ -20,7 +20,7 @@ from catch_arena.cli.app import (
     main,
 )
 from catch_arena.cli.matches import print_logs, print_result
-from catch_arena.cli.outputs import REPLAY, Force, free_file, output_file
+from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import width_and_height
 from catch_arena.config import ArenaConfig
@@ -151,7 +151,7 @@ def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, o
         prepare_folder(Path.cwd())
 
     def save(replay: "Replay") -> str:
-        target = free_file("match.replay", force=force) if record is None else record
+        target = given_or_free(record, "match.replay", force=force)
         replay.save(target)
         return str(target)
 

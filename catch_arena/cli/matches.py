@@ -31,7 +31,7 @@ from catch_arena.cli.app import (
     secret_of,
     seed_told,
 )
-from catch_arena.cli.outputs import REPLAY, Force, free_file, output_file, require_free
+from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file, require_free
 from catch_arena.cli.terminal import own_console, say, shown
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
@@ -327,7 +327,7 @@ def match(
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
     drawn = arena_seed(seed)
-    target = free_file("match.replay", force=force) if output is None else output
+    target = given_or_free(output, "match.replay", force=force)
     steps = count()
     with (
         sandbox_for(allowed) as sandbox,

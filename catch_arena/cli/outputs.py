@@ -126,10 +126,11 @@ def output_video(path: Path, *, force: bool) -> None:
     output_file(output_path(path), *VIDEO, force=force)
 
 
-def free_file(usual: str, *, force: bool) -> Path:
-    """Reserve the first free name of «name.end», «name-2.end», «name-3.end» and so on, and return its path.
+def given_or_free(given: Path | None, usual: str, *, force: bool) -> Path:
+    """Return the given path, or reserve the first free name of «name.end», «name-2.end», «name-3.end» and so on.
 
     Args:
+        given: the path that was asked for, which `output_file` has reserved.
         usual: «name.end».
         force: whether a file may be replaced, so that no other name is needed.
 
@@ -138,6 +139,8 @@ def free_file(usual: str, *, force: bool) -> Path:
     """
     from catch_arena.files import prepare_folder
 
+    if given is not None:
+        return given
     usual_path = Path(usual)
     prepare_folder(usual_path.parent)
     free, number = usual_path.absolute(), 1

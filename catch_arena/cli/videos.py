@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.outputs import VIDEO, Force, free_file, output_file, output_video, require_ending
+from catch_arena.cli.outputs import VIDEO, Force, given_or_free, output_file, output_video, require_ending
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -175,7 +175,7 @@ def highlights(
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
-    target = free_file("highlights.mp4", force=force) if output is None else output
+    target = given_or_free(output, "highlights.mp4", force=force)
     with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
         report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
@@ -237,7 +237,7 @@ def sheet(
         raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
     with progress_bar("drawing") as show:
         picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
-    target = free_file("sheet.png", force=force) if output is None else output
+    target = given_or_free(output, "sheet.png", force=force)
     write_whole(target, picture)
     pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
     say(f"sheet: {target} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from catch_arena import Replay
 from catch_arena.cli import main
-from catch_arena.cli.outputs import free_file, reservations
+from catch_arena.cli.outputs import given_or_free, reservations
 from catch_arena.tournament.isolation import playing
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -212,12 +212,12 @@ def test_a_free_name_has_the_next_number_and_is_reserved(tmp_path):
     """What nothing was written to is free again."""
     usual = str(tmp_path / "match.replay")
     with reservations():
-        first, second = free_file(usual, force=False), free_file(usual, force=False)
+        first, second = given_or_free(None, usual, force=False), given_or_free(None, usual, force=False)
         assert [first.name, second.name] == ["match.replay", "match-2.replay"]
         second.write_bytes(b"written")
     assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
     with reservations():
-        assert free_file(usual, force=False) == free_file(usual, force=True) == first
+        assert given_or_free(None, usual, force=False) == given_or_free(None, usual, force=True) == first
     assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
 
 
