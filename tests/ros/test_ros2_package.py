@@ -31,9 +31,6 @@ def test_its_messages_are_those_that_we_send(kind):
     assert store.hash_rihs01(kind.name) == type_hash(kind)
 
 
-OWN_DEFAULTS = ["--interfaces", "my_robot_interfaces", "--turtlesim", "turtlesim"]
-
-
 class Action:
     """Stands for every action and event of launch: it keeps what it was made of."""
 
@@ -128,7 +125,10 @@ def test_the_node_goes_by_the_arenas_clock_where_there_is_one(monkeypatch, speed
 def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(monkeypatch):
     """So that a scenario has its own settings; both processes are in one domain, and on one middleware."""
     command, variables = launched(monkeypatch)
-    assert command == ["catch-arena", "ros", "serve", *OWN_DEFAULTS]
+    assert command == ["catch-arena", "ros", "serve"]
+    assert variables == {}
+
+    _, variables = launched(monkeypatch, bus="cyclonedds")
     assert variables == {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
 
     command, variables = launched(
@@ -154,7 +154,6 @@ def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(monkeypatch
         "3",
         "--speed",
         "2.0",
-        *OWN_DEFAULTS,
         *others,
     ]
     assert variables == {"ROS_DOMAIN_ID": "7"}

@@ -95,7 +95,7 @@ class Bus:
 
     def serve(self, *words, waits=True):
         """`catch-arena ros serve ...`, once it waits for nodes."""
-        served = self.command("ros", "serve", "--set", "time_limit_s=3600", *words)
+        served = self.command("ros", "serve", "--seed", "1", "--set", "time_limit_s=3600", *words)
         if waits:
             served.wait_for("^waiting for")
         return served
@@ -108,6 +108,13 @@ class Bus:
         process = Process([self._python, *words], self._environment, self._folder)
         self._stack.callback(process.kill)
         return process
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Print what was measured, and not tested."""
+    for report in terminalreporter.getreports("passed"):
+        for name, value in report.user_properties:
+            terminalreporter.line(f"{name}: {value}")
 
 
 @pytest.fixture

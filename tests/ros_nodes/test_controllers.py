@@ -20,8 +20,8 @@ def course(bus_with):
     "choices",
     [
         "--target nearest --stop 0.5 --hz 10",
-        "--target first --stop 0.3 --hz 100 --new-client",
-        "--target first --stop 0.05 --hz 100 --answers threads",
+        "--target first --stop 0.05 --hz 100 --new-client",
+        "--target first --stop 0.3 --hz 100 --answers threads",
         "--target first --stop 0.3 --hz 100 --answers spin",
         "--target nearest --stop 0.3 --hz 2 --new-client",
         "--target nearest --hasty",
@@ -108,16 +108,19 @@ def test_a_node_that_dies_and_returns_plays_on(course):
 
 
 def test_four_nodes_play_with_the_lines_that_are_printed(course, record_property):
-    """Each seat's line has the remapping of its node. Measured, and not tested: ticks, answers and poses."""
+    """Each seat's line has the remapping of its node; one dies and is started again. Measured, and not tested: late
+    ticks, answers and poses.
+    """
     names = ("anna", "ben", "cleo", "dan")
     seats = [word for seat, name in enumerate(names) for word in ("--seat", f"{seat}=ros:{name}")]
     arena = course.serve(*seats, "--set", "target_budget=40")
-    nodes = []
-    for name in names:
-        line = arena.wait_for(rf"^waiting for {name} on .*(--ros-args .*)")[1]
-        nodes.append(course.node("controller", *line.split()))
+    lines = [arena.wait_for(rf"^waiting for {name} on .*(--ros-args .*)")[1].split() for name in names]
+    nodes = [course.node("controller", *line) for line in lines]
     for node in nodes:
         node.wait_for("^caught")
+    nodes[0].kill()
+    nodes[0] = course.node("controller", *lines[0])
+    nodes[0].wait_for("^caught")
     code, printed = arena.finish()
     assert code == 0, printed
     record_property("ticks", re.search(r"\d+ of \d+ ticks were late.*", printed)[0])

@@ -35,7 +35,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "seats", default_value="", description="Who drives, as in '0=ros:anna 1=patrol'; else your node alone."
             ),
-            DeclareLaunchArgument("scenario", default_value="", description="The arena to play in; else standard."),
+            DeclareLaunchArgument("scenario", default_value="", description="The arena to play in; else exercise."),
             DeclareLaunchArgument("seed", default_value="", description="Of the match; else drawn."),
             DeclareLaunchArgument("speed", default_value="", description="Of the simulation; else 1, real time."),
             DeclareLaunchArgument(
@@ -47,10 +47,14 @@ def generate_launch_description() -> LaunchDescription:
                 choices=["true", "false"],
                 description="Whether the replay replaces a file that is there.",
             ),
-            DeclareLaunchArgument("interfaces", default_value="my_robot_interfaces", description="Your interfaces."),
-            DeclareLaunchArgument("turtlesim", default_value="turtlesim", description="turtlesim_msgs from Kilted on."),
             DeclareLaunchArgument(
-                "bus", default_value="", description="cyclonedds, rosbridge or rclpy; else the first that is installed."
+                "interfaces", default_value="", description="Your interfaces; else those that your node uses."
+            ),
+            DeclareLaunchArgument(
+                "turtlesim", default_value="", description="turtlesim's package; else the one that is installed."
+            ),
+            DeclareLaunchArgument(
+                "bus", default_value="", description="rclpy, cyclonedds or rosbridge; else the first that is installed."
             ),
             DeclareLaunchArgument("domain", default_value="", description="Of DDS; else ROS_DOMAIN_ID, or 0."),
             DeclareLaunchArgument("spawn_frequency", default_value="", description="Targets a second."),
@@ -79,7 +83,7 @@ def _begin(context: LaunchContext) -> list:
         if given(name):
             command += ["--set", f"{setting}={given(name)}"]
     actions = []
-    if given("bus") in {"", "cyclonedds"}:
+    if given("bus") == "cyclonedds":  # the node must have the same middleware
         actions.append(SetEnvironmentVariable("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"))
     if given("domain"):
         actions.append(SetEnvironmentVariable("ROS_DOMAIN_ID", given("domain")))
