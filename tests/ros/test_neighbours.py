@@ -75,6 +75,24 @@ def test_other_names_get_the_remapping_to_type():
     assert lines(graph[2:]) == []  # the list and the service are then served under both names
 
 
+def test_a_remapping_proposes_a_free_hunter_and_is_printed_once():
+    """The first seat is taken; later the second one is, too."""
+    said = []
+    watch = Neighbours(["hunter_0", "hunter_1"], ["hunter_0", "hunter_1"], TYPES, said.append)
+    graph = [Endpoint("/bot", "publisher", "/autobot/cmd_vel", TWIST)]
+    watch.look(graph, ["hunter_1"])
+    watch.look(graph, [])
+    (line,) = said
+    assert line.endswith("start it with --ros-args -r /autobot/cmd_vel:=/hunter_1/cmd_vel")
+
+
+def test_a_type_of_our_name_with_other_fields_is_told():
+    """Both packages have the course's name, and one has float32."""
+    (line,) = lines([*PLAYER[:2], Endpoint("/mine", "subscription", "/alive_turtles", LIST, fields_differ=True)])
+    assert line.startswith(f"warning: /mine has other fields in {LIST} than the arena, on /alive_turtles: ")
+    assert line.endswith("Source the same my_robot_interfaces in both terminals")
+
+
 def test_a_node_with_another_package_is_told_which_one_to_give():
     (line,) = lines([*PLAYER[:2], Endpoint("/mine", "subscription", "/alive_turtles", "other_msgs/msg/Turtles")])
     assert line.endswith("Start the arena again with --interfaces other_msgs")

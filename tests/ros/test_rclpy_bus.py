@@ -232,17 +232,35 @@ def test_of_several_packages_one_must_be_named(joined, monkeypatch):
 
 
 def test_another_node_of_our_name_is_seen_and_we_are_not(joined, monkeypatch):
-    """As a second arena in the domain."""
-    node = joined._node
-    ask = lambda name, space: [("/a", [f"{name}s"])] if space == "/" else []  # noqa: E731 - one line says it
-    for kind in ("publisher", "subscriber", "service", "client"):
-        monkeypatch.setattr(node, f"get_{kind}_names_and_types_by_node", ask, raising=False)
-    monkeypatch.setattr(node, "get_name", lambda: "arena", raising=False)
-    monkeypatch.setattr(node, "get_namespace", lambda: "/", raising=False)
+    """As a second arena in the domain. Each node of one name is seen, and whether its fields are ours."""
+
+    def end(name, fields="ours"):
+        return SimpleNamespace(
+            node_name=name, node_namespace="/", topic_type="turtlesim/msg/Pose", topic_type_hash=fields
+        )
+
+    graph = {"publishers": [end("mine"), end("arena"), end("mine", "others")], "subscriptions": [end("mine")]}
     names = [("arena", "/"), ("mine", "/")]
-    monkeypatch.setattr(node, "get_node_names_and_namespaces", lambda: names, raising=False)
-    assert {one.node for one in joined.graph()} == {"/mine"}
+    changes = {
+        "get_name": lambda: "arena",
+        "get_namespace": lambda: "/",
+        "publishers": [SimpleNamespace(topic_name="/a")],
+        "subscriptions": [],
+        "get_topic_names_and_types": lambda: [("/a", ["turtlesim/msg/Pose"])],
+        "get_publishers_info_by_topic": lambda _: graph["publishers"],
+        "get_subscriptions_info_by_topic": lambda _: graph["subscriptions"],
+        "get_node_names_and_namespaces": lambda: names,
+        "get_service_names_and_types_by_node": lambda name, _: [("/s", [f"{name}s"])],
+        "get_client_names_and_types_by_node": lambda *_: [],
+    }
+    for name, value in changes.items():
+        monkeypatch.setattr(joined._node, name, value, raising=False)
+    mine = Endpoint("/mine", "publisher", "/a", "turtlesim/msg/Pose")
+    heard = mine._replace(kind="subscription")
+    seen = [mine, mine._replace(fields_differ=True), heard, Endpoint("/mine", "service", "/s", "mines")]
+    assert joined.graph() == seen
     names.append(("arena", "/"))
+    graph["publishers"].append(end("arena"))
     assert {one.node for one in joined.graph()} == {"/mine", "/arena"}
 
 

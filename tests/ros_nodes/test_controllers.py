@@ -113,7 +113,7 @@ def test_four_nodes_play_with_the_lines_that_are_printed(course, record_property
     """
     names = ("anna", "ben", "cleo", "dan")
     seats = [word for seat, name in enumerate(names) for word in ("--seat", f"{seat}=ros:{name}")]
-    arena = course.serve(*seats, "--set", "target_budget=40")
+    arena = course.serve(*seats, "--set", "target_budget=24")
     lines = [arena.wait_for(rf"^waiting for {name} on .*(--ros-args .*)")[1].split() for name in names]
     nodes = [course.node("controller", *line) for line in lines]
     for node in nodes:

@@ -71,6 +71,8 @@ class Endpoint(NamedTuple):
     """Of the topic or the service."""
     type: str
     """As ROS writes it: turtlesim/msg/Pose."""
+    fields_differ: bool = False
+    """Whether the type has the name of ours and other fields."""
 
 
 class Client(Protocol):

@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from importlib import import_module
 from operator import attrgetter
@@ -102,23 +102,48 @@ class RclpyBus:
         return next(iter(found.values()))
 
     def graph(self) -> list[Endpoint]:
-        """What all other nodes publish, hear, serve and call."""
-        node, found = self._node, []
-        asked: tuple[tuple[EndpointKind, Any], ...] = (
-            ("publisher", node.get_publisher_names_and_types_by_node),
-            ("subscription", node.get_subscriber_names_and_types_by_node),
-            ("service", node.get_service_names_and_types_by_node),
-            ("client", node.get_client_names_and_types_by_node),
-        )
+        """What all other nodes publish, hear, serve and call. Topics are asked for one by one: of several nodes with
+        one name ROS would tell the topics of the first.
+        """
+        node = self._node
+        found = [end for topic, _ in node.get_topic_names_and_types() for end in self._ends_of(topic)]
         nodes = list(node.get_node_names_and_namespaces())
         with suppress(ValueError):
             nodes.remove((node.get_name(), node.get_namespace()))  # another of that name stays: a second arena
+        asked: tuple[tuple[EndpointKind, Any], ...] = (
+            ("service", node.get_service_names_and_types_by_node),
+            ("client", node.get_client_names_and_types_by_node),
+        )
         for name, space in nodes:
             for kind, ask in asked:
                 with suppress(RuntimeError):  # it has just gone
-                    full = f"{space}/{name}".replace("//", "/")
-                    found += [Endpoint(full, kind, topic, one) for topic, types in ask(name, space) for one in types]
+                    full = _full_name(space, name)
+                    found += [
+                        Endpoint(full, kind, service, one) for service, types in ask(name, space) for one in types
+                    ]
         return found
+
+    def _ends_of(self, topic: str) -> Iterator[Endpoint]:
+        """Yield the publishers and subscriptions of other nodes."""
+        node = self._node
+        own_name = _full_name(node.get_namespace(), node.get_name())
+        asked: tuple[tuple[EndpointKind, Any, Any], ...] = (
+            ("publisher", node.get_publishers_info_by_topic, node.publishers),
+            ("subscription", node.get_subscriptions_info_by_topic, node.subscriptions),
+        )
+        ends, fields_of_ours = [], {}
+        for kind, ask, own in asked:
+            left = sum(one.topic_name == topic for one in own)  # those of a second arena of our name come besides
+            for info in ask(topic):
+                name = _full_name(info.node_namespace, info.node_name)
+                fields = getattr(info, "topic_type_hash", None)  # Humble has none
+                if name == own_name and left:
+                    left -= 1
+                    fields_of_ours[info.topic_type] = fields
+                else:
+                    ends.append((Endpoint(name, kind, topic, info.topic_type), fields))
+        for end, fields in ends:
+            yield end._replace(fields_differ=fields != fields_of_ours.get(end.type, fields))
 
     def listeners_to(self, topic: str) -> int:
         """How many hear a topic."""
@@ -198,8 +223,7 @@ class RclpyBus:
         name.
         """
         found = Counter(
-            f"{one.node_namespace}/{one.node_name}".replace("//", "/")
-            for one in self._node.get_publishers_info_by_topic(topic)
+            _full_name(one.node_namespace, one.node_name) for one in self._node.get_publishers_info_by_topic(topic)
         )
         return frozenset(
             name if number == 1 else f"{name} ({number})"
@@ -255,6 +279,10 @@ class _RclpyClient:
         message = to_ros(self._kind.request, request, ros_class(self._kind.name).Request())
         self._client.call_async(message).add_done_callback(done)
         return call
+
+
+def _full_name(namespace: str, name: str) -> str:
+    return f"{namespace.rstrip('/')}/{name}"
 
 
 def to_ros(kind: MessageType, message: Any, target: Any) -> Any:

@@ -284,7 +284,7 @@ class ArenaNode:
         if now == 0 or moved or self._ticks == self._list_from:
             self._publish_list(world.alive_turtles)
         if now == _SECOND // 2 and (graph := self._bus.graph()) is not None:
-            self._neighbours.look(graph)
+            self._neighbours.look(graph, [seat.hunter for seat in self.missing])
             self._serve_other_names()
         if often:
             for seat in self.seats:

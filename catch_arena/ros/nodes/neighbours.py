@@ -58,6 +58,8 @@ class Neighbours:
         self._own = self._poses | self._cmd_vels | services | {ALIVE_TURTLES}
         self._lists = self._poses | {ALIVE_TURTLES}
         self._told: set[str] = set()
+        self._proposed = self._driven[0] if len(self._driven) > 1 else TURTLE
+        """The hunter that a node with other names is to drive."""
         self.seen: tuple[str, ...] = ()
         """The names of the nodes that were there in the last look."""
         self.other_names: dict[str, str] = {}
@@ -66,15 +68,22 @@ class Neighbours:
         call, too late for a remapping.
         """
 
-    def look(self, graph: Sequence[Endpoint]) -> None:
-        """Tell what is new."""
+    def look(self, graph: Sequence[Endpoint], free: Sequence[str] = ()) -> None:
+        """Tell what is new.
+
+        Args:
+            graph: what other nodes publish, hear, serve and call.
+            free: the hunters that no node drives yet, of which a remapping proposes the first.
+        """
+        if len(self._driven) > 1:
+            self._proposed = next(iter(free), self._driven[0])
         self.seen = tuple(sorted({one.node for one in graph}))
         published = {one.name for one in graph if one.kind == "publisher"} | self._own
         served = {one.name for one in graph if one.kind == "service"} | self._own
         for node in self.seen:
             own = [one for one in graph if one.node == node]
             for line in (*self._referees(node, own), *self._other_types(node, own)):
-                self._tell(line)
+                self._tell(line, line.partition(":")[0])
             remapped = dict(self._other_names(own, published, served))
             if len(self._driven) == 1 and set(remapped.values()) <= {ALIVE_TURTLES, CATCH_TURTLE}:
                 self.other_names |= remapped
@@ -82,12 +91,14 @@ class Neighbours:
                 names = " and ".join(remapped)
                 self._tell(
                     f"{node} uses {names}, which nobody answers here: start it with --ros-args "
-                    f"{_remapped(list(remapped.items()))}"
+                    f"{_remapped(list(remapped.items()))}",
+                    f"{node} uses {names}",
                 )
 
-    def _tell(self, line: str) -> None:
-        if line not in self._told:
-            self._told.add(line)
+    def _tell(self, line: str, about: str) -> None:
+        """Log a line once, although the hunter that it proposes changes as seats are taken."""
+        if about not in self._told:
+            self._told.add(about)
             self._log(f"warning: {line}")
 
     def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
@@ -95,10 +106,9 @@ class Neighbours:
         does += [f"answers {one.name}" for one in own if one.kind == "service" and one.name in {CATCH_TURTLE, SPAWN}]
         if does:
             what = "turtlesim or a second arena" if any(SPAWN in one or POSE in one for one in does) else "a spawner"
-            hunter = self._driven[0] if self._driven else TURTLE
             yield (
                 f"{node} {' and '.join(does)}, as the arena does: two referees in one domain. It looks like {what}: "
-                f"end it, and start your controller alone: {run_line(hunter, shared=len(self._driven) > 1)}"
+                f"end it, and start your controller alone: {run_line(self._proposed, shared=len(self._driven) > 1)}"
             )
 
     def _other_types(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
@@ -110,12 +120,18 @@ class Neighbours:
                     f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
                     f"other. Start the arena again with --interfaces {package}"
                 )
+            elif one.name in self._own and one.fields_differ:
+                yield (
+                    f"{node} has other fields in {one.type} than the arena, on {one.name}: they do not hear each "
+                    f"other, or numbers arrive as garbage. Source the same {one.type.partition('/')[0]} in both "
+                    "terminals"
+                )
 
     def _other_names(
         self, own: Sequence[Endpoint], published: Collection[str], served: Collection[str]
     ) -> Iterator[tuple[str, str]]:
         """The names that a node uses in the place of the arena's, each with the arena's."""
-        hunter = self._driven[0] if len(self._driven) > 1 else TURTLE
+        hunter = self._proposed
         catch = catch_turtle_of(hunter) if len(self._driven) > 1 else CATCH_TURTLE
         for one in own:
             if one.kind == "publisher" and one.type == TWIST.name:
