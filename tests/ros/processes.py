@@ -3,6 +3,7 @@
 import fcntl
 import gc
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -27,6 +28,7 @@ def own_domain():
             try:
                 lock = stack.enter_context((Path(tempfile.gettempdir()) / f"catch-arena-domain-{domain}").open("w"))
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                _require_empty(domain)
             except OSError:  # somebody has it
                 continue
             _had.add(domain)
@@ -34,6 +36,12 @@ def own_domain():
             gc.collect()  # DDS's writers end with their last reference, and nodes hold each other in cycles
             return
     raise AssertionError("every domain is taken")
+
+
+def _require_empty(domain):
+    """Raise OSError if a process is in that domain that holds no lock of ours: the first one there has this port."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", 7410 + 250 * domain))
 
 
 @contextmanager
