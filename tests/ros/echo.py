@@ -14,7 +14,7 @@ TYPES = Interfaces()
 
 
 def main(domain):
-    bus = open_bus("cyclonedds", domain=domain, localhost=True, log=lambda line: sys.stderr.write(f"{line}\n"))
+    bus = open_bus("cyclonedds", domain=domain, log=lambda line: sys.stderr.write(f"{line}\n"))
     out = bus.publisher("/out", TYPES.turtle_array)
 
     def tell(message, peer):

@@ -27,7 +27,7 @@ from catch_arena.ros.middleware.interfaces import (
     Vector3,
     from_attributes,
 )
-from catch_arena.ros.middleware.type_hashes import type_hash
+from catch_arena.ros.middleware.typestore import type_hash
 
 TYPES = Interfaces()
 HEADER = {"client": 0x0102030405060708, "number": 5}

@@ -23,13 +23,14 @@ FLOOD = 320
 
 @pytest.fixture(scope="module")
 def domain():
-    with own_domain() as own:
+    with own_domain() as own, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_LOCALHOST_ONLY", "1")
         yield own
 
 
 @pytest.fixture
 def ours(domain):
-    made = open_bus("cyclonedds", domain=domain, localhost=True, log=print)
+    made = open_bus("cyclonedds", domain=domain, log=print)
     yield made
     made.close()
 

@@ -119,24 +119,6 @@ def test_two_students_fight_and_an_agent_plays_along():
     assert scores["nearest"] > 0
 
 
-def test_a_second_arena_in_the_domain_is_told():
-    """Both answer whoever asks, and catches would not be what the scores say: each says so once."""
-    with (
-        own_domain() as domain,
-        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann") as first,
-        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann") as second,
-    ):
-        for arena in (first, second):
-            line = next(line for line in arena.stderr if line.startswith("warning: another node serves "))
-            assert line.endswith(
-                " too, so that whoever asks gets two answers: end a turtlesim or a spawner, whose part is played here; "
-                "--domain gives another arena a domain of its own\n"
-            )
-            arena.send_signal(signal.SIGINT)
-        for arena in (first, second):
-            assert finished(arena)[1].count("another node") == 0
-
-
 def test_a_student_behind_rosbridge_plays_a_match_and_catches():
     """JSON both ways; nobody has DDS."""
     with (

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.ros.middleware.interfaces import OWN_PACKAGE, RULING, STANDING, Interfaces
-from catch_arena.ros.middleware.type_hashes import type_hash
+from catch_arena.ros.middleware.typestore import type_hash
 
 PACKAGE = Path(__file__).parents[2] / "ros2" / OWN_PACKAGE
 TYPES = Interfaces(OWN_PACKAGE)

@@ -1,4 +1,4 @@
-"""What the arena uses of a ROS 2 middleware: publish, subscribe, serve and call, whichever back-end does it."""
+"""The arena's view of a ROS 2 middleware: publish, subscribe, serve and call, over any back-end."""
 
 import os
 import re
@@ -16,16 +16,14 @@ from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.text import one_line
 
 DEPTH: Final = 10
-"""Of every topic's history: ROS's usual one. Who reads less often loses the oldest."""
+"""Messages of each topic that are kept until they are read, as usual in ROS; then the oldest is lost."""
 SPIN_S: Final = 0.004
-"""Whatever comes, a spin takes no longer than this, and one message more of each topic and service: of each sender,
-where senders are told apart.
+"""Longest time of a spin, but for one more message of each topic and service, and of each sender if the middleware
+tells senders apart.
 """
 LONGEST: Final = 2**17
-"""Bytes of a message. What is longer is left out: nobody waits until it has been read, and all that the arena needs is
-far shorter.
-"""
-HIGHEST_DOMAIN: Final = 232
+"""Bytes of a message. A longer one is left out: the arena needs none, and reading it takes time."""
+_HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
 _INSTALL: Final = install_hint("ros")
@@ -33,16 +31,16 @@ _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 Peer = str
-"""Who sent something: the same for all that comes from one process."""
+"""The sender of a message: one process."""
 Log = Callable[[str], object]
 """Takes one line for people."""
 OnMessage = Callable[[Any, Peer | None], object]
-"""Is called with a message, and with who sent it, as far as the middleware tells."""
+"""Takes a message and its sender, None if the middleware does not tell."""
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A service was called: whoever serves it answers once, at once or later."""
+    """One call of a service, which its server answers once, immediately or later."""
 
     message: Any
     peer: Peer | None
@@ -62,7 +60,7 @@ EndpointKind = Literal["publisher", "subscription", "service", "client"]
 
 
 class Endpoint(NamedTuple):
-    """What another node publishes, hears, serves or calls."""
+    """A publisher, subscription, service or client of another node."""
 
     node: str
     """Its full name: /turtle_controller."""
@@ -80,14 +78,14 @@ class Client(Protocol):
 
     @property
     def ready(self) -> bool:
-        """Whether somebody serves it, so that a call would be answered.
+        """Whether a node serves it, so that a call would be answered.
 
         Raises:
-            BusError: where somebody serves it who cannot answer over this bus.
+            BusError: if its node cannot answer over this bus.
         """
 
     def call(self, request: Any) -> Call:
-        """Ask; the response comes while the bus spins, or never."""
+        """Send a request; the response comes while the bus spins, or never."""
 
 
 class Bus(Protocol):
@@ -95,51 +93,50 @@ class Bus(Protocol):
 
     @property
     def backend(self) -> Backend:
-        """Which one it is."""
+        """Name of the back-end."""
 
     @property
     def about(self) -> str:
-        """What carries the messages, for people; empty if that is clear from `backend`."""
+        """Name of the middleware below the back-end; empty if there is only one."""
 
     def interfaces(self, given: Interfaces) -> Interfaces:
-        """The types that the other nodes use, as far as the middleware tells; else those given.
+        """Return the types that the other nodes use, if the middleware tells; else those given.
 
         Raises:
-            BusError: where they are not known here, or cannot be told.
+            BusError: if this ROS does not have them, or if they are ambiguous.
         """
 
     def graph(self) -> list[Endpoint] | None:
-        """What all other nodes publish, hear, serve and call; None where the middleware does not tell."""
+        """Return the endpoints of all other nodes; None if the middleware does not tell."""
 
     def listeners_to(self, topic: str) -> int | None:
-        """How many hear a topic; None where the middleware does not tell."""
+        """Return the number of a topic's subscriptions; None if the middleware does not tell."""
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
-        """Announce a topic; what is returned sends one message."""
+        """Announce a topic, and return a function that sends one message."""
 
     def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
-        """Hear a topic; what cannot be read is left out, and told once."""
+        """Subscribe to a topic; a message that cannot be read is left out, with one line for all of them."""
 
     def unsubscribe(self, topic: str) -> None:
-        """Hear it no more."""
+        """End a subscription."""
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> Client:
-        """Call a service; `on_failure` takes the line in which rosbridge says that no response will come, which
-        otherwise is logged.
-        """
+        """Return a client of a service; over rosbridge `on_failure` takes the line that says why a call failed."""
 
     def declare(self, parameters: Parameters) -> None:
         """Let others read and change the node's parameters, as `ros2 param` does: over rclpy only."""
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
-        """Who publishes on a topic that was subscribed to; None where the middleware does not tell."""
+        """Return who publishes on a topic that was subscribed to; None if the middleware does not tell."""
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Take what has come, one message of each topic and service after the other, for SPIN_S; where nothing has
-        come, wait for it so long. What is left waits for the next spin, in queues that lose their oldest.
+        """Handle what has come, one message of each topic and service in turn, for SPIN_S.
+
+        If nothing has come, wait up to `timeout_s`. The rest waits for the next spin, in queues that lose their oldest.
         """
 
     def close(self) -> None:
@@ -147,25 +144,25 @@ class Bus(Protocol):
 
 
 class WithoutGraph:
-    """What the back-ends without ROS's own library cannot tell."""
+    """The part of a `Bus` that only ROS's own library can do."""
 
     about = ""
 
     def interfaces(self, given: Interfaces) -> Interfaces:
-        """Those given."""
+        """Return those given."""
         return given
 
     def graph(self) -> list[Endpoint] | None:
-        """It is not known."""
+        """Return None."""
         return None
 
     def listeners_to(self, topic: str) -> int | None:
-        """It is not known."""
+        """Return None."""
         del topic
         return None
 
     def declare(self, parameters: Parameters) -> None:
-        """There is no node of ROS's: only --ros-args gives parameters."""
+        """Do nothing: there is no node of ROS's."""
 
 
 def open_bus(
@@ -173,7 +170,6 @@ def open_bus(
     *,
     node: str = "catch_arena",
     domain: int | None = None,
-    localhost: bool = False,
     url: str | None = None,
     log: Log = print,
 ) -> Bus:
@@ -181,27 +177,18 @@ def open_bus(
 
     Args:
         backend: None takes the first of BACKENDS that works here.
-        node: what the node is called.
-        domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. rosbridge has that of its server.
-        localhost: whether cyclonedds keeps to this machine whatever the environment says; else ROS_LOCALHOST_ONLY and
-            ROS_AUTOMATIC_DISCOVERY_RANGE say where it looks for others.
+        node: the node's name, over rclpy.
+        domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. A rosbridge server has its own.
         url: rosbridge's server; None is BRIDGE_URL.
         log: takes one line whenever there is something that people should know.
 
     Raises:
-        ConfigError: for a domain that cannot be; for a domain or a url that this back-end has no use for.
-        BusError: where what it needs is not installed, or where the bus cannot be reached.
+        ConfigError: for a domain that does not exist, or a domain or a url that this back-end does not use.
+        BusError: if what it needs is not installed, or if the bus cannot be reached.
     """
     number = _checked_domain(domain)
     if backend is None:
-        backend = next((one for one in BACKENDS if _is_installed(one)), None)
-        if backend is None:
-            raise BusError(f"a ROS 2 bus needs rclpy, cyclonedds or websockets: {_INSTALL}")
-        if backend != "rclpy" and "ROS_DISTRO" in os.environ:
-            log(
-                f"warning: ROS is sourced, but rclpy cannot be imported ({_import_fault()}), so {backend} is used: "
-                "make the virtual environment with ROS's own Python: python3 -m venv --system-site-packages"
-            )
+        backend = _first_that_works(log)
     elif not _is_installed(backend):
         raise BusError(_missing(backend))
     if backend == "rosbridge" and domain is not None:
@@ -214,9 +201,8 @@ def open_bus(
         )
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
-        from catch_arena.ros.middleware.dds_domain import discovery_of
 
-        return DdsBus(node, number, "localhost" if localhost else discovery_of(os.environ), log=log)
+        return DdsBus(number, log=log)
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
@@ -227,7 +213,7 @@ def open_bus(
 
 
 def described(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
-    """One line on how nodes reach this bus, and with which types."""
+    """Return one line on how nodes reach this bus, and with which types."""
     where = "" if bus.backend == "rosbridge" else f", domain {_checked_domain(domain)}"
     below = f", {bus.about}" if bus.about else ""
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
@@ -235,12 +221,12 @@ def described(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
 
 
 def is_service(name: str) -> bool:
-    """Whether a service can have that name: /catch_turtle."""
+    """Return whether a service can have that name: /catch_turtle."""
     return _SERVICE.fullmatch(name) is not None
 
 
 def checked_package(option: str, name: str) -> str:
-    """The name of a ROS package.
+    """Return the name of a ROS package.
 
     Raises:
         ConfigError: for anything else.
@@ -252,10 +238,22 @@ def checked_package(option: str, name: str) -> str:
 
 def _checked_domain(domain: int | None) -> int:
     word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0" if domain is None else str(domain)
-    if not (word.isascii() and word.isdecimal()) or int(word) > HIGHEST_DOMAIN:
+    if not (word.isascii() and word.isdecimal()) or int(word) > _HIGHEST_DOMAIN:
         name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
-        raise ConfigError(f"{name} must be a whole number from 0 to {HIGHEST_DOMAIN}, got {word}")
+        raise ConfigError(f"{name} must be a whole number from 0 to {_HIGHEST_DOMAIN}, got {word}")
     return int(word)
+
+
+def _first_that_works(log: Log) -> Backend:
+    backend = next((one for one in BACKENDS if _is_installed(one)), None)
+    if backend is None:
+        raise BusError(f"a ROS 2 bus needs rclpy, cyclonedds or websockets: {_INSTALL}")
+    if backend != "rclpy" and "ROS_DISTRO" in os.environ:
+        log(
+            f"warning: ROS is sourced, but rclpy cannot be imported ({_import_fault()}), so {backend} is used: "
+            "make the virtual environment with ROS's own Python: python3 -m venv --system-site-packages"
+        )
+    return backend
 
 
 def _is_installed(backend: Backend) -> bool:

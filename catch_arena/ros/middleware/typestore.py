@@ -1,5 +1,6 @@
-"""Our types as the library rosbags knows types."""
+"""Our types as the library rosbags has them, and their hashes."""
 
+from functools import cache
 from typing import Any
 
 from rosbags.interfaces import Nodetype
@@ -9,7 +10,7 @@ from catch_arena.ros.middleware.interfaces import MessageType
 
 
 def register(store: Typestore, kind: MessageType) -> None:
-    """Make a type, and those in it, known to a type store, unless it knows them."""
+    """Add a type, and those in it, to a type store that does not have them."""
     if kind.name in store.fielddefs:
         return
     lines: list[Any] = []
@@ -19,6 +20,14 @@ def register(store: Typestore, kind: MessageType) -> None:
         else:
             register(store, word)
             node = (Nodetype.NAME, word.name)
-        most = 1 if kind.name.endswith("_Event") else 0  # 0: as many as there are
+        most = 1 if kind.name.endswith("_Event") else 0  # 0: any number
         lines.append((name, (Nodetype.SEQUENCE, (node, most)) if is_sequence else node))
     store.register({kind.name: ([], lines)})
+
+
+@cache
+def type_hash(kind: MessageType) -> str:
+    """Return the hash of a definition (REP 2011), which nodes of Iron and later announce."""
+    store = Typestore()
+    register(store, kind)
+    return store.hash_rihs01(kind.name)
