@@ -1,11 +1,10 @@
 """A small rosbridge server, written from the protocol's page: topics and services between its websocket clients.
 
-Where the page leaves it open, it does as rosbridge_suite 2.1.0:
+It does as rosbridge_suite 2.1.0 where the page leaves it open:
 
-- errors go to its own log, and no client hears of them;
 - nothing more of a connection is read until a call that came over it is answered;
-- a service stays when its client has gone;
-- of a connection that ends, what was not read yet is forgotten.
+- a service stays when its client has gone, and nobody answers a call of it then;
+- frames of a connection that were not read when it ended are forgotten.
 """
 
 import json
@@ -19,23 +18,19 @@ from websockets.sync.server import serve
 
 
 class Bridge:
-    """Everything that was read is kept in `frames`, and in `errors` what it could not do. Whoever holds `reading` keeps
-    it from reading on.
-    """
+    """Keeps all frames that it has read in `frames`; while a test holds `reading`, it reads no more."""
 
     def __init__(self):
-        self.frames, self.errors = [], []
-        self.services = {}
+        self.frames, self.services = [], {}
         self.reading = threading.RLock()
-        self._clients = set()
-        self._types = {}
+        self.clients = set()
         self._subscribers = {}
         self._callers = {}
         self._ids = count(1)
 
     def __call__(self, socket):
-        """One client, until it goes."""
-        self._clients.add(socket)
+        """Serve one client, until it goes."""
+        self.clients.add(socket)
         texts, gone = SimpleQueue(), threading.Event()
         threading.Thread(target=self._read, args=(socket, texts, gone), daemon=True).start()
         with suppress(WebSocketException):
@@ -44,7 +39,7 @@ class Bridge:
         gone.set()
         texts.put(None)
         with self.reading:
-            self._clients.discard(socket)
+            self.clients.discard(socket)
             for sockets in self._subscribers.values():
                 sockets.discard(socket)
 
@@ -56,17 +51,9 @@ class Bridge:
                     return
                 frame = json.loads(text)
                 self.frames.append(frame)
-                answered = getattr(self, f"on_{frame['op']}", self.refuse)(socket, frame)
+                answered = getattr(self, f"on_{frame['op']}", lambda *_: None)(socket, frame)
             if answered is not None:
                 answered.wait()
-
-    def refuse(self, socket, frame):
-        del socket
-        self.errors.append(frame)
-
-    def on_advertise(self, socket, frame):
-        if self._types.setdefault(frame["topic"], frame["type"]) != frame["type"]:
-            self.refuse(socket, frame)
 
     def on_subscribe(self, socket, frame):
         self._subscribers.setdefault(frame["topic"], set()).add(socket)
@@ -75,8 +62,7 @@ class Bridge:
         self._subscribers[frame["topic"]].discard(socket)
 
     def on_publish(self, socket, frame):
-        if frame["topic"] not in self._types:
-            self.refuse(socket, frame)
+        del socket
         for other in self._subscribers.get(frame["topic"], ()):
             send(other, {"op": "publish", "topic": frame["topic"], "msg": frame["msg"]})
 
@@ -84,47 +70,44 @@ class Bridge:
         self.services[frame["service"]] = socket
 
     def on_unadvertise_service(self, socket, frame):
-        if self.services.pop(frame["service"], None) is None:
-            self.refuse(socket, frame)
+        del socket
+        self.services.pop(frame["service"], None)
 
     def on_call_service(self, socket, frame):
-        """What to wait for."""
+        """Pass a call on, and return the event to wait for."""
         service = frame["service"]
         if service not in self.services:
-            said = f"Service {service} does not exist"
-            send(socket, {"op": "service_response", "service": service, "values": said, "result": False} | named(frame))
+            self._respond(socket, frame, f"Service {service} does not exist", result=False)
             return None
-        own = f"service_request:{service}:{next(self._ids)}"
-        answered = threading.Event()
+        own, answered = f"service_request:{service}:{next(self._ids)}", threading.Event()
         self._callers[own] = socket, frame, answered
-        asked = {"op": "call_service", "id": own, "service": service, "args": frame.get("args", {})}
-        send(self.services[service], asked)
+        args = frame.get("args", {})
+        send(self.services[service], {"op": "call_service", "id": own, "service": service, "args": args})
         return answered
 
     def on_service_response(self, socket, frame):
-        """Services of ROS cannot say that they failed: then whoever called waits for ever."""
-        if not isinstance(frame["values"], dict):
-            self.refuse(socket, frame)
-            return
-        caller, asked, answered = self._callers.pop(frame["id"])
-        answer = {"op": "service_response", "service": frame["service"], "values": frame["values"], "result": True}
-        send(caller, answer | named(asked))
-        answered.set()
+        """Pass it on; services of ROS cannot say that they failed, so the caller of one that does waits for ever."""
+        del socket
+        if isinstance(frame["values"], dict):
+            caller, asked, answered = self._callers.pop(frame["id"])
+            self._respond(caller, asked, frame["values"], result=True)
+            answered.set()
+
+    def _respond(self, socket, asked, values, *, result):
+        named = {"id": asked["id"]} if "id" in asked else {}
+        answer = {"op": "service_response", "service": asked["service"], "values": values, "result": result}
+        send(socket, answer | named)
 
     def raw(self, text):
-        """Send something to all clients, whatever it is."""
-        for socket in list(self._clients):
+        """Send a text to all clients."""
+        for socket in list(self.clients):
             with suppress(WebSocketException):  # it may just be going
                 socket.send(text)
 
     def hang_up(self):
-        """On all clients."""
-        for socket in list(self._clients):
+        """Close all connections."""
+        for socket in list(self.clients):
             socket.close()
-
-
-def named(frame):
-    return {"id": frame["id"]} if "id" in frame else {}
 
 
 def send(socket, frame):
@@ -134,7 +117,7 @@ def send(socket, frame):
 
 @contextmanager
 def running_bridge():
-    """A server on a free port: it, and its address."""
+    """Run a server on a free port, and return it with its address."""
     bridge = Bridge()
     with serve(bridge, "127.0.0.1", 0) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
