@@ -162,8 +162,7 @@ def test_a_file_as_ros2_param_dump_writes_it_is_read(tmp_path):
         ("turtle_spawner:\n  ros__parameters: [1]\n", "turtle_spawner.ros__parameters must be names with values"),
         (f"/**:\n  ros__parameters:\n    {FREQUENCY}: 2\n", f"{FREQUENCY} must be a double, as 2.0, got 2"),
         ("a: [\n", "must be YAML: "),
-        ("a: 1\na: 2\n", "must be YAML: "),
-        ("a: !!python/object:os.system x\n", "must be YAML: "),
+        ("? [a]\n: 1\n", "must be YAML: "),
         ("\x00", "must be YAML: "),
     ],
 )
@@ -185,9 +184,8 @@ def test_where_nothing_reads_yaml_it_says_what_to_install(monkeypatch):
 def test_a_match_has_the_spawners_parameters_and_keeps_them():
     """R3.1 counts the firings from its beginning."""
     parameters = arena_parameters(ArenaConfig(spawn_frequency_hz=2, name_prefix="b "))
-    assert [(one.name, one.value) for one in parameters] == [(FREQUENCY, 2.0), (PREFIX, "b ")]
-    for change in ((FREQUENCY, 3.0), (FREQUENCY, 2.0), (PREFIX, "c")):
-        assert parameters.change([change]).startswith(f"{change[0]} cannot be changed: a match keeps its settings")
+    assert {name: one.value for name, one in parameters.items()} == {FREQUENCY: 2.0, PREFIX: "b "}
+    assert all(one.fixed.startswith("a match keeps its settings") for one in parameters.values())
 
 
 @pytest.fixture
@@ -219,9 +217,9 @@ def test_the_spawners_timer_goes_on_from_the_last_target_at_its_new_frequency(hu
         return len(asked) - before
 
     assert (play(61), play(1), play(125)) == (0, 1, 2)  # 62 ticks of 16 ms are a second
-    assert parameters.change([(FREQUENCY, 10.0)]) == ""
+    frequency.set(10.0)
     assert play(60) == 10
-    assert parameters.change([(FREQUENCY, 0.0)]) == ""  # R3.1: one every 5 s
+    frequency.set(0.0)  # R3.1: one every 5 s
     assert (play(310), play(1)) == (0, 1)
     assert said == [f"{FREQUENCY}: 10", f"{FREQUENCY}: 0"]
     assert asked == [f"bob_{number}" for number in range(1, 15)]
@@ -242,7 +240,7 @@ def test_a_controller_drives_to_the_closest_or_to_the_oldest_target_from_one_per
         )
         turns = []
         for wanted in (True, False, False, True):
-            assert parameters.change([(CLOSEST, wanted)]) == ""
+            closest.set(wanted)
             pose(Pose(5.0, 5.0, 0.0, 0.0, 0.0))
             ours.spin()
             node.tick()
@@ -252,5 +250,4 @@ def test_a_controller_drives_to_the_closest_or_to_the_oldest_target_from_one_per
 
 def test_an_agent_of_ones_own_leaves_a_controller_without_parameters():
     """It decides for itself."""
-    assert list(controller_parameters(None)) == []
-    assert controller_parameters(None).change([(CLOSEST, True)]).endswith("this node has none")
+    assert controller_parameters(None) == {}

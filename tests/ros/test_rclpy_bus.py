@@ -334,7 +334,7 @@ def test_parameters_are_the_nodes_own(joined):
 
     def change(*changes):
         result = joined._context.on_set([SimpleNamespace(name=name, value=value) for name, value in changes])
-        return result.successful, result.reason
+        return result.successful, getattr(result, "reason", "")
 
     assert change(("use_sim_time", True)) == (True, "")
     assert change(("use_sim_time", True), ("spawn_frequency", 4.0)) == (True, "")
@@ -342,6 +342,7 @@ def test_parameters_are_the_nodes_own(joined):
     done, reason = change(("spawn_frequency", math.nan))
     assert not done
     assert reason.startswith("spawn_frequency: ")
+    assert change(("spawn_frequency", 2)) == (False, "spawn_frequency must be a double, as 2.0, got 2")
     assert parameters["spawn_frequency"].value == 4.0
 
 

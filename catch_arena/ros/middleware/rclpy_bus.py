@@ -8,18 +8,14 @@ from importlib import import_module
 from operator import attrgetter
 from typing import Any, Final
 
-from catch_arena.errors import BusError
+from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Endpoint, EndpointKind, Log, OnMessage, Peer, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType, from_attributes
 from catch_arena.ros.middleware.names import INTERFACES, Backend
 from catch_arena.ros.middleware.parameters import Parameters
-from catch_arena.ros.middleware.ros_types import (
-    fitting_packages,
-    package_types,
-    ros_class,
-    turtlesim_package,
-)
+from catch_arena.ros.middleware.ros_types import fitting_packages, package_types, ros_class, turtlesim_package
+from catch_arena.text import one_line
 
 _LOOK_S: Final = 2.0
 """So long the nodes are looked for whose types are to be used, if no single package has them."""
@@ -204,17 +200,22 @@ class RclpyBus:
         return _RclpyClient(self._node.create_client(ros_class(kind.name), service, callback_group=self._group), kind)
 
     def declare(self, parameters: Parameters) -> None:
-        """The node serves them itself, and has others of its own."""
+        """Let ROS's node serve them. It refuses other types and fixed parameters itself, and has more of its own."""
         messages = import_module("rcl_interfaces.msg")
-        for one in parameters:
+        for one in parameters.values():
             descriptor = messages.ParameterDescriptor(
                 description=one.description, additional_constraints=one.fixed, read_only=bool(one.fixed)
             )
             self._node.declare_parameter(one.name, one.value, descriptor)
 
         def change(changes: Sequence[Any]) -> Any:
-            reason = parameters.change([(one.name, one.value) for one in changes if one.name in parameters])
-            return messages.SetParametersResult(successful=not reason, reason=reason)
+            try:
+                for one in changes:
+                    if one.name in parameters:
+                        parameters[one.name].set(one.value)
+            except ConfigError as error:
+                return messages.SetParametersResult(successful=False, reason=one_line(str(error)))
+            return messages.SetParametersResult(successful=True)
 
         self._node.add_on_set_parameters_callback(change)
 

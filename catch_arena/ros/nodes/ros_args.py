@@ -1,4 +1,4 @@
-"""What stands behind --ros-args, as `ros2 run` and launch files write it: a node's parameters, and its name.
+"""The words after --ros-args, as `ros2 run` and launch files write them: a node's parameters, and its name.
 
 --ros-args -p spawn_frequency:=2.0 --params-file FILE.yaml -r __node:=NAME
 """
@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from catch_arena.errors import BusError, ConfigError, install_hint
+from catch_arena.errors import BusError, ConfigError, install_hint, suggest
 from catch_arena.files import read_text
 from catch_arena.ros.middleware.bus import Log
 from catch_arena.ros.middleware.parameters import Parameters
@@ -18,8 +18,6 @@ _NODE: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 _PARAMETER, _FILE, _REMAP = "-p", "--params-file", "-r"
 _WORDS: Final = {"-p": _PARAMETER, "--param": _PARAMETER, "--params-file": _FILE, "-r": _REMAP, "--remap": _REMAP}
 _SECTION: Final = "ros__parameters"
-_ANY_NODE: Final = ("/**", "/*")
-"""How files call all nodes."""
 _TRUE, _FALSE = (
     {form for word in words for form in (word, word.capitalize(), word.upper())}
     for words in (("y", "yes", "true", "on"), ("n", "no", "false", "off"))
@@ -29,20 +27,20 @@ _INFINITE_OR_NAN: Final = re.compile(r"[+-]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
 
 def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, log: Log) -> str:
-    """Give parameters the values that they are to begin with; of several the last one counts.
+    """Set parameters before the node runs; of several values the last one counts.
 
     Args:
-        words: those behind --ros-args.
-        node: what the node is called if nothing else is said.
+        words: those after --ros-args.
+        node: the node's usual name.
         parameters: its own.
-        log: takes one line about what is left out.
+        log: takes one line about a value that is left out.
 
     Returns:
-        what the node is called.
+        the node's name.
 
     Raises:
-        ConfigError: for what cannot be, or is not understood here.
-        BusError: where what reads YAML is not installed.
+        ConfigError: for a word that is not understood, and for a value that cannot be.
+        BusError: if the library that reads YAML is not installed.
     """
     pairs = list(_pairs(words))
     for kind, text in pairs:
@@ -50,14 +48,14 @@ def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, log: 
             node = _node_name(text)
     for kind, text in pairs:
         if kind == _PARAMETER:
-            parameters.begin_with(*_assignment(text, node))
+            _take_assignment(text, node, parameters)
         elif kind == _FILE:
             _take_file(Path(text), node, parameters, log)
     return node
 
 
 def _pairs(words: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Each word with the one that belongs to it."""
+    """Yield each option with its value."""
     rest = iter(words)
     for word in rest:
         if word not in _WORDS:
@@ -80,14 +78,18 @@ def _node_name(rule: str) -> str:
     return name
 
 
-def _assignment(text: str, node: str) -> tuple[str, Any]:
-    name, sign, value = text.partition(":=")
+def _take_assignment(text: str, node: str, parameters: Parameters) -> None:
+    name, sign, word = text.partition(":=")
     if not name or not sign:
         raise ConfigError(f"--ros-args -p must be NAME:=VALUE, as spawn_frequency:=2.0, got {text!r}")
     of, colon, name = name.rpartition(":")
     if colon and of.removeprefix("/") != node:
         raise ConfigError(f"--ros-args -p {text} is of the node {of}, and this one is {node}")
-    return name, _load(value, f"--ros-args -p {name}")
+    value = _load(word, f"--ros-args -p {name}")
+    if name not in parameters:
+        known = suggest(name, parameters) if parameters else "this node has none"
+        raise ConfigError(f"there is no parameter {in_short(name)}: {known}")
+    parameters[name].set(value)
 
 
 def _take_file(file: Path, node: str, parameters: Parameters, log: Log) -> None:
@@ -96,7 +98,7 @@ def _take_file(file: Path, node: str, parameters: Parameters, log: Log) -> None:
     except OSError as error:
         raise ConfigError(f"--params-file {file} cannot be read: {one_line(str(error))}") from None
     nodes = _mapping(_load(text, f"--params-file {file}") or {}, str(file))
-    for key in (*_ANY_NODE, node, f"/{node}"):  # what is said of all nodes counts less
+    for key in ("/**", "/*", node, f"/{node}"):  # values for all nodes count less
         if key not in nodes:
             continue
         section = _mapping(nodes[key], f"{file}: {key}")
@@ -104,7 +106,7 @@ def _take_file(file: Path, node: str, parameters: Parameters, log: Log) -> None:
             raise ConfigError(f"{file}: {key} must have {_SECTION}")
         for name, value in _mapping(section[_SECTION], f"{file}: {key}.{_SECTION}").items():
             if name in parameters:
-                parameters.begin_with(name, value)
+                parameters[name].set(value)
             else:  # a file may be another node's too, or `ros2 param dump` of one that has more
                 log(f"warning: {file}: {key} has {in_short(name)}, which is no parameter of {node}: it is left out")
 
@@ -116,22 +118,20 @@ def _mapping(value: object, where: str) -> Mapping[Any, Any]:
 
 
 def _load(text: str, where: str) -> Any:
-    """YAML as ROS reads it; None where there is nothing."""
+    """Return YAML as ROS reads it; None for nothing."""
     try:
         from ruamel.yaml import YAML
         from ruamel.yaml.error import YAMLError
     except ImportError:
         raise BusError(f"--ros-args needs ruamel.yaml, which is not installed: {install_hint('ros')}") from None
-    yaml = YAML(typ="safe", pure=True)
     try:
-        yaml.load(text)  # refuses what two readers may understand differently, as a key that comes twice
-        return _value(yaml.compose(text))
-    except (YAMLError, ValueError, RecursionError) as error:
+        return _value(YAML(typ="safe", pure=True).compose(text))
+    except (YAMLError, TypeError, ValueError, RecursionError) as error:
         raise ConfigError(f"{where} must be YAML: {one_line(str(error))}") from None
 
 
 def _value(node: Any) -> Any:
-    """What a node of YAML stands for: rcl reads names as they are, and single words by rules of its own."""
+    """Return the value of a node of YAML: ROS has rules of its own for words without quotes."""
     if node is None:
         return None
     if node.id == "mapping":
@@ -142,7 +142,7 @@ def _value(node: Any) -> Any:
 
 
 def _word(word: str) -> bool | int | float | str | None:
-    """A word without quotes: true or false, a whole number, a double, or else a text (rcl_yaml_param_parser)."""
+    """Return true or false, a whole number, a double, or else a text, as rcl_yaml_param_parser does."""
     if word in _TRUE or word in _FALSE:
         return word in _TRUE
     if whole := _WHOLE.fullmatch(word):
