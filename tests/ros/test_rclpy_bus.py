@@ -205,11 +205,11 @@ def test_topics_go_through_ross_own_messages(joined):
     joined.spin()
 
     assert heard == [(TwistMessage.of(1.0, 2.0), None), (turtles, None)]
-    assert joined.publishers_of("/a") == {"/arena"}
+    assert joined.publishers_of("/a") == {"/arena (1)"}
     assert joined.publishers_of("/c") == frozenset()
 
     joined.publisher("/a", TWIST)  # by another node, which has the same name
-    assert joined.publishers_of("/a") == {"/arena", "/arena (2)"}
+    assert joined.publishers_of("/a") == {"/arena (1)", "/arena (2)"}
 
 
 def test_the_types_that_a_node_uses_come_before_those_of_packages(joined, monkeypatch):

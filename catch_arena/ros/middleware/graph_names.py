@@ -1,4 +1,4 @@
-"""What the topics and services of a match are called on the bus: the exercise's names, turtlesim's, and our own."""
+"""Names of the topics and services of a match: the exercise's, turtlesim's, and our own."""
 
 from typing import Final
 
@@ -18,19 +18,19 @@ CLEAR: Final = "/clear"
 RESET: Final = "/reset"
 
 POSE: Final = "/pose"
-"""Behind a turtle's name."""
+"""Comes after a turtle's name."""
 
 
 def pose_of(turtle: str) -> str:
-    """The topic on which a turtle's pose is told."""
+    """Return the topic of a turtle's pose."""
     return f"/{turtle}{POSE}"
 
 
 def cmd_vel_of(turtle: str) -> str:
-    """The topic that drives it."""
+    """Return the topic that drives a turtle."""
     return f"/{turtle}/cmd_vel"
 
 
 def catch_turtle_of(turtle: str) -> str:
-    """The service of its own."""
+    """Return a hunter's own catch service."""
     return f"/{turtle}{CATCH_TURTLE}"

@@ -1,4 +1,4 @@
-"""R8.1: what goes over a ROS 2 bus, as ROS's own definitions, and the tuples that stand for it here.
+"""R8.1: messages and services on a ROS 2 bus, as ROS's own definitions, and the tuples that stand for them here.
 
 A definition is the text of a .msg or .srv file. Each back-end makes its own types from it, so that a field and its
 width stand in one place.
@@ -23,8 +23,9 @@ class Field(NamedTuple):
     """One line of a definition."""
 
     name: str
-    """Empty where a student's own type lacks it: it is not sent, and is zero when it is read. Dots lead into messages:
-    turtle.name.
+    """Empty if a student's own type lacks it: it is not sent, and is zero when it is read.
+
+    Dots lead into messages: turtle.name.
     """
     type: "str | MessageType"
     """One of PRIMITIVES, or another message."""
@@ -53,7 +54,7 @@ class MessageType:
 
 @dataclass(frozen=True, slots=True)
 class ServiceType:
-    """A service: what is asked, and what is answered."""
+    """A service: its request and its response."""
 
     name: str
     """As ROS writes it: turtlesim/srv/Spawn."""
@@ -77,7 +78,7 @@ class TwistMessage(NamedTuple):
 
     @classmethod
     def of(cls, linear_x: float, angular_z: float) -> "TwistMessage":
-        """What a turtle obeys."""
+        """Return a Twist with the two numbers that a turtle obeys."""
         return cls(Vector3(linear_x, 0.0, 0.0), Vector3(0.0, 0.0, angular_z))
 
 
@@ -104,7 +105,7 @@ class SpawnRequest(NamedTuple):
 
 
 class Name(NamedTuple):
-    """The response of turtlesim/srv/Spawn, "" where nothing was spawned, and the request of turtlesim/srv/Kill."""
+    """The response of turtlesim/srv/Spawn, "" if nothing was spawned, and the request of turtlesim/srv/Kill."""
 
     name: str
 
@@ -114,7 +115,7 @@ class Empty(NamedTuple):
 
 
 class RulingMessage(NamedTuple):
-    """catch_arena_interfaces/msg/Ruling: what the arbiter made of one request (R5.6)."""
+    """catch_arena_interfaces/msg/Ruling: the arbiter's ruling on one request (R5.6)."""
 
     time: float
     """The arena's, when the step began in which it was judged [s]."""
@@ -125,15 +126,15 @@ class RulingMessage(NamedTuple):
     verdict: str
     success: bool
     distance: float
-    """Between the centres [m]; -1 where reach was not tested."""
+    """Between the centres [m]; -1 if reach was not tested."""
     winner: str
-    """Who won, where it was granted or contested; else empty."""
+    """The hunter that won the target, if the request was granted or lost a contest; else empty."""
     clause: str
     reason: str
 
 
 class StandingMessage(NamedTuple):
-    """catch_arena_interfaces/msg/Standing: where one hunter stands."""
+    """catch_arena_interfaces/msg/Standing: the score and the rank of one hunter."""
 
     time: float
     """The arena's [s]."""
@@ -146,7 +147,7 @@ class StandingMessage(NamedTuple):
 
 
 def message_type(name: str, make: Callable[..., Any], *lines: "str | tuple[MessageType, str]") -> MessageType:
-    """A message from the lines of its definition; those that hold another message are (message, name)."""
+    """Return a message from the lines of its definition; a line with another message is (message, name)."""
     fields = []
     for line in lines:
         kind, field = line.split() if isinstance(line, str) else line
@@ -156,17 +157,17 @@ def message_type(name: str, make: Callable[..., Any], *lines: "str | tuple[Messa
 
 
 def service_type(name: str, request: tuple[Any, ...], response: tuple[Any, ...]) -> ServiceType:
-    """A service: of each half the class, and the lines of its definition."""
+    """Return a service from its halves: of each the class, and the lines of its definition."""
     return ServiceType(name, message_type(f"{name}_Request", *request), message_type(f"{name}_Response", *response))
 
 
 def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageType, Any], Any]) -> dict[str, Any]:
-    """What one of our tuples holds, by the names of its definition.
+    """Return the values of one of our tuples, by the names of its definition.
 
     Args:
         kind: its type.
         message: the tuple.
-        convert: makes of a type and a tuple what stands for a message in it.
+        convert: converts a message in it, from its type and its tuple.
     """
     values: dict[str, Any] = {}
     for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
@@ -178,7 +179,7 @@ def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageT
 
 
 def from_attributes(kind: MessageType, source: Any) -> Any:
-    """Our tuple from what has the fields as attributes, as a library's messages do."""
+    """Return our tuple from an object that has the fields as attributes, as a library's messages do."""
     values = []
     for name, word, is_sequence in kind.fields:
         value: Any = attrgetter(name)(source) if name else 0.0
@@ -257,11 +258,11 @@ class Interfaces:
         self.kill = service_type(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))
 
     def of_turtlesim(self, package: str) -> "Interfaces":
-        """The same with turtlesim's types of another package."""
+        """Return the same with turtlesim's types of another package."""
         return self if package == self.turtlesim else Interfaces(self.package, package)
 
     def with_types(self, turtle_array: MessageType, catch_turtle: ServiceType) -> "Interfaces":
-        """The same with a list and a catch service of another package."""
+        """Return the same with a list and a catch service of another package."""
         changed = Interfaces(catch_turtle.name.partition("/")[0], self.turtlesim)
         (turtles,) = turtle_array.fields
         if isinstance(turtles.type, MessageType):

@@ -1,10 +1,10 @@
-"""What a bus and the exercise's packages are called: for options, which must not load what speaks to a bus."""
+"""Names of back-ends and packages, for command-line options, which must not load a back-end."""
 
 from typing import Final, Literal, get_args
 
 Backend = Literal["rclpy", "cyclonedds", "rosbridge"]
 BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
-"""In the order in which they are looked for."""
+"""In the order in which they are tried."""
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"
 """Where rosbridge's server usually listens."""
 INTERFACES: Final = "my_robot_interfaces"

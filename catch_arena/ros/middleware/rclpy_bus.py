@@ -1,7 +1,6 @@
-"""The bus by ROS's own library: whatever middleware is set there works, services too."""
+"""The bus by ROS's own library: any middleware that is set there works, services too."""
 
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from importlib import import_module
@@ -18,11 +17,11 @@ from catch_arena.ros.middleware.ros_types import fitting_packages, package_types
 from catch_arena.text import one_line
 
 _LOOK_S: Final = 2.0
-"""So long the nodes are looked for whose types are to be used, if no single package has them."""
+"""If several packages have the types, nodes that use one of them are looked for so long."""
 
 
 class RclpyBus:
-    """See `catch_arena.ros.middleware.bus.Bus`. rclpy does not say who sent a message.
+    """See `catch_arena.ros.middleware.bus.Bus`. rclpy does not tell who sent a message.
 
     Args:
         node: its name.
@@ -30,7 +29,7 @@ class RclpyBus:
         log: takes one line whenever there is something that people should know.
 
     Raises:
-        BusError: where rclpy cannot begin.
+        BusError: if rclpy cannot be loaded.
     """
 
     def __init__(self, node: str, domain: int, *, log: Log) -> None:
@@ -38,13 +37,13 @@ class RclpyBus:
             rclpy = import_module("rclpy")
             groups, executors = import_module("rclpy.callback_groups"), import_module("rclpy.executors")
             self._future = import_module("rclpy.task").Future
-        except ImportError as error:  # its C parts need the libraries that sourcing ROS makes known
+        except ImportError as error:  # its C parts need libraries that are found when ROS is sourced
             raise BusError(f"rclpy cannot be loaded ({error}): source ROS first") from None
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = rclpy.create_node(node, context=self._context)
         self._group = groups.ReentrantCallbackGroup()
-        """Of everything: in ROS's usual one an unanswered request keeps all else waiting."""
+        """Group of all callbacks: in ROS's usual one an unanswered request keeps all else waiting."""
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._log = log
@@ -54,20 +53,20 @@ class RclpyBus:
         self._owed = 0
         self._spinning = False
         self._answered = 0
-        """How many answers were given that have not left yet."""
+        """Number of answers that were given and have not left yet."""
 
     @property
     def backend(self) -> Backend:
-        """Which one it is."""
+        """Name of the back-end."""
         return "rclpy"
 
     @property
     def about(self) -> str:
-        """The middleware below."""
+        """Name of the middleware below."""
         return str(import_module("rclpy").get_rmw_implementation_identifier())
 
     def interfaces(self, given: Interfaces) -> Interfaces:
-        """The types of the nodes that are there, else of the one package that has them; see `Bus.interfaces`."""
+        """Return the types of the nodes that are there, else of the one package that has them."""
         if self._types is None:
             self._types = self._find_types(given.of_turtlesim(turtlesim_package(given.turtlesim)))
         return self._types
@@ -98,8 +97,9 @@ class RclpyBus:
         return next(iter(found.values()))
 
     def graph(self) -> list[Endpoint]:
-        """What all other nodes publish, hear, serve and call. Topics are asked for one by one: of several nodes with
-        one name ROS would tell the topics of the first.
+        """Return the endpoints of all other nodes.
+
+        Topics are asked for one by one: of several nodes with one name ROS would tell only the topics of the first.
         """
         node = self._node
         found = [end for topic, _ in node.get_topic_names_and_types() for end in self._ends_of(topic)]
@@ -142,7 +142,7 @@ class RclpyBus:
             yield end._replace(fields_differ=fields != fields_of_ours.get(end.type, fields))
 
     def listeners_to(self, topic: str) -> int:
-        """How many hear a topic."""
+        """Return the number of a topic's subscriptions."""
         return int(self._node.count_subscribers(topic))
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
@@ -157,7 +157,7 @@ class RclpyBus:
         return publish
 
     def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
-        """Hear a topic."""
+        """Subscribe to a topic."""
 
         def hear(message: Any) -> None:
             self._heard += 1
@@ -168,12 +168,13 @@ class RclpyBus:
         )
 
     def unsubscribe(self, topic: str) -> None:
-        """Hear it no more."""
+        """End a subscription."""
         self._node.destroy_subscription(self._subscriptions.pop(topic))
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
-        """Answer a service; its callback is a coroutine, which the executor goes on with once there is an answer. Those
-        that are given between two spins leave together, before whatever is published next.
+        """Answer a service. Its callback is a coroutine, which the executor resumes when there is an answer.
+
+        Answers that are given between two spins leave together, before the next message is published.
         """
 
         async def handle(request: Any, response: Any) -> Any:
@@ -195,7 +196,7 @@ class RclpyBus:
         self._node.create_service(ros_class(kind.name), service, handle, callback_group=self._group)
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_RclpyClient":
-        """Call a service."""
+        """Return a client of a service."""
         del on_failure  # rclpy does not tell
         return _RclpyClient(self._node.create_client(ros_class(kind.name), service, callback_group=self._group), kind)
 
@@ -220,21 +221,16 @@ class RclpyBus:
         self._node.add_on_set_parameters_callback(change)
 
     def publishers_of(self, topic: str) -> frozenset[Peer] | None:
-        """Who publishes on a topic: ROS knows it, but not which of them sent a message. Several nodes may have one
-        name.
-        """
-        found = Counter(
-            _full_name(one.node_namespace, one.node_name) for one in self._node.get_publishers_info_by_topic(topic)
-        )
-        return frozenset(
-            name if number == 1 else f"{name} ({number})"
-            for name, most in found.items()
-            for number in range(1, most + 1)
-        )
+        """Return who publishes on a topic; several nodes may have one name."""
+        found = self._node.get_publishers_info_by_topic(topic)
+        names = [_full_name(one.node_namespace, one.node_name) for one in found]
+        return frozenset(f"{name} ({names[:place].count(name) + 1})" for place, name in enumerate(names))
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Take what has come. An executor does one thing at a time, for all topics and services in turn, and looks at
-        each unanswered request in between.
+        """Handle what has come.
+
+        An executor handles one message in each turn, of all topics and services in turn, and resumes each unanswered
+        request in between.
         """
         self._spinning = True
         idle, end = 0, None
@@ -267,11 +263,11 @@ class _RclpyClient:
 
     @property
     def ready(self) -> bool:
-        """Whether somebody serves it."""
+        """Whether a node serves it."""
         return bool(self._client.service_is_ready())
 
     def call(self, request: Any) -> Call:
-        """Ask."""
+        """Send a request."""
         call = Call()
 
         def done(future: Any) -> None:

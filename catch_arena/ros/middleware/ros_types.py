@@ -1,4 +1,4 @@
-"""The exercise's types as a student's own package has them: fields are matched by name, then by kind."""
+"""The exercise's types in a student's own package: fields are matched by name, then by kind."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -17,13 +17,13 @@ _KINDS: Final[Mapping[str, str]] = {
     "double": "real number",
     "boolean": "bool",
 }
-"""By ROS's word for a type, what a field of it can stand for."""
+"""The kind of a field, by ROS's word for its type."""
 _BY_KIND: Final = {"text", "bool", "list of messages"}
-"""Kinds of which the only field may have any name."""
+"""Kinds whose only field may have any name."""
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"), "success": ("success", "sucess")}
 """Other names that solutions of the exercise have for a field, the usual one first."""
 _LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
-"""Of several types that fit, those with such a name come first: a course's package often has a set_led beside them."""
+"""Of several types that fit, those with such a name come first: a course's package often has a set_led too."""
 _CORRECT: Final = (
     "correct the file, build the package again with colcon and source it; ros2/catch_arena_interfaces is an example"
 )
@@ -31,10 +31,10 @@ _MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
 def ros_class(name: str) -> Any:
-    """ROS's own class of a message or a service.
+    """Return ROS's own class of a message or a service.
 
     Raises:
-        BusError: where its package is not built, or not sourced.
+        BusError: if its package is not built, or not sourced.
     """
     package, folder, word = name.split("/")
     try:
@@ -43,44 +43,26 @@ def ros_class(name: str) -> Any:
         raise BusError(f"{name} is not known to this ROS: build {package} with colcon, and source it") from None
 
 
-def catch_service(name: str, wanted: ServiceType) -> ServiceType:
-    """A service of any package in the place of CatchTurtle.
-
-    Raises:
-        BusError: where it is not known, or a field that is needed is missing or ambiguous.
-    """
-    service = ros_class(name)
-    request = _matched(f"{name}_Request", service.Request, wanted.request)
-    return ServiceType(name, request, _matched(f"{name}_Response", service.Response, wanted.response))
-
-
-def turtle_list(name: str, wanted: MessageType) -> MessageType:
-    """A message of any package in the place of TurtleArray.
-
-    Raises:
-        BusError: where it is not known, or a field that is needed is missing or ambiguous.
-    """
-    return _matched(name, ros_class(name), wanted)
-
-
 def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: str = "") -> Interfaces:
-    """The exercise's types of this package: CatchTurtle and TurtleArray, or the only ones that could be theirs.
+    """Return a package's types in the place of CatchTurtle and TurtleArray: of these names, or the only ones that fit.
 
     Args:
         package: its name.
         given: the exercise's own types.
-        turtles: the type of the list that a node uses, if that is known, as other_msgs/msg/Turtles.
+        turtles: the type of the list that a node uses, if that is known: other_msgs/msg/Turtles.
         catch: the type of its service.
 
     Raises:
-        BusError: where it has none, or several.
+        BusError: if it has none, or several.
     """
 
     def service(name: str) -> ServiceType:
-        return catch_service(name, given.catch_turtle)
+        own, wanted = ros_class(name), given.catch_turtle
+        request = _matched(f"{name}_Request", own.Request, wanted.request)
+        return ServiceType(name, request, _matched(f"{name}_Response", own.Response, wanted.response))
 
     def message(name: str) -> MessageType:
-        return turtle_list(name, given.turtle_array)
+        return _matched(name, ros_class(name), given.turtle_array)
 
     asked = service(catch) if catch else _only(package, "srv", "CatchTurtle", service)
     listed = message(turtles) if turtles else _only(package, "msg", "TurtleArray", message)
@@ -88,10 +70,10 @@ def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: 
 
 
 def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
-    """The packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has.
+    """Return the packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has.
 
     Raises:
-        BusError: where none fits.
+        BusError: if none fits.
     """
     found, faults = {}, {}
     for package in sorted(_packages(), key=lambda name: (name != INTERFACES, name)):
@@ -110,7 +92,7 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
 
 
 def turtlesim_package(usual: str) -> str:
-    """turtlesim_msgs, as from Kilted on, if only that is installed; else the usual one."""
+    """Return turtlesim_msgs, as from Kilted on, if only that is installed; else the usual one."""
     for package in (usual, f"{usual}_msgs"):
         try:
             ros_class(f"{package}/msg/Pose")
@@ -121,7 +103,7 @@ def turtlesim_package(usual: str) -> str:
 
 
 def described(kind: MessageType | ServiceType) -> str:
-    """The fields that were matched, in ROS's words: `string name, double x, double y`."""
+    """Return the fields that were matched, in ROS's words: `string name, double x, double y`."""
     if isinstance(kind, ServiceType):
         return f"{described(kind.request)} -> {described(kind.response)}"
     words = ((one.type if isinstance(one.type, str) else one.type.name, one.name) for one in kind.fields if one.name)
@@ -129,7 +111,7 @@ def described(kind: MessageType | ServiceType) -> str:
 
 
 def _packages() -> Iterator[str]:
-    """Those with messages and services of their own."""
+    """Yield the packages with messages and services of their own."""
     try:
         resources = import_module("ament_index_python.resources")
     except ImportError:
@@ -141,7 +123,7 @@ def _packages() -> Iterator[str]:
 
 
 def _only(package: str, folder: str, usual: str, match: Any) -> Any:
-    """The match of the usual word, or of the only one that fits."""
+    """Return the match of the usual word, or of the only one that fits."""
     try:
         module = import_module(f"{package}.{folder}")
     except ImportError:
@@ -167,7 +149,7 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
 
 
 def _is_near(fault: str, package: str) -> bool:
-    """Whether it is about a type that by its name may be meant for the exercise."""
+    """Return whether a fault is about a type that by its name may be meant for the exercise."""
     return _LIKELY.search(" ".join(fault.replace(package, "").split()[:2])) is not None
 
 
@@ -179,8 +161,9 @@ def _not_built(package: str, folder: str) -> BusError:
 
 
 def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
-    """The type with the fields of `own` in the places of those that are wanted. theta may be missing, and an answer may
-    have no fields.
+    """Return the type with the fields of `own` in the places of those that are wanted.
+
+    theta may be missing, and an answer may have no fields.
     """
     there = dict(_flat(own))
     fields = []
@@ -204,7 +187,7 @@ def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
 
 
 def _flat(own: Any) -> Iterator[tuple[str, str]]:
-    """The fields with ROS's words for their types, also those of the messages in it: `turtle.name`."""
+    """Yield the fields with ROS's words for their types, also those of the messages in it: `turtle.name`."""
     for name, word in own.get_fields_and_field_types().items():
         yield name, word
         if _MESSAGE.fullmatch(word):
@@ -217,7 +200,7 @@ def _ros_word(field: Field) -> str:
 
 
 def _field(there: Mapping[str, str], wanted: str, kind: str) -> str | None:
-    """The name of the field in the place of a wanted one; None if there is none, or more than one.
+    """Return the name of the field in the place of a wanted one; None if there is none, or more than one.
 
     A message's own fields come before those of the messages in it.
     """

@@ -1,4 +1,4 @@
-"""What the arbiter ruled, as the message that listeners on a bus and readers of a bag get."""
+"""A ruling of the arbiter as a message, for a bus and for bags."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -10,10 +10,10 @@ _LONGEST_TOLD: Final = 255
 
 
 def ruling_message(ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> RulingMessage:
-    """One ruling.
+    """Return the message of one ruling.
 
     Args:
-        ruling: what was ruled.
+        ruling: the ruling.
         time_ms: when the step began in which it was judged.
         hunters: their names, by seat.
     """
