@@ -1,7 +1,4 @@
-"""CDR and the layout of ROS services, once more: by hand, from the description of the wire alone, byte after byte.
-
-Nothing of the package is used here, nor of the library that it uses.
-"""
+"""CDR and the layout of ROS services a second time: by hand, from the description of the wire alone."""
 
 import struct
 
@@ -9,7 +6,7 @@ LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 
 
 class Writer:
-    """Writes numbers at multiples of their size, counted from behind the four bytes in front."""
+    """Writes numbers at multiples of their size, counted from the fifth byte."""
 
     def __init__(self):
         self.body = bytearray()
@@ -26,26 +23,21 @@ class Writer:
         self.body += raw + b"\0"
         return self
 
-    def raw(self, value):
-        """Single bytes, which stand anywhere."""
-        self.body += value
-        return self
-
     def whole(self):
         return LITTLE_ENDIAN + bytes(self.body)
 
 
 class Reader:
-    """Reads what a Writer writes, in either order of bytes."""
+    """Reads the bytes of a Writer."""
 
     def __init__(self, data):
-        self.order = "<" if data[1] & 1 else ">"
+        assert data[:4] == LITTLE_ENDIAN
         self.body, self.at = data[4:], 0
 
     def number(self, code):
         size = struct.calcsize(f"<{code}")
         self.at += -self.at % size
-        (value,) = struct.unpack_from(f"{self.order}{code}", self.body, self.at)
+        (value,) = struct.unpack_from(f"<{code}", self.body, self.at)
         self.at += size
         return value
 
@@ -55,9 +47,6 @@ class Reader:
         self.at += length
         assert raw[-1:] == b"\0"
         return raw[:-1].decode()
-
-    def rest(self):
-        return self.body[self.at :]
 
 
 def pose(values):
@@ -89,5 +78,5 @@ def read_turtles(data):
 
 
 def begin(client, number):
-    """What requests and responses of a service begin with."""
+    """Return a Writer with the header of requests and responses."""
     return Writer().number("Q", client).number("q", number)

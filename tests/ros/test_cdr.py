@@ -1,7 +1,7 @@
 """Every message and service as bytes: the package's, and those made by hand from the wire's description."""
 
 import math
-from dataclasses import replace
+import struct
 
 import pytest
 from ros import cdr
@@ -16,7 +16,6 @@ from catch_arena.ros.middleware.interfaces import (
     TWIST,
     Clock,
     Empty,
-    Field,
     Interfaces,
     Name,
     RulingMessage,
@@ -92,31 +91,25 @@ def test_requests_and_responses_begin_with_the_client_and_a_number(kind, message
     assert decoded(kind, expected, header=True) == (message, *HEADER.values())
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 64])
-@pytest.mark.parametrize("name", ["", "a", "target_turtle_", "schildkröte", "x" * 255])
-def test_lists_of_turtles_agree_with_the_second_encoder(count, name):
-    """Names of every length move what follows them to other multiples of eight."""
-    turtles = [Turtle(f"{name}{'y' * place}", place + 0.1, -place, math.pi * place) for place in range(count)]
+@pytest.mark.parametrize("name", ["", "a", "schildkröte", "x" * 255])
+def test_lists_of_turtles_agree_with_the_second_encoder(name):
+    """Names of every length move the numbers after them to other multiples of eight."""
+    turtles = [Turtle(f"{name}{'y' * place}", place + 0.1, -place, math.pi * place) for place in range(9)]
 
     assert encoded(TYPES.turtle_array, TurtleArray(tuple(turtles))) == cdr.turtles(turtles)
     assert decoded(TYPES.turtle_array, cdr.turtles(turtles)) == TurtleArray(tuple(turtles))
 
 
-def test_numbers_agree_with_the_second_encoder():
-    """NaN and the infinities too, which are numbers on the wire."""
-    for numbers in [(0.0, -0.0, 1e300), (math.inf, -math.inf, 5e-324)]:
-        assert encoded(TWIST, TwistMessage(Vector3(*numbers), Vector3(*numbers))) == cdr.twist(numbers, numbers)
-    heard = decoded(TWIST, cdr.twist((math.nan, 0, 0), (0, 0, 1)))
-    assert math.isnan(heard.linear.x)
-    assert encoded(TYPES.pose, Pose(0.1, 0.2, 0.3, 0.4, 0.5)) == cdr.pose((0.1, 0.2, 0.3, 0.4, 0.5))
+def test_numbers_that_are_not_finite_are_numbers_on_the_wire():
+    """A Twist that holds one is left out later, with a line."""
+    numbers = (math.inf, -math.inf, 5e-324)
+    assert encoded(TWIST, TwistMessage(Vector3(*numbers), Vector3(*numbers))) == cdr.twist(numbers, numbers)
+    assert math.isnan(decoded(TWIST, cdr.twist((math.nan, 0, 0), (0, 0, 1))).linear.x)
 
 
 def test_big_endian_messages_are_read():
     """The first bytes say which order it is."""
-    pose = b"\x00\x00\x00\x00" + cdr.struct.pack(">5f", 1, 2, 3, 4, 5)
-
-    assert decoded(TYPES.pose, pose) == (1, 2, 3, 4, 5)
-    assert cdr.Reader(pose).number("f") == 1
+    assert decoded(TYPES.pose, b"\x00\x00\x00\x00" + struct.pack(">5f", 1, 2, 3, 4, 5)) == (1, 2, 3, 4, 5)
 
 
 def test_our_own_messages_agree_with_the_second_encoder():
@@ -125,34 +118,17 @@ def test_our_own_messages_agree_with_the_second_encoder():
     writer = cdr.Writer().number("d", 1.5).number("I", 93)
     writer.text("hunter_0").text("target_turtle_7").text("GRANTED").number("?", True).number("d", 0.25)
     writer.text("hunter_0").text("R5.4").text("caught")
-
     assert encoded(RULING, ruling) == writer.whole()
 
     standing = StandingMessage(2.0, "hunter_1", "anna", 3, 1, False)
-    writer = (
-        cdr.Writer().number("d", 2.0).text("hunter_1").text("anna").number("I", 3).number("I", 1).number("?", False)
-    )
-
-    assert encoded(STANDING, standing) == writer.whole()
+    writer = cdr.Writer().number("d", 2.0).text("hunter_1").text("anna")
+    assert encoded(STANDING, standing) == writer.number("I", 3).number("I", 1).number("?", False).whole()
 
 
 def test_hashes_of_types_are_those_that_ros_announces():
-    """Of two that are known; and another width is another hash."""
+    """Two of them are known."""
     assert type_hash(TYPES.pose) == "RIHS01_739beba26bcba6920404ba722b7b8321348512f92ea5be235c47251940dd8aa9"
     assert type_hash(TWIST).startswith("RIHS01_9c45bf16")
-    assert type_hash(TYPES.turtle_array) != type_hash(float32_turtles())
-
-
-def float32_turtles():
-    """A student's, who took the other width."""
-    turtle = TYPES.turtle
-    narrow = replace(
-        turtle,
-        fields=tuple(
-            Field(*one) if one.type == "string" else Field(one.name, "float32", False) for one in turtle.fields
-        ),
-    )
-    return replace(TYPES.turtle_array, fields=(Field("turtles", narrow, True),))
 
 
 def test_types_have_the_names_that_ros_gives_them_on_dds():

@@ -1,4 +1,4 @@
-"""A node that speaks bytes: DDS carries them, and whoever uses this makes and reads each of them (ros.cdr)."""
+"""A node that speaks bytes: DDS carries them, and the tests make and read each of them (ros.cdr)."""
 
 from contextlib import suppress
 from socket import AF_INET, SOCK_DGRAM, socket
@@ -56,19 +56,6 @@ KILL = (
     struct("turtlesim::srv::dds_::Kill_Request_", **_HEAD, name=str),
     struct("turtlesim::srv::dds_::Kill_Response_", **_HEAD, **_DUMMY),
 )
-EMPTY = (
-    struct("std_srvs::srv::dds_::Empty_Request_", **_HEAD, **_DUMMY),
-    struct("std_srvs::srv::dds_::Empty_Response_", **_HEAD, **_DUMMY),
-)
-GRAPH = (
-    Policy.Reliability.Reliable(duration(seconds=1)),
-    Policy.Durability.TransientLocal,
-    Policy.DataRepresentation(use_cdrv0_representation=True),
-    Policy.WriterDataLifecycle(autodispose=False),
-)
-"""Of the topic on which ROS processes tell which nodes they have."""
-
-
 _domains = {}
 
 
@@ -82,14 +69,14 @@ class Node:
         self.participant = DomainParticipant(domain)
 
     def writer(self, topic, kind, qos=QOS):
-        """What sends bytes, and `match`es readers."""
+        """Return functions that send bytes."""
         made = DataWriter(self.participant, Topic(self.participant, topic, kind), qos=qos)
 
         def write(data):
             assert ddspy_write(made._ref, data + bytes(-len(data) % 4)) == 0
 
         def inject(domain, number, data):
-            """A sample as a packet of its own, which no library has looked at, to every process on this machine."""
+            """Send a sample as a packet of its own, which no library has checked, to every process on this machine."""
             guid = made.guid.bytes
             body = struct_pack("<HH4x4siI", 0, 16, guid[12:], 0, number) + data
             packet = b"RTPS\x02\x05\x01\x10" + guid[:12] + struct_pack("<BBH", 0x15, 5, len(body)) + body
@@ -106,7 +93,7 @@ class Node:
         )
 
     def reader(self, topic, kind, qos=QOS):
-        """What takes bytes."""
+        """Return functions that take bytes."""
         made = DataReader(self.participant, Topic(self.participant, topic, kind), qos=qos)
 
         def take():
@@ -117,11 +104,11 @@ class Node:
         return SimpleNamespace(take=take, matched=lambda: len(made.get_matched_publications()), keep=made)
 
     def client(self, service, kinds):
-        """Both ends of a client: its writer and its reader."""
+        """Return both ends of a client: its writer and its reader."""
         asks, answers = kinds
         return self.writer(f"rq{service}Request", asks), self.reader(f"rr{service}Reply", answers)
 
     def server(self, service, kinds):
-        """Both ends of a server: its reader and its writer."""
+        """Return both ends of a server: its reader and its writer."""
         asks, answers = kinds
         return self.reader(f"rq{service}Request", asks), self.writer(f"rr{service}Reply", answers)
