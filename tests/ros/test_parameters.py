@@ -75,7 +75,6 @@ def test_the_node_may_have_another_name(rule):
     [
         (("-p",), "--ros-args -p must be followed by what it is about"),
         (("spawn_frequency:=2.0",), "--ros-args must be of -p, --params-file and -r __node:=NAME here, got 'spawn_fre"),
-        (("--log-level", "debug"), "--ros-args must be of -p, --params-file and -r __node:=NAME here"),
         (("-p", "spawn_frequency=2.0"), "--ros-args -p must be NAME:=VALUE, as spawn_frequency:=2.0"),
         (("-p", ":=2.0"), "--ros-args -p must be NAME:=VALUE"),
         (("-p", f"{FREQUENCY}:=2"), f"{FREQUENCY} must be a double, as 2.0, got 2"),
@@ -86,16 +85,11 @@ def test_the_node_may_have_another_name(rule):
         (("-p", f"{FREQUENCY}:=fast"), f"{FREQUENCY} must be a double, as 2.0, got 'fast'"),
         (("-p", f"{FREQUENCY}:=[2.0]"), f"{FREQUENCY} must be a double, as 2.0, got [2.0]"),
         (("-p", f"{FREQUENCY}:=.nan"), f"{FREQUENCY}: spawn_frequency_hz must be a finite number"),
-        (("-p", f"{FREQUENCY}:=[1"), f"--ros-args -p {FREQUENCY} must be YAML: "),
         (("-p", f"{FREQUENCY}:=" + "[" * 1000), f"--ros-args -p {FREQUENCY} must be YAML: "),
-        (("-p", f"{PREFIX}:=true"), f"{PREFIX} must be a string, got True"),
         (("-p", f"{PREFIX}:=no"), f"{PREFIX} must be a string, got False"),
-        (("-p", f"{PREFIX}:=Y"), f"{PREFIX} must be a string, got True"),
         (("-p", f"{PREFIX}:=bad name!"), f"{PREFIX}: turtles' names must be letters, digits and underscores"),
-        (("-p", f"{PREFIX}:=2nd"), f"{PREFIX}: turtles' names must be letters"),
         (("-p", "spawn_freq:=2.0"), f"there is no parameter 'spawn_freq': did you mean {FREQUENCY}?"),
         (("-p", f"{CLOSEST}:=true"), f"there is no parameter '{CLOSEST}': "),
-        (("-p", "use_sim_time:=true"), "there is no parameter 'use_sim_time': "),
         (("-p", f"other:{FREQUENCY}:=2.0"), f"--ros-args -p other:{FREQUENCY}:=2.0 is of the node other"),
         (("-r", "turtle1/pose:=x"), "--ros-args -r must be __node:=NAME, got 'turtle1/pose:=x': topics and services "),
         (("-r", "__ns:=/a"), "--ros-args -r must be __node:=NAME"),
@@ -104,7 +98,6 @@ def test_the_node_may_have_another_name(rule):
             "--ros-args -r __node:= must be letters, digits and underscores, at most 255, got 'a/b'",
         ),
         (("-r", "__node:=" + 256 * "a"), "--ros-args -r __node:= must be letters"),
-        (("-r", "__node:="), "--ros-args -r __node:= must be letters"),
         (("--params-file", "/nowhere.yaml"), "--params-file /nowhere.yaml cannot be read: "),
     ],
 )
@@ -120,11 +113,6 @@ def written(tmp_path, text):
     file = tmp_path / "params.yaml"
     file.write_text(text)
     return ("--params-file", str(file))
-
-
-def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
-    text = f"\ufeff/**:\n  ros__parameters: {{{FREQUENCY}: 2.0}}\n"
-    assert given(*written(tmp_path, text)) == given("-p", f"{FREQUENCY}:=2.0")
 
 
 def test_a_file_has_values_for_several_nodes(tmp_path):
@@ -146,9 +134,10 @@ def test_a_file_has_values_for_several_nodes(tmp_path):
     assert given("-p", f"{FREQUENCY}:=4.0", *file)[1] == [2.0, "all_"]
 
 
-def test_a_file_as_ros2_param_dump_writes_it_is_read(tmp_path):
+@pytest.mark.parametrize("mark", ["", "\ufeff"], ids=["utf-8", "byte order mark"])
+def test_a_file_as_ros2_param_dump_writes_it_is_read(tmp_path, mark):
     """With a slash before the node's name."""
-    dumped = f"/turtle_spawner:\n  ros__parameters:\n    {FREQUENCY}: 2.0\n    {PREFIX}: bob_\n"
+    dumped = f"{mark}/turtle_spawner:\n  ros__parameters:\n    {FREQUENCY}: 2.0\n    {PREFIX}: bob_\n"
     assert given(*written(tmp_path, dumped))[1:] == ([2.0, "bob_"], [])
     assert given(*written(tmp_path, ""))[1:] == ([0.5, "target_turtle_"], [])
 
@@ -157,7 +146,6 @@ def test_a_file_as_ros2_param_dump_writes_it_is_read(tmp_path):
     ("text", "why"),
     [
         ("- 1\n", "must be names with values, got [1]"),
-        ("turtle_spawner: 3\n", "turtle_spawner must be names with values, got 3"),
         (f"turtle_spawner:\n  {FREQUENCY}: 2.0\n", "turtle_spawner must have ros__parameters"),
         ("turtle_spawner:\n  ros__parameters: [1]\n", "turtle_spawner.ros__parameters must be names with values"),
         (f"/**:\n  ros__parameters:\n    {FREQUENCY}: 2\n", f"{FREQUENCY} must be a double, as 2.0, got 2"),

@@ -38,13 +38,13 @@ TWIST = struct("geometry_msgs::msg::dds_::Twist_", linear=_VECTOR, angular=_VECT
 POSE = struct("turtlesim::msg::dds_::Pose_", x=_F, y=_F, theta=_F, linear_velocity=_F, angular_velocity=_F)
 
 
-def turtles(package="my_robot_interfaces", number=_D):
-    turtle = struct(f"{package}::msg::dds_::Turtle_", name=str, x=number, y=number, theta=number)
-    return struct(f"{package}::msg::dds_::TurtleArray_", turtles=types.sequence[turtle])
+def turtles():
+    turtle = struct("my_robot_interfaces::msg::dds_::Turtle_", name=str, x=_D, y=_D, theta=_D)
+    return struct("my_robot_interfaces::msg::dds_::TurtleArray_", turtles=types.sequence[turtle])
 
 
-def catch_turtle(package="my_robot_interfaces"):
-    kind = f"{package}::srv::dds_::CatchTurtle"
+def catch_turtle():
+    kind = "my_robot_interfaces::srv::dds_::CatchTurtle"
     return struct(f"{kind}_Request_", **_HEAD, name=str), struct(f"{kind}_Response_", **_HEAD, success=bool)
 
 
@@ -68,9 +68,9 @@ class Node:
                 _domains[domain] = Domain(domain, LOOPBACK)
         self.participant = DomainParticipant(domain)
 
-    def writer(self, topic, kind, qos=QOS):
+    def writer(self, topic, kind):
         """Return functions that send bytes."""
-        made = DataWriter(self.participant, Topic(self.participant, topic, kind), qos=qos)
+        made = DataWriter(self.participant, Topic(self.participant, topic, kind), qos=QOS)
 
         def write(data):
             assert ddspy_write(made._ref, data + bytes(-len(data) % 4)) == 0
@@ -92,9 +92,9 @@ class Node:
             keep=made,
         )
 
-    def reader(self, topic, kind, qos=QOS):
+    def reader(self, topic, kind):
         """Return functions that take bytes."""
-        made = DataReader(self.participant, Topic(self.participant, topic, kind), qos=qos)
+        made = DataReader(self.participant, Topic(self.participant, topic, kind), qos=QOS)
 
         def take():
             found = ddspy_take(made._ref, 0b1111111, 100)
