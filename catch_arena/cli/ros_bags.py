@@ -41,13 +41,11 @@ def bag(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
     from catch_arena.ros.bags.export import export_bag
-    from catch_arena.ros.bags.files import require_free
 
     types = interfaces_of(interfaces, turtlesim)
     recorded = Replay.load(replay)
     folder = replay.with_suffix("") if output is None else output
     require_folder_name(folder)
-    require_free(folder, force=force)
     with progress_bar("writing", late=True) as show:
         messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
     say(f"bag: {folder} ({messages} messages)")

@@ -71,9 +71,9 @@ def test_every_catch_of_a_real_turtles_bag_is_judged_where_it_stood(tmp_path, st
     caught = record_chase(tmp_path / "chase", storage=storage)
     assert len(caught) > 6
     judged = judge_bag(read_bag(tmp_path / "chase"))
-    assert [one.asked.name for one in judged] == [name for _, name, _ in caught]
+    assert [one.request.name for one in judged] == [name for _, name, _ in caught]
     for one, (time_ms, _, metres) in zip(judged, caught, strict=True):
-        assert one.asked.time_ms == pytest.approx(time_ms, abs=0.01)
+        assert one.request.time_ms == pytest.approx(time_ms, abs=0.01)
         assert one.hunter == "turtle1"
         assert one.ruling.distance_um == pytest.approx(1e6 * metres, abs=2)
         assert one.ruling.verdict is (Verdict.GRANTED if metres < 0.3 else Verdict.OUT_OF_REACH)
@@ -190,7 +190,7 @@ def test_ghosts_repeats_and_kills_that_did_not_happen_are_told_apart(tmp_path):
             if time_ms == 2000:
                 bag.alive(time_ms)
     judged = judge_bag(read_bag(tmp_path / "wrong"))
-    assert [(one.asked.name, one.ruling.verdict) for one in judged] == [
+    assert [(one.request.name, one.ruling.verdict) for one in judged] == [
         ("", Verdict.UNKNOWN_TARGET),
         ("target_turtle_1", Verdict.GRANTED),
         ("target_turtle_2", Verdict.KILL_FAILED),
@@ -206,8 +206,8 @@ def test_without_lists_a_target_is_caught_where_its_poses_end(tmp_path):
                 bag.pose("turtle2", time_ms, 5.2, 5.0)
             bag.pose("turtle3", time_ms, 9.0, 9.0)
     (one,) = judge_bag(read_bag(tmp_path / "poses"))
-    assert (one.asked.name, one.hunter, one.ruling.verdict) == ("turtle2", "turtle1", Verdict.GRANTED)
-    assert one.asked.time_ms == 1600
+    assert (one.request.name, one.hunter, one.ruling.verdict) == ("turtle2", "turtle1", Verdict.GRANTED)
+    assert one.request.time_ms == 1600
 
 
 def test_the_video_shows_who_was_where_and_is_as_long_as_the_bag(tmp_path):

@@ -1,7 +1,5 @@
-"""Recordings of a bus: rosbag2.
+"""Bags of rosbag2, the recordings of a ROS 2 bus.
 
-- files: its files. service_events: recorded calls of a service.
-- export: a replay becomes a bag.
-- reading: a bag is read. contents: what it tells of turtlesim. rulings: what the arbiter would have answered. video: a
-  video of it.
+- export: writes a replay as a bag. files: its files. service_events: recorded calls of a service.
+- reading: reads a bag. contents: its turtles and catches. rulings: the arbiter's rulings on them. video: a video of it.
 """

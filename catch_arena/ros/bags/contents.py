@@ -1,48 +1,38 @@
-"""What a bag tells of turtlesim: where the turtles were, which were alive, and who was asked for."""
+"""Contents of a bag of turtlesim: where the turtles were, which targets were alive, and which were caught.
+
+Times are milliseconds since the bag's first message.
+"""
 
 import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
-from catch_arena.messages import Pose, TurtleArray
+from catch_arena.messages import Pose, Turtle
 
 Place = tuple[float, float]
 """x, y [m]."""
 
 
-class Placed(NamedTuple):
-    """A pose at a time."""
-
-    time_ms: float
-    pose: Pose
-
-
-class Listed(NamedTuple):
-    """A list of alive targets, as it was published."""
-
-    time_ms: float
-    turtles: TurtleArray
-
-
 @dataclass(slots=True)
 class Track:
-    """One turtle's poses, at least one, in the order of time."""
+    """Poses of one turtle, at least one, in the order of time."""
 
-    placed: list[Placed] = field(default_factory=list)
+    times_ms: list[float] = field(default_factory=list)
+    poses: list[Pose] = field(default_factory=list)
 
     def last(self, time_ms: float) -> Pose:
-        """The last pose that was told until then; the first one before that."""
-        return self.placed[max(0, self._after(time_ms) - 1)].pose
+        """Return the last pose at or before a time, or else the first one."""
+        return self.poses[max(0, bisect_right(self.times_ms, time_ms) - 1)]
 
     def at(self, time_ms: float) -> Pose:
-        """Where it was then: on the straight way between two poses, and at rest before the first and after the last."""
-        after = self._after(time_ms)
-        if after in {0, len(self.placed)}:
-            return self.placed[max(0, after - 1)].pose
-        (begin, start), (end, stop) = self.placed[after - 1 : after + 1]
-        part = (time_ms - begin) / (end - begin)
+        """Return the pose at a time: between two poses on a straight line, outside of the track its nearest end."""
+        after = bisect_right(self.times_ms, time_ms)
+        if after in {0, len(self.poses)}:
+            return self.last(time_ms)
+        begin_ms, end_ms = self.times_ms[after - 1 : after + 1]
+        start, stop = self.poses[after - 1 : after + 1]
+        part = (time_ms - begin_ms) / (end_ms - begin_ms)
         turn = math.remainder(stop.theta - start.theta, math.tau)
         return Pose(
             start.x + (stop.x - start.x) * part,
@@ -54,46 +44,42 @@ class Track:
 
     @property
     def begin_ms(self) -> float:
-        """When it was first heard of."""
-        return self.placed[0].time_ms
+        """Time of the first pose."""
+        return self.times_ms[0]
 
     @property
     def end_ms(self) -> float:
-        """When it was last heard of."""
-        return self.placed[-1].time_ms
-
-    def _after(self, time_ms: float) -> int:
-        """How many poses had been told then."""
-        return bisect_right(self.placed, time_ms, key=lambda one: one.time_ms)
+        """Time of the last pose."""
+        return self.times_ms[-1]
 
 
 @dataclass(slots=True)
 class RecordedRequest:
-    """A catch, or a call of catch_turtle: what was asked for, and how things stood when it was."""
+    """A catch, or a call of catch_turtle."""
 
     time_ms: float
     name: str
-    hunter: str | None
-    """Who asked; None where the bag does not tell."""
-    success: bool | None
-    """The answer; None where there is none."""
-    hunters: Mapping[str, Place]
-    """The last poses that had been told."""
-    targets: Mapping[str, Place]
-    """Those that were alive, as far as was told."""
+    """The target."""
+    listed: Mapping[str, Place]
+    """Targets that were alive before it, and their places in the list."""
+    success: bool | None = True
+    """The answer, or None if the bag has none."""
+    hunter: str | None = None
+    """The hunter that asked, or None if the bag does not have it."""
 
 
 @dataclass(frozen=True, slots=True)
 class BagContents:
-    """What was read of a bag; times are milliseconds since its first message."""
+    """What was read from a bag."""
 
     hunters: Mapping[str, Track]
     """By name, in the order of seats."""
     targets: Mapping[str, Track]
-    """Of the targets whose poses were recorded."""
-    lists: Sequence[Listed]
-    asked: Sequence[RecordedRequest]
-    """Catches that the lists tell, or the calls of the service where these were recorded."""
+    """The targets whose poses were recorded, by name."""
+    lists: Sequence[tuple[float, Sequence[Turtle]]]
+    """Lists of the targets that were alive, each with its time; places are clamped to the window, as turtlesim does."""
+    requests: Sequence[RecordedRequest]
+    """Calls of the service if they were recorded, else the catches that the lists or the poses show."""
     end_ms: float
     left_out: int
-    """Messages that could not be used: not readable, not finite, or outside turtlesim's window."""
+    """Number of messages that are damaged or have impossible values."""

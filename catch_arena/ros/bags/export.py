@@ -1,23 +1,17 @@
-"""A recorded match as the messages that a ROS 2 bus would have carried while it was played."""
+"""Export of a recorded match as a bag, with the messages that a ROS 2 bus would have carried while it was played."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from catch_arena.core.physics import TICK_MS
-from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.replay import Replay
-from catch_arena.replay.motion import StepMotion, step_motion
-from catch_arena.ros.bags.files import Storage, TimedMessage, whole_bag
-from catch_arena.ros.bags.service_events import (
-    REQUEST_RECEIVED,
-    RESPONSE_SENT,
-    TOPIC,
-    EventInfo,
-    ServiceEvent,
-    event_of,
-)
+from catch_arena.replay.motion import Pose2D, StepMotion, step_motion
+from catch_arena.ros.bags.files import BagWriter, Storage, whole_bag
+from catch_arena.ros.bags.service_events import EVENT_INFO, REQUEST_RECEIVED, RESPONSE_SENT, TIME, TOPIC
 from catch_arena.ros.middleware.graph_names import (
     ALIVE_TURTLES,
     CATCH_TURTLE,
@@ -26,34 +20,13 @@ from catch_arena.ros.middleware.graph_names import (
     catch_turtle_of,
     pose_of,
 )
-from catch_arena.ros.middleware.interfaces import RULING, Interfaces, MessageType, Time
+from catch_arena.ros.middleware.interfaces import RULING, Interfaces
 from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.verdicts import Ruling
-from catch_arena.world import HunterState
+from catch_arena.world import HunterState, World
 
-_NS: Final = 1_000_000
-"""In a millisecond."""
-
-
-class BusTopics:
-    """Which topics a match has; one hunter alone goes by the exercise's name, turtle1."""
-
-    def __init__(self, replay: Replay, interfaces: Interfaces) -> None:
-        hunters = replay.config.hunter_names
-        turtles = (TURTLE,) if len(hunters) == 1 else hunters
-        self.hunters = hunters
-        self.poses = tuple(pose_of(turtle) for turtle in turtles)
-        services = (CATCH_TURTLE,) if len(hunters) == 1 else tuple(map(catch_turtle_of, hunters))
-        self.requests = tuple(f"{service}{TOPIC}" for service in services)
-        self.pose, self.alive = interfaces.pose, interfaces.turtle_array
-        self.request = event_of(interfaces.catch_turtle)
-
-    def all(self) -> Iterator[tuple[str, MessageType]]:
-        """Each with its type."""
-        yield from ((topic, self.pose) for topic in self.poses)
-        yield ALIVE_TURTLES, self.alive
-        yield from ((topic, self.request) for topic in self.requests)
-        yield RULINGS, RULING
+_MS: Final = 1_000_000
+"""Nanoseconds in a millisecond."""
 
 
 def export_bag(
@@ -69,109 +42,102 @@ def export_bag(
 
     Args:
         replay: the recorded match.
-        folder: the bag's.
+        folder: the bag's folder.
         storage: the kind of its file.
         interfaces: the packages of the types.
-        force: whether it takes the place of a bag that is there.
+        force: whether it may replace a bag that exists.
         progress: called with (steps written, steps in all).
 
     Returns:
-        how many messages it has.
+        the number of its messages.
 
     Raises:
-        ReplayError: where the replay does not play as recorded.
-        OutputError: where the bag cannot be written; nothing half-written is left.
+        ReplayError: if the replay does not play as recorded.
+        OutputError: if the bag cannot be written; nothing unfinished is left.
     """
-    topics = BusTopics(replay, interfaces)
-    count = 0
     with whole_bag(folder, storage, force=force) as bag:
-        for topic, kind in topics.all():
-            bag.announce(topic, kind)
-        for one in bus_messages(replay, topics, progress):
-            bag.write(one)
-            count += 1
-    return count
+        match = _MatchWriter(bag, replay, interfaces)
+        worlds = replay.worlds()
+        before = next(worlds)
+        match.write_poses(0, before.hunters, [(hunter.x, hunter.y, hunter.theta) for hunter in before.hunters])
+        match.write_alive(0, before.alive_turtles.turtles)
+        for after in worlds:
+            match.write_step(before, after)
+            before = after
+            if progress is not None:
+                progress(after.step, replay.steps)
+        return bag.messages
 
 
-def bus_messages(
-    replay: Replay, topics: BusTopics, progress: Callable[[int, int], None] | None = None
-) -> Iterator[TimedMessage]:
-    """The messages in their order; time is the match's own, from 0."""
-    worlds = replay.worlds()
-    before = next(worlds)
-    yield from _poses(topics, 0, before.hunters, [(hunter.x, hunter.y, hunter.theta) for hunter in before.hunters])
-    yield TimedMessage(0, ALIVE_TURTLES, topics.alive, before.alive_turtles)
-    numbers = [0] * len(topics.hunters)
-    for after in worlds:
+class _MatchWriter:
+    """Writer of one match; times are milliseconds of the match. A single hunter has the exercise's name, turtle1."""
+
+    def __init__(self, bag: BagWriter, replay: Replay, interfaces: Interfaces) -> None:
+        self._bag, self._replay = bag, replay
+        self._package, self._turtle = interfaces.package, interfaces.turtle.name
+        self._hunters = replay.config.hunter_names
+        self._numbers = [0] * len(self._hunters)
+        """Number of each hunter's last request."""
+        alone = len(self._hunters) == 1
+        services = [CATCH_TURTLE] if alone else [catch_turtle_of(hunter) for hunter in self._hunters]
+        self._calls = [f"{service}{TOPIC}" for service in services]
+        self._poses = [pose_of(turtle) for turtle in ([TURTLE] if alone else self._hunters)]
+        for topic in self._poses:
+            bag.announce(topic, interfaces.pose)
+        bag.announce(ALIVE_TURTLES, interfaces.turtle_array)
+        for topic in self._calls:
+            bag.announce_calls(topic, self._package)
+        bag.announce(RULINGS, RULING)
+
+    def write_step(self, before: World, after: World) -> None:
+        """Write one step. R1.4: its requests are judged on the state at its beginning; then comes the motion."""
         motion = step_motion(before, after)
-        rulings = [*after.rulings, *replay.named_rulings(before, after)]
-        yield from _judged(topics, before.time_ms, rulings, numbers)
+        for ruling in (*after.rulings, *self._replay.named_rulings(before, after)):
+            self._write_ruling(before.time_ms, ruling)
         if {target.number for target in before.targets} - {target.number for target in after.targets}:
-            yield _alive(topics, motion, before.time_ms)
-        yield from _moved(topics, motion, always=replay.config.targets_move)
-        before = after
-        if progress is not None:
-            progress(after.step, replay.steps)
+            self._write_alive_at(before.time_ms, motion)
+        first = before.time_ms // TICK_MS
+        lists = {target.spawned_ms for target in after.targets if target.spawned_ms > before.time_ms}
+        if self._replay.config.targets_move and after.targets:
+            lists.add(after.time_ms)
+        for time_ms in sorted({*lists, *range((first + 1) * TICK_MS, after.time_ms + 1, TICK_MS)}):
+            if time_ms % TICK_MS == 0:
+                poses = motion.poses[min(time_ms // TICK_MS - first, len(motion.poses) - 1)]
+                self.write_poses(time_ms, after.hunters, poses.hunters)
+            if time_ms in lists:
+                self._write_alive_at(time_ms, motion)
 
+    def write_poses(self, time_ms: int, hunters: Sequence[HunterState], poses: Sequence[Pose2D]) -> None:
+        """Write the pose of each hunter."""
+        for topic, hunter, pose in zip(self._poses, hunters, poses, strict=True):
+            self._bag.write(topic, time_ms * _MS, *pose, *hunter.pose[3:])
 
-def _judged(topics: BusTopics, time_ms: int, rulings: Sequence[Ruling], numbers: list[int]) -> Iterator[TimedMessage]:
-    """R1.4: the requests of a step are judged on the state at its beginning."""
-    for ruling in rulings:
-        seat, asked = ruling.hunter, ruling
-        if ruling.target is not None:  # a rank that no target has is nothing that could be asked by name
-            name = str(ruling.target).encode(errors="backslashreplace").decode()  # half of a pair is no UTF-8
-            asked = replace(ruling, target=name)
-            numbers[seat] += 1
-            for event in _call(asked, time_ms, numbers[seat]):
-                yield TimedMessage(time_ms * _NS, topics.requests[seat], topics.request, event)
-        yield TimedMessage(time_ms * _NS, RULINGS, RULING, ruling_message(asked, time_ms, topics.hunters))
+    def write_alive(self, time_ms: int, turtles: Iterable[tuple[str, float, float, float]]) -> None:
+        """Write the list of the targets that are alive: (name, x, y, theta)."""
+        self._bag.write(ALIVE_TURTLES, time_ms * _MS, [self._bag.make(self._turtle, *turtle) for turtle in turtles])
 
+    def _write_alive_at(self, time_ms: int, motion: StepMotion) -> None:
+        """R8.2: write the list of the targets at an instant of a step after its catches."""
+        tick = time_ms // TICK_MS - motion.before.time_ms // TICK_MS
+        poses = motion.poses[min(tick, len(motion.poses) - 1)].targets
+        alive = [target for target in motion.after.targets if target.spawned_ms <= time_ms]
+        self.write_alive(time_ms, [(target.name, *poses[target.number]) for target in alive])
 
-def _call(ruling: Ruling, time_ms: int, number: int) -> tuple[ServiceEvent, ServiceEvent]:
-    """The request as it came in, and the response as it went out."""
-    seconds, rest = divmod(time_ms, 1000)
-    stamp = Time(seconds, rest * _NS)
-    client = (ruling.hunter + 1).to_bytes(16, "big")
-    return (
-        ServiceEvent(EventInfo(REQUEST_RECEIVED, stamp, client, number), (CatchTurtleRequest(str(ruling.target)),), ()),
-        ServiceEvent(EventInfo(RESPONSE_SENT, stamp, client, number), (), (CatchTurtleResponse(ruling.success),)),
-    )
-
-
-def _moved(topics: BusTopics, motion: StepMotion, *, always: bool) -> Iterator[TimedMessage]:
-    """A step's ticks with the poses, and the alive list where a target appears; where targets move, also at the end.
-    At one instant motion comes first (R1.4).
-    """
-    before, after = motion.before, motion.after
-    first = before.time_ms // TICK_MS
-    times = {target.spawned_ms for target in after.targets if target.spawned_ms > before.time_ms}
-    times |= {after.time_ms} if always and after.targets else set()
-    ticks = range((first + 1) * TICK_MS, after.time_ms + 1, TICK_MS)
-    for time_ms in sorted({*times, *ticks}):
-        if time_ms % TICK_MS == 0:
-            poses = motion.poses[min(time_ms // TICK_MS - first, len(motion.poses) - 1)]
-            yield from _poses(topics, time_ms, after.hunters, poses.hunters)
-        if time_ms in times:
-            yield _alive(topics, motion, time_ms)
-
-
-def _poses(
-    topics: BusTopics,
-    time_ms: int,
-    hunters: tuple[HunterState, ...],
-    poses: "list[tuple[float, float, float]] | tuple[tuple[float, float, float], ...]",
-) -> Iterator[TimedMessage]:
-    for topic, hunter, (x, y, theta) in zip(topics.poses, hunters, poses, strict=True):
-        pose = Pose(x, y, theta, *hunter.pose[3:])
-        yield TimedMessage(time_ms * _NS, topic, topics.pose, pose)
-
-
-def _alive(topics: BusTopics, motion: StepMotion, time_ms: int) -> TimedMessage:
-    """R8.2: who is alive, and where, at an instant of a step after its commit."""
-    poses = motion.poses[min(time_ms // TICK_MS - motion.before.time_ms // TICK_MS, len(motion.poses) - 1)]
-    turtles = tuple(
-        Turtle(target.name, *poses.targets[target.number])
-        for target in motion.after.targets
-        if target.spawned_ms <= time_ms
-    )
-    return TimedMessage(time_ms * _NS, ALIVE_TURTLES, topics.alive, TurtleArray(turtles))
+    def _write_ruling(self, time_ms: int, ruling: Ruling) -> None:
+        """Write a ruling, and before it the request and the response, unless it names no target that exists."""
+        if ruling.target is not None:
+            name = str(ruling.target).encode(errors="backslashreplace").decode()  # half of a surrogate pair is no UTF-8
+            ruling = replace(ruling, target=name)
+            seat, time_ns = ruling.hunter, time_ms * _MS
+            self._numbers[seat] += 1
+            stamp = self._bag.make(TIME, *divmod(time_ns, 1_000_000_000))
+            client = np.frombuffer((seat + 1).to_bytes(16, "big"), np.uint8)
+            received, sent = (
+                self._bag.make(EVENT_INFO, event, stamp, client, self._numbers[seat])
+                for event in (REQUEST_RECEIVED, RESPONSE_SENT)
+            )
+            request = self._bag.make(f"{self._package}/srv/CatchTurtle_Request", name)
+            response = self._bag.make(f"{self._package}/srv/CatchTurtle_Response", ruling.success)
+            self._bag.write(self._calls[seat], time_ns, received, [request], [])
+            self._bag.write(self._calls[seat], time_ns, sent, [], [response])
+        self._bag.write(RULINGS, time_ms * _MS, *ruling_message(ruling, time_ms, self._hunters))

@@ -1,6 +1,6 @@
-"""Recordings of rosbag2 as files, by the library rosbags: a folder with metadata.yaml and one file, MCAP or SQLite.
+"""Bags of rosbag2 as files, written by the library rosbags: a folder with metadata.yaml and one MCAP or SQLite file.
 
-What is written says of itself how its messages are read: it holds the definitions of their types.
+A bag holds the definitions of its types, so that its readers need no others.
 """
 
 import os
@@ -9,9 +9,8 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final, Literal
 
-import numpy as np
 from rosbags.interfaces import (
     Qos,
     QosDurability,
@@ -25,20 +24,16 @@ from rosbags.typesys import Stores, get_typestore
 
 from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder, unwritable
-from catch_arena.ros.bags.service_events import EVENT_INFO
+from catch_arena.ros.bags.service_events import event_definition, event_type, register_idl
 from catch_arena.ros.middleware.bus import DEPTH
-from catch_arena.ros.middleware.interfaces import TIME, MessageType, values_by_field
+from catch_arena.ros.middleware.interfaces import MessageType
 from catch_arena.ros.middleware.typestore import register
 
 Storage = Literal["mcap", "sqlite3"]
 
 _METADATA_VERSION: Final = 8
-"""Humble reads what it knows of it, and Jazzy all; 9 writes the quality of service in a way that Humble cannot read."""
+"""The last version that Humble reads; 9 writes the quality of service in a way that Humble does not read."""
 _METADATA: Final = "metadata.yaml"
-_EVENT_INFO_IDL: Final = """module service_msgs { module msg { struct ServiceEventInfo {
-uint8 event_type; builtin_interfaces::msg::Time stamp; char client_gid[16]; int64 sequence_number; }; }; };
-"""
-_IDL_WORDS: Final = {"bool": "boolean", "float32": "float", "float64": "double"}
 _FOREVER: Final = QosTime(9223372036, 854775807)
 _QOS: Final = Qos(
     QosHistory.KEEP_LAST,
@@ -51,121 +46,82 @@ _QOS: Final = Qos(
     _FOREVER,
     avoid_ros_namespace_conventions=False,
 )
-"""ROS's usual one, as turtlesim and the exercise have it."""
-
-
-class TimedMessage(NamedTuple):
-    """One message of a bag."""
-
-    time_ns: int
-    """As a bag counts: since 1970, or since a match began."""
-    topic: str
-    kind: MessageType
-    message: Any
+"""ROS's default quality of service, which turtlesim and the exercise use."""
 
 
 class BagWriter:
-    """Writes messages; their topics are announced as they come."""
+    """Writer of messages to an open bag; each topic is announced before its first message."""
 
     def __init__(self, writer: Writer) -> None:
         self._writer = writer
         self._store = get_typestore(Stores.ROS2_JAZZY)
         self._connections: dict[str, Any] = {}
+        self.messages = 0
+        """Number of messages that have been written."""
 
     def announce(self, topic: str, kind: MessageType) -> None:
-        """A topic that is there even if nothing is said on it."""
-        if topic not in self._connections:
-            register(self._store, kind)
-            self._connections[topic] = self._writer.add_connection(
-                topic,
-                kind.name,
-                msgdef=self._definition(kind),
-                rihs01=self._store.hash_rihs01(kind.name),
-                offered_qos_profiles=[_QOS],
-            )
+        """Add a topic of messages."""
+        register(self._store, kind)
+        self._connections[topic] = self._writer.add_connection(
+            topic, kind.name, typestore=self._store, offered_qos_profiles=[_QOS]
+        )
 
-    def write(self, one: TimedMessage) -> None:
-        """One message."""
-        self.announce(one.topic, one.kind)
-        data = self._store.serialize_cdr(self._made(one.kind, one.message), one.kind.name)
-        self._writer.write(self._connections[one.topic], one.time_ns, data)
+    def announce_calls(self, topic: str, package: str) -> None:
+        """Add a topic with the calls of a package's catch service."""
+        register_idl(self._store, event_definition(package))
+        self._connections[topic] = self._writer.add_connection(
+            topic,
+            event_type(package),
+            msgdef=event_definition(package),
+            rihs01=self._store.hash_rihs01(event_type(package)),
+            offered_qos_profiles=[_QOS],
+        )
 
-    def _definition(self, kind: MessageType) -> str:
-        """The text of a type's definition and of those in it, as rosbag2 has it: in IDL those that are no messages,
-        since the other language has no names for them.
-        """
-        if "/msg/" in kind.name:
-            return str(self._store.generate_msgdef(kind.name, ros_version=2)[0])
-        parts = [word for _, word, _ in kind.fields if isinstance(word, MessageType) and word is not EVENT_INFO]
-        texts = {part.name: _idl(part) for part in (kind, *parts)}  # readers take the first for the whole
-        texts |= {EVENT_INFO.name: _EVENT_INFO_IDL, TIME.name: _idl(TIME)}
-        return "".join(f"{'=' * 80}\nIDL: {name}\n{text}" for name, text in texts.items())
+    def make(self, kind: str, *fields: Any) -> Any:
+        """Return a message of a type that was announced, to stand in a field of another one."""
+        return self._store.types[kind](*fields)
 
-    def _made(self, kind: MessageType, message: Any) -> Any:
-        """A message as rosbags takes it."""
-        values = values_by_field(kind, message, self._made)
-        arrays = {name: np.frombuffer(one, np.uint8) for name, one in values.items() if isinstance(one, bytes)}
-        return self._store.types[kind.name](**values | arrays)
-
-
-def _idl(kind: MessageType) -> str:
-    """A type as IDL; its sequences hold one thing at most, as those of a service's events do."""
-    fields = []
-    for name, word, is_sequence in kind.fields:
-        text = _IDL_WORDS.get(word, word) if isinstance(word, str) else word.name.replace("/", "::")
-        fields.append(f"sequence<{text}, 1> {name};" if is_sequence else f"{text} {name};")
-    package, group, name = kind.name.split("/")
-    return f"module {package} {{ module {group} {{ struct {name} {{ {' '.join(fields)} }}; }}; }};\n"
+    def write(self, topic: str, time_ns: int, *fields: Any) -> None:
+        """Write one message, given by the values of its fields."""
+        connection = self._connections[topic]
+        message = self.make(connection.msgtype, *fields)
+        self._writer.write(connection, time_ns, self._store.serialize_cdr(message, connection.msgtype))
+        self.messages += 1
 
 
 @contextmanager
 def whole_bag(folder: Path, storage: Storage, *, force: bool) -> Iterator[BagWriter]:
-    """A bag under a temporary name, which is renamed when all has been written.
+    """Open a bag under a temporary name, which is renamed when everything has been written.
 
     Args:
-        folder: where it will be.
+        folder: the bag's folder.
         storage: the kind of its file.
-        force: whether it takes the place of a bag that is there.
+        force: whether it may replace a bag that exists.
 
     Raises:
-        OutputError: where it cannot be written.
+        OutputError: if it cannot be written, and before the first message if the folder is not free.
     """
-    require_free(folder, force=force)
     target = Path(os.path.realpath(folder))
+    _require_free(folder, target, force=force)
     prepare_folder(target.parent)
+    plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".catch-arena-") as scratch:
-        made = Path(scratch) / target.name  # its file is called as the folder is
+        made = Path(scratch) / target.name  # rosbags gives the file in it the folder's name
         try:
-            writer = Writer(
-                made,
-                version=_METADATA_VERSION,
-                storage_plugin=StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3,
-            )
-            writer.open()
-            try:
+            with Writer(made, version=_METADATA_VERSION, storage_plugin=plugin) as writer:
                 yield BagWriter(writer)
-            except BaseException:
-                writer.abort()
-                raise
-            writer.close()
             if target.exists():
                 shutil.copymode(target, made)
-                target.rename(Path(scratch) / "replaced")  # and goes with the scratch
+                target.rename(Path(scratch) / "replaced")  # removed with the scratch folder
             made.rename(target)
         except OSError as error:
             raise unwritable(folder, error) from None
 
 
-def require_free(folder: Path, *, force: bool) -> None:
-    """Before the work: whether a bag can be written there.
-
-    Raises:
-        OutputError: where something else is there, or a bag that may not be replaced.
-    """
-    target = Path(os.path.realpath(folder))
-    if not target.exists():
+def _require_free(folder: Path, target: Path, *, force: bool) -> None:
+    if not target.exists() or (target.is_dir() and not any(target.iterdir())):
         return
-    if not target.is_dir() or (any(target.iterdir()) and not (target / _METADATA).is_file()):
+    if not (target / _METADATA).is_file():
         raise OutputError(f"{folder}: is there already, and is no bag: give another name")
-    if any(target.iterdir()) and not force:
+    if not force:
         raise OutputError(f"{folder}: is there already: give --force to replace it, or another name")

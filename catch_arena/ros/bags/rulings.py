@@ -1,4 +1,4 @@
-"""What the arbiter would have ruled on the catches of a bag."""
+"""Rulings of the arbiter on the catches of a bag."""
 
 import math
 from collections.abc import Sequence
@@ -8,12 +8,12 @@ from typing import Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.explanation.formatting import metres
-from catch_arena.ros.bags.contents import BagContents, RecordedRequest
+from catch_arena.ros.bags.contents import BagContents, Place, RecordedRequest
 from catch_arena.text import printable
-from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.verdicts import Ruling
 
 _STAYS_MS: Final = 500.0
-"""A target that still tells poses so long after it was caught was not killed."""
+"""A target with poses for longer after it was caught was not killed."""
 _LONGEST_NAME: Final = 60
 
 
@@ -21,45 +21,49 @@ _LONGEST_NAME: Final = 60
 class JudgedCatch:
     """One request of a bag, and its ruling."""
 
-    asked: RecordedRequest
+    request: RecordedRequest
     hunter: str
-    """Who asked, or the nearest, where the bag does not tell."""
+    """The hunter that asked; the nearest one if the bag does not have it."""
     ruling: Ruling
 
     @property
     def agrees(self) -> bool:
-        """Whether it was answered as the arbiter would have."""
-        return self.asked.success is None or self.asked.success == self.ruling.success
+        """Whether the recorded answer is the arbiter's."""
+        return self.request.success in {None, self.ruling.success}
 
     def __str__(self) -> str:
-        """One line: when, who, what, how far, and the ruling with its clause."""
-        name = printable(self.asked.name[:_LONGEST_NAME]) or "a target without a name"
-        did = {True: "caught", False: "was refused", None: "asked for"}[self.asked.success]
-        from_ = "" if self.ruling.distance_um is None else f" from {metres(self.ruling.distance_um)}"
-        won = "" if self.agrees else "but "
+        """One line: time, hunter, target, distance, and the ruling with its clause."""
+        name = printable(self.request.name[:_LONGEST_NAME]) or "a target without a name"
+        did = {True: "caught", False: "was refused", None: "asked for"}[self.request.success]
+        distance = "" if self.ruling.distance_um is None else f" from {metres(self.ruling.distance_um)}"
+        but = "" if self.agrees else "but "
         return (
-            f"{self.asked.time_ms / 1000.0:9.3f} s  {self.hunter} {did} {name}{from_}: "
-            f"{won}{self.ruling.verdict.name}, {self.ruling.reason}"
+            f"{self.request.time_ms / 1000.0:9.3f} s  {self.hunter} {did} {name}{distance}: "
+            f"{but}{self.ruling.verdict.name}, {self.ruling.reason}"
         )
 
 
 def judge_bag(bag: BagContents, reach_m: float = 0.3) -> list[JudgedCatch]:
-    """The requests of a bag in their order, judged where everybody stood by the last poses before each.
+    """Judge the requests of a bag in their order, each by the last poses before it.
 
-    Those of one instant are judged together (R5.1). A tie is drawn as in a match with the seed 0.
+    Requests of one instant are judged together (R5.1). A tie is drawn as in a match with the seed 0.
 
     Raises:
-        ConfigError: for a reach that cannot be.
+        ConfigError: for a reach that is not allowed.
     """
     names = tuple(bag.hunters)
     caught: set[str] = set()
     judged: list[JudgedCatch] = []
-    for _, together in groupby(bag.asked, key=lambda one: one.time_ms):
-        requests = list(together)
-        targets = {name: place for name, place in requests[0].targets.items() if not _is_ghost(bag, name)}
-        seats = [_seat(names, one) for one in requests]
+    for time_ms, group in groupby(bag.requests, key=lambda one: one.time_ms):
+        requests = list(group)
+        hunters = [track.last(time_ms)[:2] for track in bag.hunters.values()]
+        targets = _targets(bag, requests[0])
+        seats = [
+            names.index(one.hunter) if one.hunter in names else _nearest(hunters, targets.get(one.name))
+            for one in requests
+        ]
         rulings = arbitrate(
-            hunters=[requests[0].hunters[name] for name in names],
+            hunters=hunters,
             targets=targets,
             requests=[(seat, one.name) for seat, one in zip(seats, requests, strict=True)],
             reach_m=reach_m,
@@ -74,30 +78,31 @@ def judge_bag(bag: BagContents, reach_m: float = 0.3) -> list[JudgedCatch]:
 
 
 def summary(judged: Sequence[JudgedCatch]) -> str:
-    """One line: how many catches there are, and how many of them the arbiter grants."""
-    caught = [one for one in judged if one.asked.success]
-    granted = sum(one.ruling.success for one in caught)
-    line = f"catches: {len(caught)} in the recording, {granted} of them granted by the arbiter"
-    others = [one for one in judged if not one.asked.success]
-    if others:
-        wrongly = sum(one.ruling.verdict is Verdict.GRANTED for one in others)
-        line += f"; {len(others)} request{'s' if len(others) > 1 else ''} refused, {wrongly} of which it grants"
+    """Return one line: the number of catches, and of those that the arbiter grants."""
+    granted = [one.ruling.success for one in judged if one.request.success]
+    refused = [one.ruling.success for one in judged if not one.request.success]
+    line = f"catches: {len(granted)} in the recording, {sum(granted)} of them granted by the arbiter"
+    if refused:
+        line += f"; {len(refused)} request{'s' if len(refused) > 1 else ''} refused, {sum(refused)} of which it grants"
     return line
 
 
-def _seat(names: Sequence[str], one: RecordedRequest) -> int:
-    """Who asked; the nearest where nobody says."""
-    if one.hunter in names:
-        return names.index(one.hunter)
-    place = one.targets.get(one.name)
-    if place is None:
-        return 0
-    return min(range(len(names)), key=lambda seat: math.dist(one.hunters[names[seat]], place))
+def _targets(bag: BagContents, request: RecordedRequest) -> dict[str, Place]:
+    """Return the places of the targets that can be caught: listed, with a name, and in the simulator if its poses were
+    recorded. A target's own pose counts if there is one.
+    """
+    places = {}
+    for name, listed in request.listed.items():
+        track = bag.targets.get(name)
+        if track is not None:
+            places[name] = track.last(request.time_ms)[:2] if track.begin_ms <= request.time_ms else listed
+        elif name and not bag.targets:
+            places[name] = listed
+    return places
 
 
-def _is_ghost(bag: BagContents, name: str) -> bool:
-    """What was listed but never was in the simulator: a spawn that failed has an empty name, and no ghost has poses."""
-    return not name or (bool(bag.targets) and name not in bag.targets)
+def _nearest(hunters: Sequence[Place], target: Place | None) -> int:
+    return 0 if target is None else min(range(len(hunters)), key=lambda seat: math.dist(hunters[seat], target))
 
 
 def _stays(bag: BagContents, one: RecordedRequest) -> bool:

@@ -1,55 +1,52 @@
-"""Calls of a service as ROS records them from Iron on: the topic `/SERVICE/_service_event` of `PACKAGE/srv/S_Event`."""
+"""Recorded calls of a service, as ROS has them from Iron on: topic `/SERVICE/_service_event`, type `.../S_Event`."""
 
-from typing import Any, Final, NamedTuple
+from typing import Final
 
-from catch_arena.ros.middleware.interfaces import TIME, Field, MessageType, ServiceType, Time
+from rosbags.typesys import get_types_from_idl
+from rosbags.typesys.store import Typestore
 
 TOPIC: Final = "/_service_event"
-"""What the name of a service's topic ends in."""
+"""End of the name of a topic that has a service's calls."""
 REQUEST_SENT, REQUEST_RECEIVED, RESPONSE_SENT, RESPONSE_RECEIVED = range(4)
-"""What happened: at the client, at the server, at the server, at the client."""
+"""Event types: at the client, at the server, at the server, at the client."""
+EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
+TIME: Final = "builtin_interfaces/msg/Time"
+_SEPARATOR: Final = "=" * 80 + "\n"
+_IDL: Final = """\
+================================================================================
+IDL: PACKAGE/srv/CatchTurtle_Event
+module PACKAGE { module srv { struct CatchTurtle_Event { service_msgs::msg::ServiceEventInfo info; \
+sequence<PACKAGE::srv::CatchTurtle_Request, 1> request; sequence<PACKAGE::srv::CatchTurtle_Response, 1> response; \
+}; }; };
+================================================================================
+IDL: PACKAGE/srv/CatchTurtle_Request
+module PACKAGE { module srv { struct CatchTurtle_Request { string name; }; }; };
+================================================================================
+IDL: PACKAGE/srv/CatchTurtle_Response
+module PACKAGE { module srv { struct CatchTurtle_Response { boolean success; }; }; };
+================================================================================
+IDL: service_msgs/msg/ServiceEventInfo
+module service_msgs { module msg { struct ServiceEventInfo {
+uint8 event_type; builtin_interfaces::msg::Time stamp; char client_gid[16]; int64 sequence_number; }; }; };
+================================================================================
+IDL: builtin_interfaces/msg/Time
+module builtin_interfaces { module msg { struct Time { int32 sec; uint32 nanosec; }; }; };
+"""
 
 
-class EventInfo(NamedTuple):
-    """service_msgs/msg/ServiceEventInfo."""
-
-    event_type: int
-    stamp: Time
-    client_gid: bytes
-    """Sixteen; with the number they say which response belongs to which request."""
-    sequence_number: int
+def event_type(package: str) -> str:
+    """Return the name of the type of a catch service's recorded calls."""
+    return f"{package}/srv/CatchTurtle_Event"
 
 
-class ServiceEvent(NamedTuple):
-    """What happened, and the request or the response, whichever it is."""
-
-    info: EventInfo
-    request: tuple[Any, ...]
-    """One or none."""
-    response: tuple[Any, ...]
-    """One or none."""
+def event_definition(package: str) -> str:
+    """Return the definition of `event_type(package)` and of the types in it, in IDL as rosbag2 writes it."""
+    return _IDL.replace("PACKAGE", package)
 
 
-EVENT_INFO: Final = MessageType(
-    "service_msgs/msg/ServiceEventInfo",
-    EventInfo,
-    (
-        Field("event_type", "uint8", is_sequence=False),
-        Field("stamp", TIME, is_sequence=False),
-        Field("client_gid", "uint8", is_sequence=True),
-        Field("sequence_number", "int64", is_sequence=False),
-    ),
-)
-
-
-def event_of(service: ServiceType) -> MessageType:
-    """The message that tells a service's calls."""
-    return MessageType(
-        f"{service.name}_Event",
-        ServiceEvent,
-        (
-            Field("info", EVENT_INFO, is_sequence=False),
-            Field("request", service.request, is_sequence=True),
-            Field("response", service.response, is_sequence=True),
-        ),
-    )
+def register_idl(store: Typestore, definition: str) -> None:
+    """Register every type of a definition in IDL; where it has several, a header `IDL: NAME` stands before each."""
+    for part in definition.split(_SEPARATOR):
+        idl = part.partition("\n")[2] if part.startswith("IDL: ") else part
+        if idl:
+            store.register(get_types_from_idl(idl))

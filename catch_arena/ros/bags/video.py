@@ -1,26 +1,27 @@
-"""A bag as a video, drawn as a match is."""
+"""Video of a bag, drawn as a match is."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.core.physics import TICK_MS
-from catch_arena.messages import Pose
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, pace_of, write_video
+from catch_arena.replay.motion import Pose2D
 from catch_arena.ros.bags.contents import BagContents
 from catch_arena.ros.bags.rulings import JudgedCatch
 from catch_arena.scenarios import scenario
+from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, TargetState, World
 
 _SILENT_MS = 500.0
-"""A hunter that tells no pose for so long until the end has gone."""
+"""A hunter without a pose for longer than this before the end is gone."""
 
 
 def render_bag(
@@ -36,23 +37,23 @@ def render_bag(
     speed: float = 1.0,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a bag as a video; scores and words are the arbiter's.
+    """Write a bag as a video, with the arbiter's scores and words. The settings are those of `render_replay`.
 
     Args:
-        bag: what was read of the bag.
+        bag: what was read from the bag.
         judged: its catches.
-        path: which ends in .mp4, .webm, .gif or .webp.
+        path: a file that ends in .mp4, .webm, .gif or .webp.
         reach_m: the reach that is shown.
-        title: what stands above the standings.
-        size: as for `render_replay`, and so are the others.
-        fps: frames a second.
+        title: the text above the standings.
+        size: width and height in pixels.
+        fps: frames per second.
         layout: "broadcast" or "arena".
         speed: seconds of the bag in a second of the video.
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for a setting that cannot be.
-        OutputError: where the file cannot be written.
+        ConfigError: for a setting that is not allowed.
+        OutputError: if the file cannot be written.
     """
     kind = format_of(path)
     within = frame_size(kind, size)
@@ -74,74 +75,70 @@ class _Life:
     number: int
     begin_ms: float
     end_ms: float
-    pose: Pose
+    pose: Pose2D
+    """Its last place in a list."""
 
 
 def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[World]:
-    """The arena at each of turtlesim's ticks; the rulings stand in the world after the tick in which they fell."""
-    lives = _lives(bag, judged)
-    scores = dict.fromkeys(bag.hunters, 0)
-    seats = {name: seat for seat, name in enumerate(bag.hunters)}
-    by_tick: dict[int, list[JudgedCatch]] = {}
-    for one in judged:
-        by_tick.setdefault(int(one.asked.time_ms // TICK_MS) + 1, []).append(one)
-    coming = sorted(lives, key=lambda life: life.begin_ms, reverse=True)
+    """Return the arena at each of turtlesim's ticks; a ruling is in the world of the tick after it."""
+    coming = sorted(_lives(bag, judged), key=lambda life: life.begin_ms, reverse=True)
     alive: list[_Life] = []
+    scores = [0] * len(bag.hunters)
+    by_tick: dict[int, list[Ruling]] = {}
+    for one in judged:
+        by_tick.setdefault(int(one.request.time_ms // TICK_MS) + 1, []).append(one.ruling)
     for tick in range(ceil(bag.end_ms / TICK_MS) + 1):
         time_ms = tick * TICK_MS
         while coming and coming[-1].begin_ms <= time_ms:
             alive.append(coming.pop())
         alive = [life for life in alive if time_ms <= life.end_ms]
-        rulings = tuple(one.ruling for one in by_tick.get(tick, ()))
+        rulings = tuple(by_tick.get(tick, ()))
         for ruling in rulings:
-            scores[tuple(seats)[ruling.hunter]] += ruling.success
+            scores[ruling.hunter] += ruling.success
         yield World(
             time_ms,
             tick,
             TURTLESIM_SIDE_M,
-            tuple(_hunter(bag, name, seat, time_ms, scores) for name, seat in seats.items()),
+            tuple(_hunter(bag, name, seat, time_ms, scores[seat]) for seat, name in enumerate(bag.hunters)),
             tuple(_target(bag, life, time_ms) for life in sorted(alive, key=lambda life: life.number)),
             rulings,
         )
 
 
-def _hunter(bag: BagContents, name: str, seat: int, time_ms: float, scores: Mapping[str, int]) -> HunterState:
+def _hunter(bag: BagContents, name: str, seat: int, time_ms: float, score: int) -> HunterState:
     track = bag.hunters[name]
-    pose = track.at(time_ms)
     gone = time_ms > track.end_ms and bag.end_ms - track.end_ms > _SILENT_MS
-    return HunterState(name, *pose, team=seat, score=scores[name], withdrawn=gone)
+    return HunterState(name, *track.at(time_ms), team=seat, score=score, withdrawn=gone)
 
 
 def _target(bag: BagContents, life: _Life, time_ms: float) -> TargetState:
     track = bag.targets.get(life.name)
-    pose = life.pose if track is None or time_ms < track.begin_ms else track.at(time_ms)
-    return TargetState(life.name, life.number, *pose[:3], spawned_ms=int(life.begin_ms))
+    x, y, theta = life.pose if track is None or time_ms < track.begin_ms else track.at(time_ms)[:3]
+    return TargetState(life.name, life.number, x, y, theta, spawned_ms=int(life.begin_ms))
 
 
 def _lives(bag: BagContents, judged: Sequence[JudgedCatch]) -> list[_Life]:
-    """Who was alive from when to when, by the lists; without lists, by the poses. A name that comes back is another
-    target. Who is caught is gone, whenever the next list comes.
+    """Return when each target was alive: by the lists, or by the poses in a bag without lists.
+
+    A name that comes back is another target. A caught target is gone from then on, even if the next list comes later.
     """
-    lives: list[_Life] = []
     if not bag.lists:
-        for name, track in bag.targets.items():
-            lives.append(_Life(name, len(lives) + 1, track.begin_ms, track.end_ms, track.placed[0].pose))
-        return lives
+        tracks = enumerate(bag.targets.items(), start=1)
+        return [_Life(name, number, one.begin_ms, one.end_ms, one.poses[0][:3]) for number, (name, one) in tracks]
+    lives: list[_Life] = []
     alive: dict[str, _Life] = {}
-    for time_ms, (turtles,) in bag.lists:
-        named = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name it never was anywhere
+    for time_ms, turtles in bag.lists:
+        named = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name it is not in turtlesim
         for name in alive.keys() - named.keys():
             alive.pop(name).end_ms = time_ms
         for name, turtle in named.items():
-            x, y = (min(max(number, 0.0), TURTLESIM_SIDE_M) for number in (turtle.x, turtle.y))
-            pose = Pose(x, y, turtle.theta, 0.0, 0.0)
             if name not in alive:
-                alive[name] = _Life(name, len(lives) + 1, time_ms, bag.end_ms + TICK_MS, pose)
+                alive[name] = _Life(name, len(lives) + 1, time_ms, bag.end_ms + TICK_MS, turtle[1:])
                 lives.append(alive[name])
-            alive[name].pose = pose
+            alive[name].pose = turtle[1:]
     for one in judged:
-        if one.asked.success:
+        if one.request.success:
             for life in lives:
-                if life.name == one.asked.name and life.begin_ms <= one.asked.time_ms < life.end_ms:
-                    life.end_ms = one.asked.time_ms
+                if life.name == one.request.name and life.begin_ms <= one.request.time_ms < life.end_ms:
+                    life.end_ms = one.request.time_ms
     return lives
