@@ -1,68 +1,13 @@
-"""Bags as others would read and write them: MCAP record by record from its specification, and rosbags with types that
-are written out here.
-"""
+"""Bags as `ros2 bag record` writes them, made by rosbags with types that are written out here."""
 
-import struct
-from pathlib import Path
+import sqlite3
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-MAGIC = b"\x89MCAP0\r\n"
 POSE = "float32 x\nfloat32 y\nfloat32 theta\nfloat32 linear_velocity\nfloat32 angular_velocity\n"
 TURTLE = "string name\nfloat64 x\nfloat64 y\nfloat64 theta\n"
-
-
-def mcap(path):
-    """The file's schemas and channels by number, and its messages as (channel, ns, data), as they stand in it."""
-    content = Path(path).read_bytes()
-    assert content.startswith(MAGIC)
-    assert content.endswith(MAGIC)
-    found = {"schemas": {}, "channels": {}, "messages": [], "statistics": None, "profile": None}
-    _records(content[len(MAGIC) : -len(MAGIC)], found)
-    return found
-
-
-def _records(content, found):
-    at = 0
-    while at < len(content):
-        code, size = struct.unpack_from("<BQ", content, at)
-        body = content[at + 9 : at + 9 + size]
-        at += 9 + size
-        if code == 0x01:
-            found["profile"] = _texts(body, 2)[0]
-        elif code == 0x03:
-            (number,) = struct.unpack_from("<H", body)
-            found["schemas"][number] = _texts(body[2:], 3)
-        elif code == 0x04:
-            number, schema = struct.unpack_from("<HH", body)
-            found["channels"][number] = (schema, *_texts(body[4:], 2))
-        elif code == 0x05:
-            channel, _, logged, published = struct.unpack_from("<HIQQ", body)
-            assert logged == published
-            found["messages"].append((channel, logged, body[22:]))
-        elif code == 0x06:
-            first, last, whole, _ = struct.unpack_from("<QQQI", body)
-            (compression,) = _texts(body[28:], 1)
-            assert not compression
-            (packed,) = struct.unpack_from("<Q", body, 32)
-            assert packed == whole == len(body) - 40
-            before = len(found["messages"])
-            _records(body[40:], found)
-            times = [time for _, time, _ in found["messages"][before:]]
-            assert (min(times), max(times)) == (first, last)
-        elif code == 0x0B:
-            found["statistics"] = struct.unpack_from("<QHIIIIQQ", body)
-
-
-def _texts(body, count):
-    texts, at = [], 0
-    for _ in range(count):
-        (size,) = struct.unpack_from("<I", body, at)
-        texts.append(body[at + 4 : at + 4 + size].decode())
-        at += 4 + size
-    return texts
 
 
 _ALWAYS = QosTime(9223372036, 854775807)
@@ -80,7 +25,7 @@ _QOS = Qos(
 
 
 class Recorder:
-    """What `ros2 bag record -a` would have written, by rosbags alone."""
+    """Writer of what `ros2 bag record -a` would have written."""
 
     def __init__(self, folder, storage="sqlite3", package="my_robot_interfaces", turtlesim="turtlesim", turtle=TURTLE):
         self.store = get_typestore(Stores.ROS2_HUMBLE)
@@ -117,9 +62,7 @@ class Recorder:
 
 
 def without_definitions(path):
-    """As Humble's files are: no definition of any type stands in them."""
-    import sqlite3
-
+    """Turn a SQLite file into one of Humble, without the definition of any type."""
     with sqlite3.connect(path) as base:
         base.execute("DELETE FROM message_definitions")
         base.execute("DROP TABLE message_definitions")

@@ -5,8 +5,9 @@ import struct
 from itertools import pairwise
 
 import pytest
-from ros import bags, cdr
+from ros import cdr
 from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
 from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
@@ -25,30 +26,12 @@ def replays(tmp_path_factory):
     """A contest of three, a single hunter after moving targets, and faults."""
     folder = tmp_path_factory.mktemp("replays")
     played = {
-        "three": [
-            "nearest",
-            "nearest",
-            "contested",
-            "--set",
-            "hunters=3",
-            "--set",
-            "time_limit_s=12",
-            "--set",
-            "initial_targets=6",
-        ],
-        "one": ["nearest", "--set", "hunters=1", "--set", "target_motion=wander", "--set", "time_limit_s=6"],
-        "faults": [
-            "nearest",
-            "nearest",
-            "--set",
-            "hunters=2",
-            "--set",
-            "time_limit_s=8",
-            "--set",
-            "faults.kill_refused=0.5",
-        ],
+        "three": ("nearest nearest contested", "hunters=3", "time_limit_s=12", "initial_targets=6"),
+        "one": ("nearest", "hunters=1", "target_motion=wander", "time_limit_s=6"),
+        "faults": ("nearest nearest", "hunters=2", "time_limit_s=8", "faults.kill_refused=0.5"),
     }
-    for name, words in played.items():
+    for name, (agents, *settings) in played.items():
+        words = [*agents.split(), *(word for one in settings for word in ("--set", one))]
         made = run("match", *words, "--seed", "5", "--trusted", "-o", folder / f"{name}.replay")
         assert made.exit_code == 0, made.output
     return folder
@@ -69,16 +52,11 @@ def bag(request, match, replays):
     return folder, request.param, replay
 
 
-def by_hand(folder, storage):
-    """The bag's messages, (topic, type, ns, data), by a reader of our own."""
+def raw_messages(folder, storage):
+    """Return the bag's messages, (topic, type, ns, data); those of SQLite without rosbags."""
     if storage == "mcap":
-        found = bags.mcap(folder / f"{folder.name}.mcap")
-        assert found["profile"] == "ros2"
-        assert found["statistics"][0] == len(found["messages"])
-        return [
-            (found["channels"][channel][1], found["schemas"][found["channels"][channel][0]][0], time, data)
-            for channel, time, data in found["messages"]
-        ]
+        with Reader(folder) as reader:
+            return [(one.topic, one.msgtype, time, data) for one, time, data in reader.messages()]
     with sqlite3.connect(folder / f"{folder.name}.db3") as base:
         rows = base.execute(
             "SELECT topics.name, topics.type, timestamp, data FROM messages JOIN topics ON topic_id = topics.id "
@@ -99,7 +77,9 @@ def test_every_tick_has_a_pose_of_each_hunter_and_boundaries_have_the_matchs_own
     by_time = {world.time_ms // 16 * 16 * NS: world for world in worlds}
     for seat, topic in enumerate(poses_topics(replay)):
         told = {
-            time: struct.unpack("<5f", data[4:]) for name, _, time, data in by_hand(folder, storage) if name == topic
+            time: struct.unpack("<5f", data[4:])
+            for name, _, time, data in raw_messages(folder, storage)
+            if name == topic
         }
         assert sorted(told) == [16 * NS * tick for tick in range(worlds[-1].time_ms // 16 + 1)]
         for time, world in by_time.items():
@@ -116,7 +96,7 @@ def test_the_rulings_and_the_calls_are_those_of_the_match_at_the_beginning_of_th
         expected += [(before.time_ms * NS, ruling) for ruling in after.rulings]
     assert expected
     told, calls = [], []
-    for topic, kind, time, data in by_hand(folder, storage):
+    for topic, kind, time, data in raw_messages(folder, storage):
         reader = cdr.Reader(data)
         if topic == "/rulings":
             assert kind == "catch_arena_interfaces/msg/Ruling"
@@ -159,7 +139,7 @@ def test_the_rulings_and_the_calls_are_those_of_the_match_at_the_beginning_of_th
 def test_the_alive_lists_are_those_of_the_match_from_their_instants_on(bag):
     folder, storage, replay = bag
     lists = []
-    for topic, kind, time, data in by_hand(folder, storage):
+    for topic, kind, time, data in raw_messages(folder, storage):
         if topic == "/alive_turtles":
             assert kind == "my_robot_interfaces/msg/TurtleArray"
             lists.append((time, cdr.read_turtles(data)))
@@ -202,25 +182,13 @@ def test_rosbags_own_reader_takes_types_from_the_bag_and_finds_their_digests_rig
 def test_the_metadata_are_what_rosbag2_of_humble_and_of_jazzy_read(bag):
     folder, storage, _ = bag
     whole = YAML(typ="safe").load((folder / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
-    messages = by_hand(folder, storage)
-    # rosbag2_storage/metadata_io.cpp of Humble reads these, and yaml.hpp of Jazzy the last two as well
-    assert whole["version"] == 8
-    assert whole["storage_identifier"] == storage
+    messages = raw_messages(folder, storage)
+    assert (whole["version"], whole["storage_identifier"]) == (8, storage)
     assert whole["message_count"] == len(messages)
-    last = max(time for *_, time, _ in messages)
-    assert whole["duration"] == {"nanoseconds": last}
+    assert whole["duration"] == {"nanoseconds": max(time for *_, time, _ in messages)}
     assert whole["starting_time"] == {"nanoseconds_since_epoch": 0}
-    assert whole["compression_format"] == whole["compression_mode"] == ""
     (name,) = whole["relative_file_paths"]
     assert (folder / name).is_file()
-    assert whole["files"] == [
-        {
-            "path": name,
-            "starting_time": whole["starting_time"],
-            "duration": whole["duration"],
-            "message_count": len(messages),
-        }
-    ]
     for one in whole["topics_with_message_count"]:
         about = one["topic_metadata"]
         assert one["message_count"] == sum(topic == about["name"] for topic, *_ in messages)
@@ -228,8 +196,6 @@ def test_the_metadata_are_what_rosbag2_of_humble_and_of_jazzy_read(bag):
         (qos,) = YAML(typ="safe").load(about["offered_qos_profiles"])  # a text in this version
         assert (qos["history"], qos["reliability"], qos["durability"], qos["depth"]) == (1, 1, 2, 10)
         assert about["type_description_hash"].startswith("RIHS01_")
-    assert not whole["custom_data"]
-    assert isinstance(whole["ros_distro"], str)
 
 
 def test_the_same_replay_gives_the_same_messages_and_other_packages_other_names(replays, tmp_path):
@@ -237,8 +203,8 @@ def test_the_same_replay_gives_the_same_messages_and_other_packages_other_names(
     words = ["--interfaces", "turtles_by_me", "--turtlesim", "turtlesim_msgs"]
     for folder in (one, other):
         assert run("ros", "bag", replays / "one.replay", "-o", folder, *words).exit_code == 0
-    assert by_hand(one, "mcap") == by_hand(other, "mcap")
-    assert {kind for _, kind, *_ in by_hand(one, "mcap")} == {
+    assert raw_messages(one, "mcap") == raw_messages(other, "mcap")
+    assert {kind for _, kind, *_ in raw_messages(one, "mcap")} == {
         "turtlesim_msgs/msg/Pose",
         "turtles_by_me/msg/TurtleArray",
         "turtles_by_me/srv/CatchTurtle_Event",

@@ -38,32 +38,31 @@ def trace(number=1):
 
 
 def record_chase(folder, *, storage="sqlite3", jitter=0.0, **names):
-    """A real turtle's way, on which targets lie beside it: each is caught as it passes, from a distance of its own, as
-    the exercise's nodes would, which let everything be caught. Returns what was caught: (ms, name, metres).
+    """Record a real turtle's way, with targets next to it. Each is caught as the turtle passes, from a distance of its
+    own, as the exercise's nodes grant it. Returns the catches: (ms, name, metres).
     """
     rows = trace()
-    caught, alive, lists = [], [], []
-    moving = [index for index in range(0, len(rows), 160) if rows[index][4] > 0.0]
-    for number, index in enumerate(moving, start=1):
-        time_ms, x, y, theta, *_ = rows[index]
+    caught, lists = [], []
+    moving = [row for row in rows[::160] if row[4] > 0.0]
+    for number, (time_ms, x, y, theta, *_) in enumerate(moving, start=1):
         away = 0.055 * number
-        place = min(max(x + away * math.cos(theta + 1), 0), SIDE), min(max(y + away * math.sin(theta + 1), 0), SIDE)
-        name = f"target_turtle_{number}"
-        alive.append((name, *place))
-        lists.append((max(0.0, time_ms - 1500.0), "spawned", name))
-        lists.append((time_ms + 8.0, "caught", name))
-        caught.append((time_ms + 8.0, name, math.dist((x, y), place)))
-    places = {name: (name, x, y) for name, x, y in alive}
+        place = [
+            min(max(start + away * part, 0.0), SIDE)
+            for start, part in ((x, math.cos(theta + 1)), (y, math.sin(theta + 1)))
+        ]
+        target = f"target_turtle_{number}", *place
+        lists += [(max(0.0, time_ms - 1500.0), "spawned", target), (time_ms + 8.0, "caught", target)]
+        caught.append((time_ms + 8.0, target[0], math.dist((x, y), place)))
     now = []
-    events = [(time_ms, 0, row) for time_ms, *row in rows] + [(time_ms, 1, what) for time_ms, *what in lists]
+    events = [(time_ms, "pose", row) for time_ms, *row in rows] + lists
     with Recorder(folder, storage, **names) as bag:
-        for time_ms, is_list, what in sorted(events, key=lambda one: one[:2]):
-            if not is_list:
-                bag.pose("turtle1", time_ms + jitter * math.sin(time_ms), *what)
+        for time_ms, what, about in sorted(events, key=lambda one: (one[0], one[1] != "pose")):
+            if what == "pose":
+                bag.pose("turtle1", time_ms + jitter * math.sin(time_ms), *about)
                 continue
-            now = [*now, places[what[1]]] if what[0] == "spawned" else [one for one in now if one[0] != what[1]]
+            now = [*now, about] if what == "spawned" else [one for one in now if one != about]
             bag.alive(time_ms, *now)
-    return sorted(caught)
+    return caught
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
@@ -175,20 +174,16 @@ def test_a_bag_tells_every_ruling_that_the_bus_carried_and_the_import_rules_the_
 
 def test_ghosts_repeats_and_kills_that_did_not_happen_are_told_apart(tmp_path):
     """What the exercise's own nodes do wrong: a spawn that failed is listed with an empty name and can be caught."""
+    one, two = ("target_turtle_1", 5.0, 5.2), ("target_turtle_2", 5.1, 5.0)
+    lists = {496: [("", 5.0, 5.0), one, two], 800: [one, two], 1008: [two], 2000: []}
     with Recorder(tmp_path / "wrong") as bag:
         for time_ms in range(0, 4000, 16):
             bag.pose("turtle1", time_ms, 5.0, 5.0)
             bag.pose("target_turtle_2", time_ms, 5.1, 5.0)  # it lives on
             if time_ms <= 1008:
                 bag.pose("target_turtle_1", time_ms, 5.0, 5.2)
-            if time_ms == 496:
-                bag.alive(time_ms, ("", 5.0, 5.0), ("target_turtle_1", 5.0, 5.2), ("target_turtle_2", 5.1, 5.0))
-            if time_ms == 800:
-                bag.alive(time_ms, ("target_turtle_1", 5.0, 5.2), ("target_turtle_2", 5.1, 5.0))
-            if time_ms == 1008:
-                bag.alive(time_ms, ("target_turtle_2", 5.1, 5.0))
-            if time_ms == 2000:
-                bag.alive(time_ms)
+            if time_ms in lists:
+                bag.alive(time_ms, *lists[time_ms])
     judged = judge_bag(read_bag(tmp_path / "wrong"))
     assert [(one.request.name, one.ruling.verdict) for one in judged] == [
         ("", Verdict.UNKNOWN_TARGET),
@@ -288,36 +283,29 @@ def test_a_name_of_ten_megabytes_and_one_with_control_characters_are_shown_short
     assert "\x1b" not in told.stdout
 
 
-def damaged(tmp_path, how):
-    record_chase(tmp_path / "whole", storage="mcap" if "mcap" in how else "sqlite3")
-    folder = tmp_path / "whole"
-    (file,) = (path for path in folder.iterdir() if path.suffix in {".mcap", ".db3"})
-    if how.endswith("truncated"):
-        file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    elif how.endswith("empty"):
-        file.write_bytes(b"")
-    elif how.endswith("noise"):
-        file.write_bytes(b"\x89MCAP0\r\n" + bytes(range(256)) * 40)
-    elif how.endswith("gone"):
-        file.unlink()
-    elif how == "metadata noise":
-        (folder / "metadata.yaml").write_text("rosbag2_bagfile_information: [1, 2")
-    elif how == "metadata other":
-        (folder / "metadata.yaml").write_text("a: 1\n")
-    elif how == "no metadata":
-        (folder / "metadata.yaml").unlink()
-    return folder
+DAMAGE = {
+    "truncated": lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2]),
+    "empty": lambda file: file.write_bytes(b""),
+    "noise": lambda file: file.write_bytes(b"\x89MCAP0\r\n" + bytes(range(256)) * 40),
+    "gone": lambda file: file.unlink(),
+}
 
 
 @pytest.mark.parametrize(
-    "how",
+    ("storage", "name", "how"),
     [
-        *(f"{storage} {what}" for storage in ("mcap", "sqlite") for what in ("truncated", "empty", "noise", "gone")),
-        *("metadata noise", "metadata other", "no metadata"),
+        *(
+            (storage, f"whole{ending}", how)
+            for storage, ending in (("mcap", ".mcap"), ("sqlite3", ".db3"))
+            for how in DAMAGE
+        ),
+        *(("sqlite3", "metadata.yaml", how) for how in ("empty", "noise", "gone")),
     ],
 )
-def test_a_damaged_bag_is_one_line_and_no_video(tmp_path, how):
-    folder = damaged(tmp_path, how)
+def test_a_damaged_bag_is_one_line_and_no_video(tmp_path, storage, name, how):
+    folder = tmp_path / "whole"
+    record_chase(folder, storage=storage)
+    DAMAGE[how](folder / name)
     refused = run("ros", "import", folder, "-o", tmp_path / "f.mp4")
     assert refused.exit_code == 2
     assert refused.stderr.startswith(f"error: {folder}: ")
