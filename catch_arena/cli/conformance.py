@@ -84,6 +84,7 @@ def conformance(
         if arena is not None or exact_lots:
             raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")
         with node_under_test(arbiter, given_bus) as node:
+            node.meet()
             report = run_on_node(node, select_cases(only or ()))
     else:
         given_bus.refuse()

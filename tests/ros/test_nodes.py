@@ -7,7 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from time import monotonic
-from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -20,7 +19,6 @@ from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import Interfaces
-from catch_arena.ros.node_tests import grading
 from catch_arena.ros.node_tests.cases import can_be_asked
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.testing import select_cases
@@ -124,18 +122,6 @@ def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets
     assert "cases: 0 passed, 2 failed" in wrong[1]
 
 
-def test_a_failed_case_of_several_clauses_names_them_all():
-    """Any of them may be the one."""
-    failed = [
-        SimpleNamespace(case=SimpleNamespace(id=name, clauses=clauses))
-        for name, clauses in (("a", ("R5.2", "R5.7")), ("b", ("R5.2",)), ("c", ("R5.2", "R5.7")))
-    ]
-    results = [SimpleNamespace(played=True)] * 3
-    report = SimpleNamespace(results=results, failures=failed, diagnoses=())
-    found = grading._grade(SimpleNamespace(name="test", points=1.0), report)
-    assert found.failures == ("R5.2, R5.7: 2 cases: a, c", "R5.2: 1 case: b")
-
-
 def test_the_marks_say_which_clause_failed(outcomes, folder):
     code, stdout, stderr = outcomes["graded"]
     assert code == 1, stderr
@@ -164,39 +150,46 @@ def test_a_node_that_falls_silent_keeps_what_it_has_earned(outcomes, folder):
 
 
 class DyingNode:
-    """Says yes to everything, so many times; then it is silent, or the bus is gone."""
+    """Says yes to everything, a number of times; then it is silent twice, and is lost."""
 
     keeps_the_list = False
 
-    def __init__(self, answers, error=None):
-        self.answers, self.error = answers, error
+    def __init__(self, answers, silences=2):
+        self.answers = [True] * answers + [None] * silences
 
     def meet(self):
         pass
 
     def ask(self, *_):
-        self.answers -= 1
-        if self.answers >= 0:
-            return True
-        if self.error is not None:
-            raise self.error
-        return None
+        if self.answers:
+            return self.answers.pop(0)
+        raise BusError("the bus is gone")
 
 
-@pytest.mark.parametrize("error", [None, BusError("the bus is gone")])
-def test_a_node_that_falls_silent_is_told_where_and_what_it_had_answered(tmp_path, error):
-    """Basics: a case passed, then one failed, which is asked twice, then silence, told from its first case on."""
+@pytest.mark.parametrize("silences", [0, 2])
+def test_a_node_that_is_lost_gets_the_first_silent_case_and_what_it_had_answered(tmp_path, silences):
+    """Basics: one case passes, one fails, which is asked twice, and then there is no answer."""
     spec = tmp_path / "spec.toml"
     spec.write_text(
         '[[test]]\nname = "first"\ncases = ["basics", "reach.3"]\npoints = 4\n'
         '[[test]]\nname = "second"\ncases = ["names.empty"]\npoints = 2\n'
     )
-    first, second = grade_node(read_spec(spec), DyingNode(3, error))
-    silent = f"the node fell silent at basics.the-farther-target: {GIVEN_UP if error is None else error}"
+    first, second = grade_node(read_spec(spec), DyingNode(3, silences))
+    silent = "the node fell silent at basics.the-farther-target: the bus is gone"
     assert (first.points, first.possible, first.cases, first.passed) == (0.0, 4.0, 6, 1)
     assert first.failures == (silent, "R5.3: 1 case: basics.out-of-reach")
     assert len(first.hints) == 1
     assert (second.points, second.cases, second.passed, second.failures) == (0.0, 1, 0, (silent,))
+
+
+def test_a_failed_case_of_several_clauses_names_them_all(tmp_path):
+    spec = tmp_path / "spec.toml"
+    spec.write_text('[[test]]\nname = "a"\ncases = ["names.number-w", "names.leading-z", "names.empty"]\npoints = 1\n')
+    (grade,) = grade_node(read_spec(spec), DyingNode(6))
+    assert grade.failures == (
+        "R5.2: 1 case: names.empty",
+        "R3.4, R5.2: 2 cases: names.number-without-prefix, names.leading-zero",
+    )
 
 
 def test_a_node_that_never_answers_is_given_up_in_one_line(outcomes):

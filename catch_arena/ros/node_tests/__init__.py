@@ -1,5 +1,5 @@
-"""Nodes of others, tried.
+"""Tests and grades of nodes that other people wrote.
 
-- node_under_test: a node that serves catch_turtle, and the arena about it.
+- node_under_test: a node that serves catch_turtle, and its surroundings.
 - cases: the conformance cases that it can be asked. grading: its grade by a spec.
 """

@@ -1,4 +1,4 @@
-"""A node graded by a spec: what its service answers in cases of the conformance suite, and points."""
+"""Grades of a node by a spec: points for conformance cases that its service answers right."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -15,23 +15,21 @@ from catch_arena.tournament.grading import GradingSpec, GradingTest
 
 @dataclass(frozen=True, slots=True)
 class NodeGrade:
-    """What one test gave."""
+    """Result of one test."""
 
     test: str
     points: float
-    """Those of the test where no case failed, else 0."""
+    """All points of the test if no case failed, else 0."""
     possible: float
     cases: int
     passed: int
     failures: tuple[str, ...]
-    """A line for the clause, or the clauses, of each failed case, after one that says where the node fell silent, if it
-    did.
-    """
+    """Where the node fell silent, if it did; then a line for the clauses of the failed cases."""
     hints: tuple[str, ...]
     log: str = ""
 
     def __str__(self) -> str:
-        """For people: what was asked, then which clauses failed, then what that looks like."""
+        """The points, then the clauses that failed, then hints."""
         head = (
             f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}: "
             f"{self.passed} of {counted(self.cases, 'case')}"
@@ -40,12 +38,12 @@ class NodeGrade:
 
 
 def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
-    """The tests of a spec, one after the other. A node that ends or falls silent keeps what it has earned, and gets
-    nothing for that test and the rest; the cases that it had answered are told.
+    """Grade a node by the tests of a spec, one after the other. A node that falls silent keeps its points, and gets
+    none for that test and the following ones.
 
     Raises:
-        ConfigError: for a test without cases that can be asked of a service, before any is asked.
-        MissingServiceError: where the service is not there.
+        ConfigError: for a test without cases that can be asked of a service, before the first request.
+        MissingServiceError: if no node serves the service.
     """
     tests = [(test, _cases(test)) for test in spec.tests]
     node.meet()
@@ -58,8 +56,8 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
             report = run_on_node(node, cases)
         except NodeLostError as error:
             lost = error
-            told = _grade(test, lost.before)
-            yield replace(told, points=0.0, cases=len(cases), failures=(str(lost), *told.failures))
+            grade = _grade(test, lost.before)
+            yield replace(grade, points=0.0, cases=len(cases), failures=(str(lost), *grade.failures))
         else:
             if not any(result.played for result in report.results):
                 raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")

@@ -1,4 +1,4 @@
-"""Somebody's node that serves catch_turtle, and the arena about it: turtlesim's part, and the spawner's."""
+"""A node that serves catch_turtle, and the parts of turtlesim and of the spawner around it."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -12,25 +12,28 @@ from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, KILL, SPAWN, T
 from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
 ANSWER_S: Final = 2.0
-"""So long a node may take to answer."""
+"""Longest wait for an answer."""
 _THERE_S: Final = 10.0
-"""So long a node may take to appear, or to list a target."""
+"""Longest wait for a node to appear, and for a target in its list."""
 _LOOK_S: Final = 0.5
+"""How long publishers of the list are looked for."""
 _LISTEN_S: Final = 3.0
-"""Where the middleware does not tell who publishes what: the exercise's spawner lists its first target after 2 s."""
+"""How long a list is waited for if the bus does not know publishers: the exercise's spawner sends one after 2 s."""
+_MOST_SILENT: Final = 3
+"""A node is given up after this many requests in a row without an answer."""
 
 Place = tuple[float, float]
 
 
 class NodeUnderTest:
-    """A service on a bus, and what it needs to answer.
+    """A service on a bus, and the position that it is asked about.
 
-    The arena says where turtle1 stands and which targets are alive. A node that publishes the list itself, as the
-    exercise's spawner does, is asked for targets of its own; then turtle1 comes to them.
+    We publish the pose of turtle1 and the list of targets. A node that publishes the list itself, as the exercise's
+    spawner does, is asked for its own targets, and turtle1 moves to them.
 
     Args:
         bus: the bus.
-        service: its name, as in /catch_turtle.
+        service: its name, for example /catch_turtle.
         interfaces: the packages of the types.
         log: takes one line when there is news.
     """
@@ -45,7 +48,10 @@ class NodeUnderTest:
         self._spawned = 1
         self._heard: TurtleArray | None = None
         self._position = Pose(0.0, 0.0, 0.0, 0.0, 0.0), TurtleArray(())
-        self._met = self._answered = False
+        self._answered = False
+        """Whether any request was answered."""
+        self._silent = 0
+        """Number of the last requests, if they were not answered."""
         self._failure = ""
         self._alive: Callable[[TurtleArray], None] | None = None
         self.keeps_the_list = False
@@ -53,18 +59,16 @@ class NodeUnderTest:
 
     @property
     def listed(self) -> dict[str, Place]:
-        """The targets of a node that keeps the list, as it last told them."""
+        """Targets in the last list of a node that keeps the list."""
         return {} if self._heard is None else {name: (x, y) for name, x, y, _ in self._heard.turtles}
 
     def meet(self) -> None:
-        """Wait until the service is there, and see who keeps the list.
+        """Wait until the service is there, and see which side keeps the list.
 
         Raises:
-            MissingServiceError: where nobody serves it.
-            BusError: where somebody does who cannot answer over this bus.
+            MissingServiceError: if no node serves it.
+            BusError: if the node that serves it cannot answer over this bus.
         """
-        if self._met:
-            return
         end = time.monotonic() + _THERE_S
         while not self._client.ready:
             if time.monotonic() > end:
@@ -80,45 +84,45 @@ class NodeUnderTest:
             )
         else:
             self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
-        self._met = True
 
     def wait_for_target(self) -> None:
-        """Until a node that keeps the list has a target in it.
+        """Wait until the list of a node that keeps it has a target.
 
         Raises:
-            BusError: where it has none for long.
+            BusError: if it stays empty.
         """
         end = time.monotonic() + _THERE_S
         while not self.listed:
             if time.monotonic() > end:
                 raise BusError(f"the node lists no target on {ALIVE_TURTLES} for {_THERE_S:g} s: does it call {SPAWN}?")
-            self._publish_for(DT)
+            self.publish_for(DT)
 
     def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
-        """Stand there among these targets for a while, and ask for one: the answer, None without one in time.
+        """Publish a position for a while, then request a target; return the answer, or None without one in time.
 
         Raises:
-            MissingServiceError: where the middleware says that the very first request cannot be answered. `meet` is not
-                told by rosbridge whether anybody serves it.
+            MissingServiceError: if rosbridge reports that nobody serves it, which `meet` cannot see there.
+            BusError: if this is the third request in a row without an answer.
         """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         self._position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
-        self._publish_for(settle_s)
+        self.publish_for(settle_s)
         call = self._client.call(CatchTurtleRequest(name))
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
-            self._publish_for(DT)
+            self.publish_for(DT)
             if self._failure and not self._answered:
                 raise MissingServiceError(f"nobody answers on this bus ({self._failure}): does the node run?")
-        self._answered = self._answered or call.response is not None
-        return None if call.response is None else bool(call.response.success)
+        if call.response is None:
+            self._silent += 1
+            if self._silent == _MOST_SILENT:
+                raise BusError(f"it has not answered {_MOST_SILENT} requests one after the other, and is given up")
+            return None
+        self._silent, self._answered = 0, True
+        return bool(call.response.success)
 
-    def ask_nothing(self, seconds: float) -> None:
-        """Stand there so long."""
-        self._publish_for(seconds)
-
-    def _publish_for(self, seconds: float) -> None:
-        """The pose, and the list where it is ours, tick by tick, as turtlesim tells them."""
+    def publish_for(self, seconds: float) -> None:
+        """Publish the position for a time, every 16 ms as turtlesim does: the pose, and the list if it is ours."""
         end = time.monotonic() + seconds
         while (now := time.monotonic()) < end:
             self._pose(self._position[0])
@@ -133,7 +137,7 @@ class NodeUnderTest:
 
     def _on_list(self, message: TurtleArray, peer: Peer | None) -> None:
         del peer
-        if not self._met or self.keeps_the_list:
+        if self._alive is None:  # else it is ours
             self._heard = message
 
     def _on_failure(self, why: str) -> None:
@@ -142,6 +146,6 @@ class NodeUnderTest:
             self._log(f"warning: {why}")
 
     def _on_spawn(self, request: Request) -> None:
-        """As turtlesim: every name is free here."""
+        """Answer as turtlesim does; every name is free."""
         self._spawned += 1
         request.answer(Name(request.message.name or f"turtle{self._spawned}"))
