@@ -158,14 +158,14 @@ def test_rulings_tell_verdict_distance_winner_and_clause():
 
 def test_how_often_and_from_how_far_a_node_asked_is_a_remark_after_the_match():
     match = Match(hunters=2, hunter_poses=TWO, names=["anna", "ben"])
-    assert match.node.remarks() == ()
+    assert match.node.advice.remarks() == ()
     name = match.service.spawn(2.45, 2.0)
     for _ in range(3):
         match.ask(match.a, name, "/hunter_0/catch_turtle")
         match.tick()
     match.ask(match.a, match.service.spawn(2.0, 4.0), "/hunter_0/catch_turtle")
     match.tick()
-    assert match.node.remarks() == (
+    assert match.node.advice.remarks() == (
         "anna: 4 requests from too far, 0.45 to 2.00 m away: a catch needs less than reach_m, 0.3 m",
     )
 
@@ -658,7 +658,7 @@ def test_a_recorded_match_plays_again_and_nobody_changes_it_from_outside():
     ):
         match.a.client(service, kind).call(request)
     step = 0
-    while not match.node.over:
+    while not match.service.over:
         if step % 6 == 0:
             match.drive(match.a, 2.0, math.sin(step))
         if step % 20 == 10:
@@ -690,7 +690,7 @@ def test_after_the_end_nothing_moves_and_every_request_is_told():
     answer = match.ask(match.a, "x")
     match.tick()
 
-    assert match.node.over
+    assert match.service.over
     assert answer.response == NO
     assert match.sent("/rulings")[-1].verdict == "MATCH_OVER"
     assert [(one.hunter, one.over) for one in match.sent("/standings")] == [("hunter_0", False), ("hunter_0", True)]
@@ -780,7 +780,7 @@ def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
     assert match.hunter(0).linear_velocity == 1.0
     assert any(line.startswith("hunter_1 is out: ") for line in match.said)
     assert match.node.standings() == ((1, 2), (0, 0))
-    while not match.node.over:
+    while not match.service.over:
         match.tick()
     assert verify(match.service.replay) == []
     match.agents.close()

@@ -147,7 +147,7 @@ def test_a_bag_tells_every_ruling_that_the_bus_carried_and_the_import_rules_the_
     match = Match(hunters=2, hunter_poses=((5.0, 5.0, 0.0), (6.0, 6.0, 0.0)), initial_targets=8, record=True,
                   time_limit_s=2, reach_m=3.0)  # fmt: skip
     names = ["nonsense", "target_turtle_99", "n" * 300]
-    while not match.node.over:
+    while not match.service.over:
         step = match.service.world.step
         names += [turtle.name for turtle in match.service.alive_turtles().turtles if turtle.name not in names]
         for number in range(step % 4):

@@ -1,4 +1,4 @@
-"""Agents in the seats that no node drives: asked every 100 ms of the arena's, in a thread of their own."""
+"""Agents in the seats that no node drives, asked every 100 ms of the arena's time in a thread of their own."""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,11 +16,11 @@ from catch_arena.tournament.players import Answer, Players
 from catch_arena.tournament.secret import agent_seed
 
 ASK_EVERY_MS: Final = 100
-"""R1.3's usual control period: agents play as in any other match."""
+"""R1.3: the usual control period, so that agents play as in any other match."""
 
 
 class AgentActions(NamedTuple):
-    """What agents do in one step."""
+    """Actions of the agents in one step."""
 
     cmd_vel: dict[str, Twist]
     goals: dict[str, str]
@@ -28,12 +28,12 @@ class AgentActions(NamedTuple):
 
 
 class AgentSeats:
-    """Hunters that agents drive. The arena waits for nobody: an action holds until the next one is there.
+    """Hunters that agents drive. The arena does not wait: an action holds until the next one is there.
 
     Args:
         service: the arena.
         players: the agents, by seat.
-        log: takes one line when one of them forfeits.
+        log: takes one line when an agent forfeits.
     """
 
     def __init__(self, service: ArenaService, players: Players, log: Log) -> None:
@@ -42,26 +42,29 @@ class AgentSeats:
         self._asking = ThreadPoolExecutor(1, "agents")
         self._answers: Future[dict[int, Answer]] | None = None
         self._seen: Mapping[int, Sequence[str]] = {}
+        """Names of the targets by rank, as they were when the agents were asked."""
         self._next_ms = 0
         self._cmd_vel: dict[str, Twist] = {}
         self._goals: dict[str, str] = {}
-        self._playing: list[int] = []
         self.forfeits: dict[int, int] = {}
-        """The step in which each seat failed that did: they are ranked last."""
+        """The step in which an agent failed, by seat: it is ranked last."""
 
     def begin(self, seed: int) -> None:
-        """A match begins."""
+        """Begin a match."""
+        if self._answers is not None:
+            self._answers.exception()  # it is about the match before
+            self._answers = None
+        self._next_ms = 0
+        for hunters in (self._cmd_vel, self._goals, self.forfeits):
+            hunters.clear()
         config = self._service.config
         seats = range(config.hunters)
         limits = [replace(Limits.of(config, seat), control_period_ms=ASK_EVERY_MS) for seat in seats]
-        self._forget()
-        self._playing = list(self._hunters)
-        self.forfeits.clear()
         for seat, fault in self._players.reset([agent_seed(seed, seat) for seat in seats], limits).items():
             self._forfeit(seat, f"{fault.code}: {fault.reason}")
 
     def act(self, now_ms: int) -> AgentActions:
-        """What they do in the step that begins now."""
+        """Return the agents' actions in the step that begins now."""
         requests: list[tuple[str, CatchTurtleRequest]] = []
         if self._answers is not None and self._answers.done():
             answers, self._answers = self._answers.result(), None
@@ -72,24 +75,17 @@ class AgentSeats:
                     self._take(seat, action, requests)
                 except ActionError as error:
                     self._forfeit(seat, str(error))
-        if now_ms >= self._next_ms and self._answers is None and self._playing:
+        playing = {seat: hunter for seat, hunter in self._hunters.items() if seat not in self.forfeits}
+        if now_ms >= self._next_ms and self._answers is None and playing:
             self._next_ms = now_ms - now_ms % ASK_EVERY_MS + ASK_EVERY_MS
-            shown = {seat: self._service.observe(self._hunters[seat]) for seat in self._playing}
-            self._seen = {seat: self._service.targets_seen(self._hunters[seat]) for seat in self._playing}
+            shown = {seat: self._service.observe(hunter) for seat, hunter in playing.items()}
+            self._seen = {seat: self._service.targets_seen(hunter) for seat, hunter in playing.items()}
             self._answers = self._asking.submit(self._players.act, shown)
         return AgentActions(dict(self._cmd_vel), dict(self._goals), requests)
 
     def close(self) -> None:
-        """Nobody is asked any more."""
+        """End the thread."""
         self._asking.shutdown()
-
-    def _forget(self) -> None:
-        if self._answers is not None:
-            self._answers.exception()  # whoever still thinks of the match before is waited for
-            self._answers = None
-        self._next_ms = 0
-        self._cmd_vel.clear()
-        self._goals.clear()
 
     def _take(self, seat: int, action: Any, requests: list[tuple[str, CatchTurtleRequest]]) -> None:
         config, hunter, seen = self._service.config, self._hunters[seat], self._seen[seat]
@@ -105,7 +101,6 @@ class AgentSeats:
 
     def _forfeit(self, seat: int, why: str) -> None:
         hunter = self._hunters[seat]
-        self._playing.remove(seat)
         self.forfeits[seat] = self._service.world.step
         self._players.drop(seat)
         self._cmd_vel.pop(hunter, None)

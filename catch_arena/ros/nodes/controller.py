@@ -1,10 +1,10 @@
-"""The exercise's turtle_controller, with an agent as its driver: it hears one turtle's pose and the list of targets,
-drives the turtle, and asks /catch_turtle.
+"""The exercise's turtle_controller with an agent: it reads a turtle's pose and the list of targets, and drives.
+
+It calls /catch_turtle for the targets within reach.
 """
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
@@ -14,7 +14,7 @@ from catch_arena.config import ArenaConfig, Gains
 from catch_arena.engine import Engine
 from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, AgentError
-from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
+from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
 from catch_arena.policy import Limits
 from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, catch_turtle_of, cmd_vel_of, pose_of
@@ -22,14 +22,13 @@ from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessag
 from catch_arena.ros.middleware.parameters import Parameter
 from catch_arena.tournament.players import Players
 from catch_arena.tournament.secret import agent_seed
-from catch_arena.world import World
 
 PERIOD_S: Final = 0.1
-"""R1.3: the exercise's control loop runs at 10 Hz."""
+"""R1.3: period of the exercise's control loop."""
 _ANSWER_S: Final = 1.0
-"""After so long a request that was not answered is made again."""
+"""A request without an answer is repeated after this time."""
 _SILENT_S: Final = 1.0
-"""A turtle whose pose is so old is not there any more."""
+"""A turtle without a pose for longer is gone."""
 _ALONE: Final[dict[str, Any]] = {
     "hunters": 1,
     "initial_targets": 0,
@@ -41,20 +40,20 @@ _ALONE: Final[dict[str, Any]] = {
 
 
 class Controller:
-    """Drives one turtle by what an agent decides.
+    """Driver of one turtle by the decisions of an agent.
 
-    The agent sees a position of an arena of its own, into which the turtle and the targets are put anew each time, and
-    no rivals. Its hosted controller has the exercise's gains.
+    The agent plays in an arena of its own, in which the turtle and the targets are placed in each period; it has no
+    rivals. The arena's controller has the exercise's gains.
 
     Args:
         bus: the bus.
-        players: the agent, in seat 0; with `closest_first` nearest is there, and first in seat 1.
+        players: the agent in seat 0; with `closest_first` the agents nearest in seat 0 and first in seat 1.
         config: reach and limits of the turtle; the rest is the exercise's.
         turtle: its name.
         interfaces: the packages of the types.
-        closest_first: which of two agents drives, from one control period to the next; None where there is one.
-        service: which is asked for catches; None asks the turtle's own, as /turtle1/catch_turtle, where somebody serves
-            it, and else /catch_turtle.
+        closest_first: the parameter that chooses between two agents in each period, or None if there is one agent.
+        service: the service to call; None is the turtle's own, /turtle1/catch_turtle, if it is served, else
+            /catch_turtle.
         log: takes one line when there is news.
     """
 
@@ -75,16 +74,18 @@ class Controller:
         self._players, self._closest_first = players, closest_first
         self._turtle, self._log = turtle, log
         self._pose: Pose | None = None
-        self._heard_s = -_SILENT_S
-        self._turtles = TurtleArray(())
+        self._pose_s = 0.0
+        """Time of the last pose."""
+        self._targets: list[Turtle] = []
+        self._listed_s: dict[str, float] = {}
+        """Time at which each of the targets was first in the list."""
         self._calls: dict[str, tuple[Call, float]] = {}
-        self._known: dict[str, float] = {}
-        self._warned = self._unserved = False
-        self.caught = 0
-        """How often /catch_turtle said yes."""
-        self._cmd_vel: Callable[[TwistMessage], None] = bus.publisher(cmd_vel_of(turtle), TWIST)
+        """Requests by target, each with its time."""
+        self._caught = 0
+        self._warned: set[str] = set()
+        self._cmd_vel = bus.publisher(cmd_vel_of(turtle), TWIST)
         self._services = [CATCH_TURTLE] if service is None else [service]
-        if service is None and bus.backend != "rosbridge":  # which does not tell who serves what
+        if service is None and bus.backend != "rosbridge":  # it does not report services
             self._services.insert(0, catch_turtle_of(turtle))
         self._clients = [bus.client(name, interfaces.catch_turtle) for name in self._services]
         bus.subscribe(pose_of(turtle), interfaces.pose, self._on_pose)
@@ -96,29 +97,29 @@ class Controller:
             raise AgentError(fault.reason)
 
     def tick(self) -> None:
-        """R1.3: one control period.
+        """R1.3: play one control period.
 
         Raises:
-            AgentError: where the agent fails.
+            AgentError: if the agent fails.
         """
         self._read_answers()
         if self._pose is None:
             return
-        if time.monotonic() > self._heard_s + _SILENT_S:
+        if time.monotonic() > self._pose_s + _SILENT_S:
             self._pose = None
             self._log(f"{self._turtle} is silent: no pose for {_SILENT_S:g} s")
             return
-        world, names = self._put(self._pose)
+        names = self._place(self._pose)
         self._decide()
-        after = self._engine.world()
-        (hunter,) = after.hunters
+        world = self._engine.world()
+        (hunter,) = world.hunters
         self._cmd_vel(TwistMessage.of(hunter.linear_velocity, hunter.angular_velocity))
-        for ruling in after.rulings:
-            if ruling.success:  # within reach: now ask those who know
-                self._request_catch(names[[target.name for target in world.targets].index(str(ruling.target))])
+        for ruling in world.rulings:
+            if ruling.success:  # it is within reach: call the referee
+                self._request_catch(names[str(ruling.target)])
 
     def stop(self) -> None:
-        """The turtle stands still."""
+        """Stop the turtle."""
         self._cmd_vel(TwistMessage.of(0.0, 0.0))
 
     def _on_pose(self, pose: Pose, peer: Peer | None) -> None:
@@ -126,37 +127,33 @@ class Controller:
         if all(map(math.isfinite, pose)):
             if self._pose is None:
                 self._log(f"{self._turtle} is there")
-            self._pose, self._heard_s = pose, time.monotonic()
+            self._pose, self._pose_s = pose, time.monotonic()
 
     def _on_turtles(self, turtles: TurtleArray, peer: Peer | None) -> None:
         del peer
-        self._turtles = turtles
+        self._targets = list(turtles.turtles)
 
-    def _put(self, pose: Pose) -> tuple[World, list[str]]:
-        """The position as the agent sees it, and what its targets are really called. They are as old as it is long
-        since each was first heard of; who is listed before another is older.
+    def _place(self, pose: Pose) -> dict[str, str]:
+        """Place the turtle and its targets in the arena, and return the targets' names by their names in the arena.
+
+        A target's age counts from its first list; of two that were new in one list the earlier one is older.
         """
         side, most = self._engine.config.side_m, self._engine.config.max_targets
-        there = [
-            turtle
-            for turtle in self._turtles.turtles
-            if -side <= turtle.x <= 2 * side and -side <= turtle.y <= 2 * side  # of garbage nothing can be made
-        ][:most]
-        if len(there) < min(len(self._turtles.turtles), most) and not self._warned:
-            self._warned = True
-            self._log(
-                "warning: /alive_turtles has targets far outside: is your Turtle.msg of float32? "
-                "(`catch-arena docs ros2`)"
+        near = [one for one in self._targets if -side <= one.x <= 2 * side and -side <= one.y <= 2 * side]
+        if len(near) < len(self._targets):
+            self._warn_once(
+                "/alive_turtles has targets far outside: is your Turtle.msg of float32? (`catch-arena docs ros2`)",
+                "places",
             )
-        now, names = time.monotonic(), [turtle.name for turtle in there]
-        self._known = {name: self._known.get(name, now) for name in names}
-        ages = [now - self._known[name] + 1e-3 * (len(names) - place) for place, name in enumerate(names)]
-        targets = [(turtle.x, turtle.y) for turtle in there]
-        self._engine.place(0, [(pose.x, pose.y, pose.theta)], targets, ages=ages)
-        return self._engine.world(), names
+        targets, now = near[:most], time.monotonic()
+        self._listed_s = {one.name: self._listed_s.get(one.name, now) for one in targets}
+        ages = [now - self._listed_s[one.name] + 1e-3 * (len(targets) - place) for place, one in enumerate(targets)]
+        self._engine.place(0, [(pose.x, pose.y, pose.theta)], [(one.x, one.y) for one in targets], ages=ages)
+        placed = self._engine.world().targets
+        return {here.name: one.name for here, one in zip(placed, targets, strict=True)}
 
     def _decide(self) -> None:
-        """The agent's action, played for one step in its own arena: what its hunter does there the turtle does here."""
+        """Play the agent's action for one step in its own arena; the turtle then does what the hunter does there."""
         config = self._engine.config
         control = config.controls[0]
         mask = [] if control == "velocity" else self._engine.masks[0, 0].tolist()
@@ -180,16 +177,19 @@ class Controller:
         client = next((client for client in self._clients if client.ready), None)
         if client is not None:
             self._calls[name] = client.call(CatchTurtleRequest(name)), now
-        elif not self._unserved:
-            self._unserved = True
-            self._log(f"warning: {name} is within reach, and nobody serves {' or '.join(self._services)}")
+        else:
+            self._warn_once(f"{name} is within reach, and nobody serves {' or '.join(self._services)}", "service")
 
     def _read_answers(self) -> None:
         for name, (call, _) in list(self._calls.items()):
             if call.response is not None:
                 del self._calls[name]
                 if call.response.success:
-                    self.caught += 1
-                    self._log(f"caught {name}: {self.caught}")
-                    rest = tuple(turtle for turtle in self._turtles.turtles if turtle.name != name)
-                    self._turtles = TurtleArray(rest)  # the list without it may be late
+                    self._caught += 1
+                    self._log(f"caught {name}: {self._caught}")
+                    self._targets = [one for one in self._targets if one.name != name]  # the next list may be late
+
+    def _warn_once(self, line: str, about: str) -> None:
+        if about not in self._warned:
+            self._warned.add(about)
+            self._log(f"warning: {line}")

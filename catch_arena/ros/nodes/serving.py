@@ -1,4 +1,4 @@
-"""One match on a ROS 2 bus, from the first node that is waited for to the last answer."""
+"""One match on a ROS 2 bus, from the wait for the first node to the last answer."""
 
 import gc
 from collections.abc import Collection, Mapping, Sequence
@@ -22,25 +22,25 @@ from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.starting import sandbox_for, start_players
 
 FASTEST: Final = 100.0
-"""The most that --speed may be."""
+"""The highest --speed."""
 _ASK_AGAIN: Final = 20_000 // TICK_MS
-"""In ticks: who is waited for is told again."""
+"""In ticks: period in which the missing seats are logged again."""
 _SETTLE: Final = 1000 // TICK_MS
-"""In ticks: before a match that was waited for, what other nodes use and do is seen."""
+"""In ticks: time between the last node and the begin of the match."""
 _LAST_TICKS: Final = 30
-"""After the end: those who ask late are told MATCH_OVER, and the standings reach everybody."""
+"""Ticks after the end: late requests get MATCH_OVER, and the last standings are sent."""
 
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """What came of it; tuples are by seat."""
+    """Result of a match; tuples are by seat."""
 
     names: tuple[str, ...]
     ranks: tuple[int, ...]
     scores: tuple[int, ...]
     rate: Rate
     remarks: tuple[str, ...]
-    """What is said after the ranking."""
+    """Lines for the authors of nodes, to print after the ranking."""
 
 
 def serve_match(
@@ -62,25 +62,25 @@ def serve_match(
     """Play one match with the nodes on a bus, and with agents in some seats.
 
     Args:
-        bus: the bus; it is joined when all else is settled, and left in the end.
+        bus: the bus; it is joined after everything else is checked, and left at the end.
         config: the arena's settings; its control period is set to TICK_MS.
         seed: a whole number in [0, 2^64).
-        agents: by seat; nodes drive the others.
-        limits: those of isolated agents, None where all are trusted.
-        names: the players', by seat.
-        people: seats whose nodes only drive, as a keyboard's does: what is in reach is asked for them (R4.4).
+        agents: the agents by seat; nodes drive the other seats.
+        limits: limits of isolated agents, or None if all are trusted.
+        names: the players' names, by seat.
+        people: seats whose nodes only drive, as a keyboard's does: the arena asks for them (R4.4).
         interfaces: the packages of the types.
-        speed: of the arena's clock, to the wall's; where it is not 1, /clock tells the arena's.
+        speed: simulation speed; if it is not 1, the arena's time is published on /clock.
         wait: whether the match begins when all seats are taken.
-        record: where its replay goes.
-        title: of the replay.
+        record: the file of the replay.
+        title: title of the replay.
         log: takes one line when there is news.
 
     Raises:
-        ConfigError: for a speed, a match to be recorded, or an arena with prey, that cannot be.
-        OutputError: for a replay that cannot be written.
-        BusError: where the bus cannot be joined.
-        NoContest: where isolated agents could not be held.
+        ConfigError: for a speed that is not allowed, an arena with prey, or a match that cannot be recorded.
+        OutputError: if the replay cannot be written.
+        BusError: if the bus cannot be joined.
+        NoContest: if isolated agents could not be held.
     """
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
@@ -104,54 +104,50 @@ def serve_match(
         interfaces = joined.interfaces(interfaces)
         node = ArenaNode(joined, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
         node.begin(seed)
-        gc.freeze()  # to look for garbage in all that was loaded takes as long as several ticks
+        gc.freeze()  # a search for garbage in all that was loaded takes as long as several ticks
         stack.callback(gc.unfreeze)
-        rate = Rate(TICK_MS / 1000.0 / speed)
+        period_s = TICK_MS / 1000.0 / speed
         if wait and node.seats:
-            ticks = 0
-            while node.missing:
-                if ticks % _ASK_AGAIN == 0:
-                    node.tell_who_is_missing(again=ticks > 0)
-                ticks += 1
-                rate.sleep()
-                node.wait()
-            for _ in range(_SETTLE):
-                rate.sleep()
-                node.wait()
+            _wait_for_nodes(node, Rate(period_s))
             log("all seats are taken: the match begins")
-            rate = Rate(rate.period_s)
+        rate = Rate(period_s)
 
         def play() -> None:
-            while not node.over:
+            while not service.over:
                 rate.sleep()
                 node.tick()
 
         interrupts.linger(play)
-        early = not node.over
+        early = not service.over
         if early:
             log(f"ended after {service.world.time_ms / 1000:.0f} s, before its time: the ranking until then")
         ranks, scores = node.standings()
-        last = Rate(rate.period_s)  # not the match's own, whose ticks are counted
 
         def end() -> None:
+            last = Rate(period_s)
             try:
                 for _ in range(0 if early else _LAST_TICKS):
                     last.sleep()
                     node.tick()
             finally:
                 if record is not None:  # it takes as long as many ticks, and nothing is sent meanwhile
-                    _save(service, record, log)
+                    if left_out := service.requests_left_out:
+                        log(f"the replay is without {left_out} refused requests: there were too many to keep")
+                    interrupts.keep(lambda: service.replay.save(record))
 
         interrupts.linger(end)
-    return Served(tuple(names), ranks, scores, rate, node.remarks())
+    return Served(tuple(names), ranks, scores, rate, node.advice.remarks())
 
 
-def _save(service: ArenaService, record: Path, log: Log) -> None:
-    """Whatever else comes."""
-
-    def save() -> None:
-        service.replay.save(record)
-        if service.requests_left_out:
-            log(f"the replay is without {service.requests_left_out} refused requests: there were too many to keep")
-
-    interrupts.keep(save)
+def _wait_for_nodes(node: ArenaNode, rate: Rate) -> None:
+    """Wait until each seat has its node, and then for a second, in which names and types of the nodes are checked."""
+    ticks = 0
+    while node.missing:
+        if ticks % _ASK_AGAIN == 0:
+            node.log_missing(again=ticks > 0)
+        ticks += 1
+        rate.sleep()
+        node.wait()
+    for _ in range(_SETTLE):
+        rate.sleep()
+        node.wait()

@@ -1,0 +1,88 @@
+"""Lines for the authors of nodes: what their nodes do in vain, and what to type instead. Each is logged once."""
+
+from collections.abc import Collection, Sequence
+from typing import Final
+
+from catch_arena.config import ArenaConfig
+from catch_arena.ros.middleware import graph_names
+from catch_arena.ros.middleware.bus import Log
+from catch_arena.ros.nodes.neighbours import remapping_to
+from catch_arena.text import one_line
+from catch_arena.verdicts import Ruling, Verdict
+
+_AGAIN: Final = 10
+"""After this many requests for targets that are gone the author gets a line."""
+
+
+class Advice:
+    """Log of one match.
+
+    Args:
+        config: the arena's settings.
+        names: the players' names, by seat.
+        log: takes one line when there is news.
+    """
+
+    def __init__(self, config: ArenaConfig, names: Sequence[str], log: Log) -> None:
+        self._reaches = dict(zip(config.hunter_names, config.reaches, strict=True))
+        self._names = dict(zip(config.hunter_names, names, strict=True))
+        self._log = log
+        self._logged: set[str] = set()
+        self._too_far: dict[str, list[int]] = {hunter: [] for hunter in config.hunter_names}
+        """Distances from which a hunter asked in vain [um]."""
+        self._too_late = dict.fromkeys(config.hunter_names, 0)
+        """Number of a hunter's requests for targets that were gone."""
+
+    def log_once(self, line: str, about: str = "") -> None:
+        """Log a line, unless it, or another line about the same, was logged before."""
+        if (about or line) not in self._logged:
+            self._logged.add(about or line)
+            self._log(line)
+
+    def warn_once(self, line: str, about: str = "") -> None:
+        """Log a warning once, as `log_once` does."""
+        self.log_once(f"warning: {line}", about)
+
+    def note(self, hunter: str, ruling: Ruling, own_requests: Collection[str]) -> None:
+        """Note the ruling on a node's request.
+
+        Args:
+            hunter: the hunter that asked.
+            ruling: the ruling.
+            own_requests: all targets that the hunter's own node asked for in this step.
+        """
+        if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
+            self._too_far[hunter].append(ruling.distance_um)
+        elif ruling.verdict is Verdict.DUPLICATE and len(set(own_requests)) > 1:
+            hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
+            self.log_once(f"{hunter} asked for several targets at once; {hint}", f"{hunter} several")
+        elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
+            self._too_late[hunter] += 1
+            if self._too_late[hunter] == _AGAIN:
+                target = one_line(str(ruling.target)[:40])
+                self._log(
+                    f"{self._names[hunter]} has asked {_AGAIN} times for targets that are gone, as {target}: "
+                    f"choose another when yours leaves {graph_names.ALIVE_TURTLES}"
+                )
+
+    def explain_remapping(self, free: Sequence[str]) -> None:
+        """Log how a node that drives turtle1 becomes one of the hunters that no node drives."""
+        hunter, *others = (f"{one} ({self._names[one]})" for one in free)
+        also = f"; in the same way for {', '.join(others)}" if others else ""
+        self._log(
+            f"warning: a node drives {graph_names.TURTLE}, which is no hunter where several seats are for nodes: start "
+            f"it with {remapping_to(free[0])} to drive {hunter}{also}"
+        )
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return a line for each player whose requests came from too far away."""
+        lines = []
+        for hunter, distances in self._too_far.items():
+            if distances:
+                near, far = min(distances) / 1e6, max(distances) / 1e6
+                times = "1 request" if len(distances) == 1 else f"{len(distances)} requests"
+                lines.append(
+                    f"{self._names[hunter]}: {times} from too far, {near:.2f} to {far:.2f} m away: "
+                    f"a catch needs less than reach_m, {self._reaches[hunter]:g} m"
+                )
+        return tuple(lines)
