@@ -2,9 +2,9 @@
 
 import pytest
 from ros.local import Hub
+from ros.turtlesim import TYPES, Turtlesim
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.interfaces import Interfaces, Name
 from catch_arena.ros.middleware.parameters import SPAWN_FREQUENCY, spawner_parameters
 from catch_arena.ros.nodes.controller import Controller
 from catch_arena.ros.nodes.spawner import Spawner
@@ -13,38 +13,8 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.starting import start_players
 
-TYPES = Interfaces()
 A_SECOND = 63
 """Ticks of 16 ms."""
-
-
-class Turtlesim:
-    """Spawns every name once, and tells the poses of all that are there: turtle1, and what was spawned."""
-
-    def __init__(self, hub):
-        self.bus = hub.bus("turtlesim")
-        self.there = {"turtle1": Pose(5.0, 5.0, 0.0, 0.0, 0.0)}
-        self.asked, self.publishers = [], {}
-        self.bus.serve("/spawn", TYPES.spawn, self.spawn)
-        self.bus.serve("/kill", TYPES.kill, self.kill)
-
-    def spawn(self, request):
-        asked = request.message
-        self.asked.append(asked.name)
-        free = asked.name not in self.there
-        if free:
-            self.there[asked.name] = Pose(asked.x, asked.y, asked.theta, 0.0, 0.0)
-        request.answer(Name(asked.name if free else ""))
-
-    def kill(self, request):
-        self.there.pop(request.message.name, None)
-
-    def tick(self):
-        for name, pose in self.there.items():
-            if name not in self.publishers:
-                self.publishers[name] = self.bus.publisher(f"/{name}/pose", TYPES.pose)
-            self.publishers[name](pose)
-        self.bus.spin()
 
 
 @pytest.fixture
@@ -54,7 +24,7 @@ def hub():
 
 @pytest.fixture
 def turtlesim(hub):
-    return Turtlesim(hub)
+    return Turtlesim(hub.bus("turtlesim"))
 
 
 class Node:

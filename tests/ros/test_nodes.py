@@ -1,24 +1,22 @@
-"""Students' referees, each a process that knows the wire alone, tried over the loopback interface."""
+"""Students' referees, each a process, tried over the loopback interface."""
 
 import json
 import re
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from time import monotonic
 from xml.etree import ElementTree as ET
 
 import pytest
 from ros.bridge import running_bridge
 from ros.processes import own_domain, started
+from ros.referee import Referee
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import BusError
-from catch_arena.messages import CatchTurtleResponse
 from catch_arena.ros.middleware.bus import open_bus
-from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.node_tests.cases import can_be_asked
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.testing import select_cases
@@ -231,39 +229,43 @@ def test_other_mistakes_are_told_too(mistake, only, told):
     assert told in stdout
 
 
-def test_over_rosbridge_a_right_node_passes_too():
-    """A server behind the bridge, which a student would run beside rosbridge_server."""
-    types = Interfaces()
-    state = {"pose": (0.0, 0.0), "turtles": {}, "end": monotonic() + 240}
+class Ended(Referee):
+    """Ends after its first answer."""
 
-    def serve(url):
+    over = False
+
+    def on_request(self, request):
+        super().on_request(request)
+        self.over = True
+
+
+@contextmanager
+def behind(url, kind=Referee):
+    """A referee behind the bridge, which a student would run beside rosbridge_server."""
+    ended, ready = threading.Event(), threading.Event()
+
+    def run():
         bus = open_bus("rosbridge", url=url, log=lambda _: None)
-        bus.subscribe("/turtle1/pose", types.pose, lambda pose, _: state.update(pose=(pose.x, pose.y)))
-
-        def hear(message, _):
-            state["turtles"] = {one.name: (one.x, one.y) for one in message.turtles}
-
-        def judge(request):
-            x, y = state["pose"]
-            place = state["turtles"].get(request.message.name)
-            success = place is not None and (place[0] - x) ** 2 + (place[1] - y) ** 2 < 0.09
-            request.answer(CatchTurtleResponse(success))
-
-        bus.subscribe("/alive_turtles", types.turtle_array, hear)
-        bus.serve("/catch_turtle", types.catch_turtle, judge)
-        while monotonic() < state["end"]:
-            bus.spin(0.05)
+        referee = kind(bus)
+        ready.set()
+        while not (ended.is_set() or getattr(referee, "over", False)):
+            referee.tick()
         bus.close()
 
-    with running_bridge() as (_, url):
-        student = threading.Thread(target=serve, args=(url,))
-        student.start()
-        try:
-            words = ["conformance", "ros:/catch_turtle", "--bus", "rosbridge", "--url", url, "--only", "basics"]
-            tried = CliRunner().invoke(main, words)
-        finally:
-            state["end"] = 0.0
-            student.join(60)
+    student = threading.Thread(target=run)
+    student.start()
+    try:
+        assert ready.wait(60)
+        yield
+    finally:
+        ended.set()
+        student.join(60)
+
+
+def test_over_rosbridge_a_right_node_passes_too():
+    with running_bridge() as (_, url), behind(url):
+        words = ["conformance", "ros:/catch_turtle", "--bus", "rosbridge", "--url", url, "--only", "basics"]
+        tried = CliRunner().invoke(main, words)
     assert tried.exit_code == 0, tried.output
     assert re.search(r"^cases: 3 passed, 0 failed, \d+ cannot be asked of a service$", tried.stdout, re.MULTILINE)
 
@@ -294,36 +296,14 @@ def test_without_a_rosbridge_server_one_line_says_so(words, tmp_path, monkeypatc
 
 def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(tmp_path):
     """Once it has answered, a request that fails is silence."""
-    types = Interfaces()
     (tmp_path / "spec.toml").write_text(
         SPEC.replace('"reach.300000", "reach.299999-is-in"', '"names.unknown"').replace(
             '"names.unknown", "names.c', '"names.c'
         )
     )
-
-    def serve(url, ready):
-        bus = open_bus("rosbridge", url=url, log=lambda _: None)
-        answered = []
-
-        def refuse(request):
-            request.answer(CatchTurtleResponse(False))
-            answered.append(request)
-
-        bus.serve("/catch_turtle", types.catch_turtle, refuse)
-        ready.set()
-        end = monotonic() + 60
-        while not answered and monotonic() < end:
-            bus.spin(0.05)
-        bus.close()
-
-    with running_bridge() as (_, url):
-        ready = threading.Event()
-        student = threading.Thread(target=serve, args=(url, ready))
-        student.start()
-        assert ready.wait(60)
+    with running_bridge() as (_, url), behind(url, Ended):
         words = ["grade", "ros:/catch_turtle", "--spec", str(tmp_path / "spec.toml"), "--bus", "rosbridge"]
         tried = CliRunner().invoke(main, [*words, "--url", url])
-        student.join(60)
     assert tried.exit_code == 1, tried.output
     assert "passed  4/4  within reach: 1 of 1 case" in tried.stdout
     assert tried.stdout.endswith("The referee: ros:/catch_turtle has 4 of 6 points\n")

@@ -1,61 +1,62 @@
-"""turtlesim's part on the bus, from the description of what it does and of the wire: poses, cmd_vel, spawn and kill.
+"""turtlesim's part on a bus, from the description of what it does: poses, cmd_vel, spawn and kill.
 
-Arguments: domain, seconds. It has the physics of one turtle, turtle1, and the names of the others.
+Arguments: domain, seconds. Only turtle1 moves.
 """
 
 import math
 import sys
 import time
 
-from ros import cdr, wire
+from catch_arena.messages import Pose
+from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.interfaces import TWIST, Empty, Interfaces, Name
 
+TYPES = Interfaces()
 SIDE = 11.088889122009277
 
 
 class Turtlesim:
-    """One tick every 16 ms, in which each topic and each service is looked at."""
+    """Spawns every name once, and publishes the poses of all turtles in each tick of 16 ms."""
 
-    def __init__(self, domain):
-        node = wire.Node(domain)
-        self.x = self.y = SIDE / 2
-        self.theta = self.v = self.w = 0.0
-        self.commanded = time.monotonic()
-        self.names = {"turtle1"}
-        self.cmd_vel = node.reader("rt/turtle1/cmd_vel", wire.TWIST)
-        self.pose = node.writer("rt/turtle1/pose", wire.POSE)
-        self.spawns, self.spawned = node.server("/spawn", wire.SPAWN)
-        self.kills, self.killed = node.server("/kill", wire.KILL)
+    def __init__(self, bus):
+        self.bus = bus
+        self.there = {"turtle1": Pose(5.0, 5.0, 0.0, 0.0, 0.0)}
+        self.asked, self.publishers = [], {}
+        bus.subscribe("/turtle1/cmd_vel", TWIST, self.on_twist)
+        bus.serve("/spawn", TYPES.spawn, self.on_spawn)
+        bus.serve("/kill", TYPES.kill, self.on_kill)
+
+    def on_twist(self, twist, _):
+        self.there["turtle1"] = Pose(*self.there["turtle1"][:3], twist.linear.x, twist.angular.z)
+
+    def on_spawn(self, request):
+        asked = request.message
+        self.asked.append(asked.name)
+        free = asked.name not in self.there
+        if free:
+            self.there[asked.name] = Pose(asked.x, asked.y, asked.theta, 0.0, 0.0)
+        request.answer(Name(asked.name if free else ""))
+
+    def on_kill(self, request):
+        self.there.pop(request.message.name, None)
+        request.answer(Empty())
 
     def tick(self):
-        for data in self.cmd_vel.take():
-            reader = cdr.Reader(data)
-            numbers = [reader.number("d") for _ in range(6)]
-            self.v, self.w, self.commanded = numbers[0], numbers[5], time.monotonic()
-        for data in self.spawns.take():
-            reader = cdr.Reader(data)
-            client, number = reader.number("Q"), reader.number("q")
-            _, _, _, name = (reader.number("f"), reader.number("f"), reader.number("f"), reader.text())
-            free = name not in self.names
-            self.names.add(name)
-            self.spawned.write(cdr.begin(client, number).text(name if free else "").whole())
-        for data in self.kills.take():
-            reader = cdr.Reader(data)
-            client, number = reader.number("Q"), reader.number("q")
-            self.names.discard(reader.text())
-            self.killed.write(cdr.begin(client, number).number("B", 0).whole())
-        if time.monotonic() > self.commanded + 1.0:
-            self.v = self.w = 0.0
-        self.theta = math.remainder(self.theta + self.w * 0.016, math.tau)
-        self.x = min(max(self.x + math.cos(self.theta) * self.v * 0.016, 0.0), SIDE)
-        self.y = min(max(self.y + math.sin(self.theta) * self.v * 0.016, 0.0), SIDE)
-        self.pose.write(cdr.pose((self.x, self.y, self.theta, abs(self.v), self.w)))
+        self.bus.spin()
+        x, y, theta, v, w = self.there["turtle1"]
+        theta = math.remainder(theta + w * 0.016, math.tau)
+        x, y = (place + part * v * 0.016 for place, part in ((x, math.cos(theta)), (y, math.sin(theta))))
+        self.there["turtle1"] = Pose(min(max(x, 0.0), SIDE), min(max(y, 0.0), SIDE), theta, v, w)
+        for name, pose in self.there.items():
+            if name not in self.publishers:
+                self.publishers[name] = self.bus.publisher(f"/{name}/pose", TYPES.pose)
+            self.publishers[name](pose)
 
 
 if __name__ == "__main__":
     domain, seconds = sys.argv[1:]
-    simulator = Turtlesim(int(domain))
+    simulator = Turtlesim(open_bus("cyclonedds", domain=int(domain), localhost=True, log=lambda _: None))
     end = time.monotonic() + float(seconds)
     while time.monotonic() < end:
         simulator.tick()
         time.sleep(0.016)
-    sys.stdout.write(f"{len(simulator.names)} turtles\n")
