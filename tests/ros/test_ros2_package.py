@@ -38,51 +38,48 @@ class Action:
         self.words, self.fields = words, fields
 
 
+class StandIn(ModuleType):
+    """Stands for a module of launch, with every class that is imported from it."""
+
+    def __getattr__(self, name):
+        vars(self)[name] = list if name == "LaunchDescription" else type(name, (Action,), {})
+        return vars(self)[name]
+
+
+@pytest.fixture
 def described(monkeypatch):
-    """What the launch file describes, with a stand-in for launch."""
-    kinds = {
-        "launch": ("LaunchContext",),
-        "launch.actions": (
-            "DeclareLaunchArgument",
-            "EmitEvent",
-            "ExecuteProcess",
-            "OpaqueFunction",
-            "RegisterEventHandler",
-            "SetEnvironmentVariable",
-        ),
-        "launch.event_handlers": ("OnProcessExit",),
-        "launch.events": ("Shutdown",),
-        "launch_ros": (),
-        "launch_ros.actions": ("Node",),
-        "launch.substitutions": (),
-    }
-    for module, names in kinds.items():
-        made = ModuleType(module)
-        vars(made).update({name: type(name, (Action,), {}) for name in names})
-        monkeypatch.setitem(sys.modules, module, made)
-    sys.modules["launch"].LaunchDescription = list
-    sys.modules["launch.substitutions"].LaunchConfiguration = lambda name: SimpleNamespace(
-        perform=lambda context: context[name]
-    )
-    return runpy.run_path(str(PACKAGE / "launch" / "arena.launch.py"))["generate_launch_description"]()
+    """What the launch file describes, by the names of the classes."""
+    for module in ("launch", "launch.actions", "launch.event_handlers", "launch.events", "launch_ros.actions"):
+        monkeypatch.setitem(sys.modules, module, StandIn(module))
+    of_context = SimpleNamespace(LaunchConfiguration=lambda name: SimpleNamespace(perform=lambda given: given[name]))
+    monkeypatch.setitem(sys.modules, "launch.substitutions", of_context)
+    return by_kind(runpy.run_path(str(PACKAGE / "launch" / "arena.launch.py"))["generate_launch_description"]())
 
 
-def declared(monkeypatch):
+def by_kind(actions):
+    found = {}
+    for one in actions:
+        found.setdefault(type(one).__name__, []).append(one)
+    return found
+
+
+@pytest.fixture
+def arguments(described):
     """Its arguments, with their defaults."""
-    return {
-        one.words[0]: one.fields.get("default_value", "mine")
-        for one in described(monkeypatch)
-        if type(one).__name__ == "DeclareLaunchArgument"
-    }
+    return {one.words[0]: one.fields.get("default_value", "mine") for one in described["DeclareLaunchArgument"]}
 
 
-def launched(monkeypatch, **arguments):
-    """The arena's command, and the variables of both processes."""
-    (begin,) = (one.fields["function"] for one in described(monkeypatch) if type(one).__name__ == "OpaqueFunction")
-    actions = begin(declared(monkeypatch) | arguments)
-    (arena,) = (one for one in actions if type(one).__name__ == "ExecuteProcess")
-    variables = dict(one.words for one in actions if type(one).__name__ == "SetEnvironmentVariable")
-    return arena.fields["cmd"], variables
+@pytest.fixture
+def launched(described, arguments):
+    """Gives the arena's command, the variables of both processes, and the node's parameters."""
+
+    def launch(**given):
+        (begin,) = described["OpaqueFunction"]
+        actions = by_kind(begin.fields["function"](arguments | given))
+        variables = dict(one.words for one in actions.get("SetEnvironmentVariable", ()))
+        return actions["ExecuteProcess"][0].fields["cmd"], variables, actions["Node"][0].fields["parameters"]
+
+    return launch
 
 
 def test_its_service_is_the_one_that_we_serve():
@@ -102,9 +99,9 @@ def test_cmake_builds_each_of_its_files_and_installs_the_launch_file():
     assert ET.parse(PACKAGE / "package.xml").getroot().findtext("name") == OWN_PACKAGE  # noqa: S314 - our own
 
 
-def test_the_launch_file_names_options_that_there_are(monkeypatch):
+def test_the_launch_file_names_options_that_there_are(arguments, launched):
     """Whatever it is given."""
-    command, _ = launched(monkeypatch, **dict.fromkeys(declared(monkeypatch), "x") | {"force": "true"})
+    command, *_ = launched(**dict.fromkeys(arguments, "x") | {"force": "true"})
     options = {word for word in command if word.startswith("--")}
     assert options == {
         *("--seat", "--scenario", "--seed", "--speed", "--record", "--force"),
@@ -115,45 +112,19 @@ def test_the_launch_file_names_options_that_there_are(monkeypatch):
 
 
 @pytest.mark.parametrize(("speed", "simulated"), [("", False), ("1", False), ("1.0", False), ("5", True)])
-def test_the_node_goes_by_the_arenas_clock_where_there_is_one(monkeypatch, speed, simulated):
+def test_the_node_goes_by_the_arenas_clock_where_there_is_one(launched, speed, simulated):
     """Without /clock its timers would never fire."""
-    (begin,) = (one.fields["function"] for one in described(monkeypatch) if type(one).__name__ == "OpaqueFunction")
-    (node,) = (one for one in begin(declared(monkeypatch) | {"speed": speed}) if type(one).__name__ == "Node")
-    assert node.fields["parameters"] == [{"use_sim_time": simulated}]
+    assert launched(speed=speed)[2] == [{"use_sim_time": simulated}]
 
 
-def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(monkeypatch):
+def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(launched):
     """So that a scenario has its own settings; both processes are in one domain, and on one middleware."""
-    command, variables = launched(monkeypatch)
-    assert command == ["catch-arena", "ros", "serve"]
-    assert variables == {}
-
-    _, variables = launched(monkeypatch, bus="cyclonedds")
-    assert variables == {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
-
-    command, variables = launched(
-        monkeypatch,
-        seats="0=ros:anna 1=patrol",
-        scenario="duel",
-        record="a.replay",
-        bus="rosbridge",
-        domain="7",
-        seed="3",
-        speed="2.0",
+    assert launched()[:2] == (["catch-arena", "ros", "serve"], {})
+    assert launched(bus="cyclonedds")[1] == {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
+    given = {"scenario": "duel", "record": "a.replay", "bus": "rosbridge", "domain": "7", "seed": "3", "speed": "2.0"}
+    command, variables, _ = launched(seats="0=ros:anna 1=patrol", **given)
+    assert " ".join(command) == (
+        "catch-arena ros serve --seat 0=ros:anna --seat 1=patrol --scenario duel --seed 3 --speed 2.0 "
+        "--bus rosbridge --record a.replay"
     )
-    seats = ["--seat", "0=ros:anna", "--seat", "1=patrol"]
-    others = ["--bus", "rosbridge", "--record", "a.replay"]
-    assert command == [
-        "catch-arena",
-        "ros",
-        "serve",
-        *seats,
-        "--scenario",
-        "duel",
-        "--seed",
-        "3",
-        "--speed",
-        "2.0",
-        *others,
-    ]
     assert variables == {"ROS_DOMAIN_ID": "7"}

@@ -40,18 +40,15 @@ class InterruptedBus(LocalBus):
             raise KeyboardInterrupt
 
 
-def served(config, record, bus=None, log=lambda _: None):
+def served(config, record=None, bus=None, log=lambda _: None, *, wait=False):
     names = [f"p{seat}" for seat in range(config.hunters)]
     return serve_match(
-        nullcontext(bus or Hub().bus("arena")),
-        config,
-        5,
-        {},
-        None,
+        bus if hasattr(bus, "__enter__") else nullcontext(bus or Hub().bus("arena")),
+        *(config, 5, {}, None),
         names=names,
         interfaces=Interfaces(),
         speed=100.0,
-        wait=False,
+        wait=wait,
         record=record,
         log=log,
     )
@@ -66,9 +63,7 @@ def test_the_bus_is_joined_when_all_else_is_settled(tmp_path):
         yield
 
     with pytest.raises(ConfigError, match="prey must be 0"):
-        serve_match(
-            never(), scenario("tag"), 5, {}, None, names=["a"], interfaces=Interfaces(), record=tmp_path / "x.replay"
-        )
+        served(scenario("tag"), tmp_path / "x.replay", never())
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -98,18 +93,7 @@ def test_what_nodes_do_is_seen_before_the_match_begins():
             return frozenset({"/mine"}) if topic == "/turtle1/cmd_vel" else frozenset()
 
     said = []
-    config = scenario("exercise", hunters=1, time_limit_s=1)
-    serve_match(
-        nullcontext(Seen(Hub(), "arena")),
-        config,
-        5,
-        {},
-        None,
-        names=["anna"],
-        interfaces=Interfaces(),
-        speed=100.0,
-        log=said.append,
-    )
+    served(scenario("exercise", hunters=1, time_limit_s=1), None, Seen(Hub(), "arena"), said.append, wait=True)
     assert said[0].endswith("start it with --ros-args -r /autobot/cmd_vel:=/turtle1/cmd_vel")
     assert said[1] == "all seats are taken: the match begins"
 
