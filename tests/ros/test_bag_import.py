@@ -232,6 +232,18 @@ def test_the_video_shows_who_was_where_and_is_as_long_as_the_bag(tmp_path):
     assert (tmp_path / "f.mp4").stat().st_size > 10_000
 
 
+def test_a_target_without_poses_is_shown_where_each_list_has_it(tmp_path):
+    with Recorder(tmp_path / "b") as bag:
+        for time_ms in range(0, 1600, 16):
+            bag.pose("turtle1", time_ms, 5.0, 5.0)
+        bag.alive(100, ("a", 1.0, 1.0))
+        bag.alive(800, ("a", 2.0, 1.0))
+    worlds = {
+        world.time_ms: [target.x for target in world.targets] for world in bag_worlds(read_bag(tmp_path / "b"), [])
+    }
+    assert [worlds[time_ms] for time_ms in (96, 112, 784, 816)] == [[], [1.0], [1.0], [2.0]]
+
+
 def test_the_video_is_not_replaced_without_force_and_a_list_needs_none(tmp_path):
     record_chase(tmp_path / "chase")
     (tmp_path / "chase.mp4").write_text("mine")

@@ -77,7 +77,7 @@ class BagContents:
     targets: Mapping[str, Track]
     """The targets whose poses were recorded, by name."""
     lists: Sequence[tuple[float, Sequence[Turtle]]]
-    """Lists of the targets that were alive, each with its time; places are clamped to the window, as turtlesim does."""
+    """The targets that were alive from a time on, in places clamped to the window as turtlesim does."""
     requests: Sequence[RecordedRequest]
     """Calls of the service if they were recorded, else the catches that the lists or the poses show."""
     end_ms: float

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,7 +16,7 @@ from rosbags.typesys.store import Typestore
 
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
-from catch_arena.messages import Pose, Turtle
+from catch_arena.messages import Pose, Turtle, TurtleArray
 from catch_arena.ros.bags.contents import BagContents, Place, RecordedRequest, Track
 from catch_arena.ros.bags.service_events import (
     REQUEST_RECEIVED,
@@ -138,19 +138,10 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
     hunters = _hunters(recording)
     if not hunters:
         raise ReplayError(f"{path}: holds poses of targets alone: record {pose_of(TURTLE)} too")
-    targets = {
-        name: track
-        for name, track in recording.tracks.items()
-        if (name in recording.ever_listed if recording.lists else name != TURTLE and not _OWN_HUNTER.fullmatch(name))
-    }
-    requests = list(recording.calls.values()) or recording.left
-    if not recording.lists and not requests:
-        requests = [
-            RecordedRequest(track.end_ms, name, _alive_by_poses(targets, track.end_ms))
-            for name, track in targets.items()
-            if track.end_ms < end_ms - _GONE_MS
-        ]
-    requests.sort(key=lambda one: one.time_ms)
+    if not recording.lists:
+        _list_by_poses(recording, end_ms)
+    targets = {name: track for name, track in recording.tracks.items() if name in recording.ever_listed}
+    requests = sorted(recording.calls.values() or recording.left, key=lambda one: one.time_ms)
     return BagContents(hunters, targets, recording.lists, requests, end_ms, left_out)
 
 
@@ -164,10 +155,19 @@ def _hunters(recording: _Recording) -> dict[str, Track]:
     return {name: recording.tracks[name] for name in own or alone}
 
 
-def _alive_by_poses(targets: Mapping[str, Track], time_ms: float) -> dict[str, Place]:
-    return {
-        name: track.last(time_ms)[:2] for name, track in targets.items() if track.begin_ms <= time_ms <= track.end_ms
+def _list_by_poses(recording: _Recording, end_ms: float) -> None:
+    """Add the lists of a bag without lists: a target is alive from its first pose on, until its poses end."""
+    targets = {
+        name: one for name, one in recording.tracks.items() if name != TURTLE and not _OWN_HUNTER.fullmatch(name)
     }
+    ends = {name: one.end_ms for name, one in targets.items() if one.end_ms < end_ms - _GONE_MS}
+    for time_ms in sorted({one.begin_ms for one in targets.values()} | set(ends.values())):
+        alive = [
+            Turtle(name, *one.last(time_ms)[:3])
+            for name, one in targets.items()
+            if one.begin_ms <= time_ms < ends.get(name, math.inf)
+        ]
+        recording.on_list(time_ms, TurtleArray(tuple(alive)))
 
 
 def _clamped(place_m: float) -> float:
