@@ -135,8 +135,13 @@ def test_an_error_about_types_is_followed_by_what_to_do(monkeypatch):
     assert run("doctor") == (2, "error: mine/srv/Catch_Request holds no field\nhint: correct the file\n")
 
 
-def served_without_a_network(**variables):
-    """The one line that it ends with, in a network of its own, whose only interface is down."""
+@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
+@pytest.mark.parametrize(
+    ("variables", "hint"),
+    [({}, " ROS_LOCALHOST_ONLY=1 keeps to this machine"), ({"ROS_LOCALHOST_ONLY": "1"}, "")],
+)
+def test_without_a_network_interface_it_is_one_line(variables, hint):
+    """In a network of its own, whose only interface is down, the loopback interface."""
     found = subprocess.run(
         ["unshare", "--net", sys.executable, "-m", "catch_arena", "ros", "serve"],
         check=False,
@@ -147,23 +152,8 @@ def served_without_a_network(**variables):
     )
     assert found.returncode == 2
     (line,) = [line for line in found.stderr.splitlines() if line.startswith("error: ")]
-    return line
-
-
-@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
-def test_without_a_network_interface_it_is_one_line():
-    """In a network of its own, whose only interface is down."""
-    assert served_without_a_network() == (
-        "error: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface? "
-        "ROS_LOCALHOST_ONLY=1 keeps to this machine"
-    )
-
-
-@pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
-def test_who_keeps_to_this_machine_is_not_advised_to():
-    """The loopback interface is down too."""
-    line = served_without_a_network(ROS_LOCALHOST_ONLY="1")
-    assert line.endswith("cannot be joined (DDS_RETCODE_ERROR): is there a network interface?")
+    why = "cannot be joined (DDS_RETCODE_ERROR): is there a network interface?"
+    assert line == f"error: DDS domain 0 {why}{hint}"
 
 
 def test_importing_the_package_loads_nothing_of_it():

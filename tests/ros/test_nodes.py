@@ -262,48 +262,58 @@ def behind(url, kind=Referee):
         student.join(60)
 
 
+@pytest.fixture
+def spec(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC)
+    return Path("spec.toml")
+
+
+CONFORMANCE, GRADE = ("conformance", "--only", "names.unknown"), ("grade", "--spec", "spec.toml")
+
+
+def over_rosbridge(url, service, command, *words):
+    return CliRunner().invoke(main, [command, service, *words, "--bus", "rosbridge", "--url", url])
+
+
+def refused(error, *words):
+    found = CliRunner().invoke(main, words)
+    assert (found.exit_code, found.stderr) == (2, f"error: {error}\n")
+
+
 def test_over_rosbridge_a_right_node_passes_too():
     with running_bridge() as (_, url), behind(url):
-        words = ["conformance", "ros:/catch_turtle", "--bus", "rosbridge", "--url", url, "--only", "basics"]
-        tried = CliRunner().invoke(main, words)
+        tried = over_rosbridge(url, "ros:/catch_turtle", "conformance", "--only", "basics")
     assert tried.exit_code == 0, tried.output
     assert re.search(r"^cases: 3 passed, 0 failed, \d+ cannot be asked of a service$", tried.stdout, re.MULTILINE)
 
 
-@pytest.mark.parametrize("words", [["conformance", "--only", "names.unknown"], ["grade", "--spec", "spec.toml"]])
-def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words, tmp_path, monkeypatch):
+@pytest.mark.usefixtures("spec")
+@pytest.mark.parametrize("words", [CONFORMANCE, GRADE])
+def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words):
     """There the server tells it in its answer to the first request."""
-    monkeypatch.chdir(tmp_path)
-    Path("spec.toml").write_text(SPEC)
-    command, *rest = words
     with running_bridge() as (_, url):
-        tried = CliRunner().invoke(main, [command, "ros:/x", *rest, "--bus", "rosbridge", "--url", url])
+        tried = over_rosbridge(url, "ros:/x", *words)
     assert (tried.exit_code, tried.stdout) == (2, "")
     error = "error: nobody answers on this bus (/x: Service /x does not exist): does the node run?"
     assert tried.stderr.splitlines()[1:] == [error]
 
 
-@pytest.mark.parametrize("words", [["conformance"], ["grade", "--spec", "spec.toml"]])
-def test_without_a_rosbridge_server_one_line_says_so(words, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("spec.toml").write_text(SPEC)
-    command, *rest = words
-    tried = CliRunner().invoke(main, [command, "ros:/x", *rest, "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"])
+@pytest.mark.usefixtures("spec")
+@pytest.mark.parametrize("words", [CONFORMANCE, GRADE])
+def test_without_a_rosbridge_server_one_line_says_so(words):
+    tried = over_rosbridge("ws://127.0.0.1:1", "ros:/x", *words)
     assert (tried.exit_code, tried.stdout) == (2, "")
     (line,) = tried.stderr.splitlines()
     assert line.startswith("error: no rosbridge server answers at ws://127.0.0.1:1")
 
 
-def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(tmp_path):
+def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(spec):
     """Once it has answered, a request that fails is silence."""
-    (tmp_path / "spec.toml").write_text(
-        SPEC.replace('"reach.300000", "reach.299999-is-in"', '"names.unknown"').replace(
-            '"names.unknown", "names.c', '"names.c'
-        )
-    )
+    first, second = ('"reach.300000", "reach.299999-is-in"', '"names.unknown", ')
+    spec.write_text(SPEC.replace(second, "").replace(first, '"names.unknown"'))
     with running_bridge() as (_, url), behind(url, Ended):
-        words = ["grade", "ros:/catch_turtle", "--spec", str(tmp_path / "spec.toml"), "--bus", "rosbridge"]
-        tried = CliRunner().invoke(main, [*words, "--url", url])
+        tried = over_rosbridge(url, "ros:/catch_turtle", *GRADE)
     assert tried.exit_code == 1, tried.output
     assert "passed  4/4  within reach: 1 of 1 case" in tried.stdout
     assert tried.stdout.endswith("The referee: ros:/catch_turtle has 4 of 6 points\n")
@@ -311,19 +321,13 @@ def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(tmp_path):
 
 @pytest.mark.parametrize("word", ["ros:", "ros:catch_turtle", "ros:/catch turtle", "ros:/", "ros:/1a"])
 def test_what_no_service_is_called_is_one_line(word):
-    refused = CliRunner().invoke(main, ["conformance", word])
-    assert (refused.exit_code, refused.stderr) == (
-        2,
-        f"error: a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}\n",
-    )
+    refused(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}", "conformance", word)
 
 
 @pytest.mark.parametrize("option", [["--arena", "a:B"], ["--exact-lots"]])
 def test_options_for_arbiters_are_refused_with_a_service(option):
-    with running_bridge() as (_, url):
-        refused = CliRunner().invoke(main, ["conformance", "ros:/c", *option, "--bus", "rosbridge", "--url", url])
-    assert refused.exit_code == 2
-    assert "--arena and --exact-lots must be left out with a service" in refused.stderr
+    why = "--arena and --exact-lots must be left out with a service, which answers yes or no"
+    refused(why, "conformance", "ros:/c", *option)
 
 
 @pytest.mark.parametrize(
@@ -332,45 +336,31 @@ def test_options_for_arbiters_are_refused_with_a_service(option):
 @pytest.mark.parametrize(
     "words", [["conformance", "catch_arena:arbitrate"], ["grade", "nearest", "--spec", "spec.toml"]]
 )
-def test_options_for_a_bus_are_refused_without_a_service(words, option, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("spec.toml").write_text('title = "t"\n[[test]]\nname = "a"\nscenario = "capstone"\nmin_mean_score = 1\n')
-    refused = CliRunner().invoke(main, [*words, *option])
-    assert (refused.exit_code, refused.stderr) == (
-        2,
-        f"error: {option[0]} must come with a service of a node, as ros:/catch_turtle\n",
-    )
+def test_options_for_a_bus_are_refused_without_a_service(words, option, spec):
+    spec.write_text('title = "t"\n[[test]]\nname = "a"\nscenario = "capstone"\nmin_mean_score = 1\n')
+    refused(f"{option[0]} must come with a service of a node, as ros:/catch_turtle", *words, *option)
 
 
 @pytest.mark.parametrize(
     ("test", "why"),
     [
-        (
-            'name = "a"\nsettings = { hunters = 1 }',
-            'a: cases must be given for a node, as in cases = ["reach", "names"]',
-        ),
-        ('name = "a"\ncases = ["rech"]', "a: no case begins with 'rech': did you mean reach?"),
-        ('name = "a"\ncases = ["ties"]', "a: none of its cases can be asked of a service"),
-        ('name = "a"\ncases = ["reach"]\nmatches = 3', "test[1].matches must be left out beside cases"),
-        ('name = "a"\ncases = "reach"', "test[1].cases must be a list, got 'reach'"),
-        ('name = "a"\ncases = [1]', "test[1].cases must be text, got 1"),
+        ("settings = { hunters = 1 }", 'a: cases must be given for a node, as in cases = ["reach", "names"]'),
+        ('cases = ["rech"]', "a: no case begins with 'rech': did you mean reach?"),
+        ('cases = ["ties"]', "a: none of its cases can be asked of a service"),
+        ('cases = ["reach"]\nmatches = 3', "test[1].matches must be left out beside cases"),
+        ('cases = "reach"', "test[1].cases must be a list, got 'reach'"),
+        ("cases = [1]", "test[1].cases must be text, got 1"),
     ],
 )
-def test_a_spec_that_cannot_be_asked_of_a_node_is_one_line(tmp_path, test, why):
-    (tmp_path / "spec.toml").write_text(f"[[test]]\n{test}\n")
+def test_a_spec_that_cannot_be_asked_of_a_node_is_one_line(spec, test, why):
+    spec.write_text(f'[[test]]\nname = "a"\n{test}\n')
     with running_bridge() as (_, url):
-        words = ["grade", "ros:/c", "--spec", str(tmp_path / "spec.toml"), "--bus", "rosbridge", "--url", url]
-        refused = CliRunner().invoke(main, words)
-    assert refused.exit_code == 2
-    assert why in refused.stderr
-    assert refused.stderr.splitlines()[-1].startswith("error: ")
+        tried = over_rosbridge(url, "ros:/c", *GRADE)
+    assert tried.exit_code == 2
+    assert why in tried.stderr
+    assert tried.stderr.splitlines()[-1].startswith("error: ")
 
 
-def test_an_agent_is_not_asked_a_nodes_cases(tmp_path):
-    (tmp_path / "spec.toml").write_text(SPEC)
-    refused = CliRunner().invoke(main, ["grade", "nearest", "--spec", str(tmp_path / "spec.toml"), "--trusted"])
-    assert refused.exit_code == 2
-    assert refused.stderr == (
-        f"error: {tmp_path / 'spec.toml'}: within reach: cases are asked of a node, as ros:/catch_turtle, not of "
-        "agents\n"
-    )
+def test_an_agent_is_not_asked_a_nodes_cases(spec):
+    why = "within reach: cases are asked of a node, as ros:/catch_turtle, not of agents"
+    refused(f"{spec}: {why}", "grade", "nearest", "--spec", str(spec), "--trusted")
