@@ -32,6 +32,7 @@ from catch_arena.ros.nodes.seats import RosSeat, seat_of
 from catch_arena.service import ArenaService, response
 from catch_arena.text import one_line
 from catch_arena.tournament.ranks import ranks_of
+from catch_arena.world import World
 
 _SECOND: Final = 1000 // TICK_MS
 """In ticks: period in which everything is published again for new listeners."""
@@ -144,7 +145,7 @@ class ArenaNode:
     def wait(self) -> None:
         """Let a tick pass while the clock stands, so that nodes get the state and find each other."""
         self._bus.spin()
-        self._publish_state()
+        self._publish_state(self._service.world)
 
     def tick(self) -> None:
         """R1.4: play one step. R8.4: the requests since the step before are judged in it."""
@@ -163,16 +164,18 @@ class ArenaNode:
             goals = actions.goals
             requests += actions.requests
         rulings = self._service.step(commands, requests, goals)
+        own: dict[str, set[str]] = {seat.hunter: set() for seat in self.seats}
+        for one in asked:
+            own[one.hunter] |= set() if one.foreign else {one.request.message.name}
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
-            own = {other.request.message.name for other in asked if other.hunter == one.hunter and not other.foreign}
-            self.advice.note(one.hunter, ruling, own)
+            self.advice.note(one.hunter, ruling, own[one.hunter])
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
         for ruling in (*rulings, *hosted):
             self._rulings(ruling_message(ruling, before.time_ms, self._service.config.hunter_names))
-        self._publish_state()
+        self._publish_state(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """R6.1, R11.1: return ranks and scores by seat. A team shares its rank; one whose agents all failed is last."""
@@ -204,9 +207,8 @@ class ArenaNode:
         except BusError:
             return lambda _: None
 
-    def _publish_state(self) -> None:
+    def _publish_state(self, world: World) -> None:
         """Publish the poses and what has changed; from time to time also the rest, for new listeners."""
-        world = self._service.world
         for hunter, publishers in zip(world.hunters, self._poses, strict=True):
             for publish in publishers:
                 publish(hunter.pose)
@@ -228,7 +230,7 @@ class ArenaNode:
         if self._ticks % _SECOND == _SECOND // 2 and (graph := self._bus.graph()) is not None:
             self._neighbours.look(graph, [seat.hunter for seat in self.missing])
             self._serve_other_names()
-        self._publish_standings()
+        self._publish_standings(world)
         self._ticks += 1
 
     def _publish_list(self, turtles: TurtleArray) -> None:
@@ -237,11 +239,10 @@ class ArenaNode:
             for publish in self._lists:
                 publish(turtles)
 
-    def _publish_standings(self) -> None:
+    def _publish_standings(self, world: World) -> None:
         """Publish all standings if there is news, else each once a second, in a tick of its own: no queue overflows."""
         ranks, scores = self.standings()
         is_news = (scores, self._service.over) != self._standing
-        world = self._service.world
         for seat, hunter in enumerate(world.hunters):
             if is_news or self._ticks % _SECOND == seat:
                 time_s, player = world.time_ms / 1000.0, self._names[seat]
