@@ -92,7 +92,7 @@ class Spawner(Referee):
 if __name__ == "__main__":
     domain, seconds, mistake = sys.argv[1:]
     own = mistake.startswith("its_own_list")
-    bus = open_bus("cyclonedds", domain=int(domain), localhost=True, log=lambda _: None)
+    bus = open_bus("cyclonedds", domain=int(domain), log=lambda _: None)
     referee = (Spawner if own else Referee)(bus, mistake.removeprefix("its_own_list").strip())
     sys.stdout.write("ready\n")
     sys.stdout.flush()

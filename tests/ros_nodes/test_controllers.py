@@ -91,7 +91,7 @@ def test_another_turtle_and_service_play_with_the_line_that_is_printed(course):
 
 def test_kill_from_afar_catches_nothing(course):
     """It is judged as a request: the target stays."""
-    course.serve(*ANNA)
+    course.serve(*ALONE)
     node = course.node("controller", "--kills", "--target", "farthest")
     assert node.wait_for("^(killed|refused) ")[1] == "refused"
 

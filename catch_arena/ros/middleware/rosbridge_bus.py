@@ -329,7 +329,8 @@ def _value(field: Field, value: Any) -> Any:
         if value is None:  # rosbridge's word for NaN and the infinities, which JSON does not have
             return math.nan
         if type(value) in {int, float}:
-            return float(value)
+            with suppress(OverflowError):
+                return float(value)
     elif type(value) is {"string": str, "bool": bool}.get(field.type, int):
         return value
     raise ValueError(f"{field.name} must be a {field.type}, got {_short(value)}")
