@@ -55,7 +55,7 @@ class Turtlesim:
 
 if __name__ == "__main__":
     domain, seconds = sys.argv[1:]
-    simulator = Turtlesim(open_bus("cyclonedds", domain=int(domain), localhost=True, log=lambda _: None))
+    simulator = Turtlesim(open_bus("cyclonedds", domain=int(domain), log=lambda _: None))
     end = time.monotonic() + float(seconds)
     while time.monotonic() < end:
         simulator.tick()
