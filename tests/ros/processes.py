@@ -1,7 +1,6 @@
 """Processes that a test starts, and that end with it."""
 
 import fcntl
-import gc
 import os
 import socket
 import subprocess
@@ -33,7 +32,6 @@ def own_domain():
                 continue
             _had.add(domain)
             yield domain
-            gc.collect()  # DDS's writers end with their last reference, and nodes hold each other in cycles
             return
     raise AssertionError("every domain is taken")
 

@@ -70,7 +70,7 @@ class RecordedRequest:
 
 @dataclass(frozen=True, slots=True)
 class BagContents:
-    """What was read from a bag."""
+    """Contents of a bag."""
 
     hunters: Mapping[str, Track]
     """By name, in the order of seats."""

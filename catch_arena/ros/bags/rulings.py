@@ -28,7 +28,7 @@ class JudgedCatch:
 
     @property
     def agrees(self) -> bool:
-        """Whether the recorded answer is the arbiter's."""
+        """True if the recorded answer is the arbiter's, or missing."""
         return self.request.success in {None, self.ruling.success}
 
     def __str__(self) -> str:

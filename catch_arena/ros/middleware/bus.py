@@ -19,7 +19,7 @@ DEPTH: Final = 10
 """Messages of each topic that are kept until they are read, as usual in ROS; then the oldest is lost."""
 SPIN_S: Final = 0.004
 """Longest time of a spin, but for one more message of each topic and service, and of each sender if the middleware
-tells senders apart.
+distinguishes senders.
 """
 LONGEST: Final = 2**17
 """Bytes of a message. A longer one is left out: the arena needs none, and reading it takes time."""
@@ -34,6 +34,22 @@ Peer = str
 """The sender of a message: one process."""
 Log = Callable[[str], object]
 """Takes one line for people."""
+
+
+class OnceLog:
+    """A log that leaves out a line if it, or another line about the same, was logged before."""
+
+    def __init__(self, log: Log) -> None:
+        self._log = log
+        self._logged: set[str] = set()
+
+    def __call__(self, line: str, about: str = "") -> None:
+        """Log a line; lines that differ and have the same `about` count as one."""
+        if (about or line) not in self._logged:
+            self._logged.add(about or line)
+            self._log(line)
+
+
 OnMessage = Callable[[Any, Peer | None], object]
 """Takes a message and its sender, None if the middleware does not tell."""
 
@@ -70,7 +86,7 @@ class Endpoint(NamedTuple):
     type: str
     """As ROS writes it: turtlesim/msg/Pose."""
     fields_differ: bool = False
-    """Whether the type has the name of ours and other fields."""
+    """True if the type has the name of ours and other fields."""
 
 
 class Client(Protocol):
@@ -78,7 +94,7 @@ class Client(Protocol):
 
     @property
     def ready(self) -> bool:
-        """Whether a node serves it, so that a call would be answered.
+        """True if a node serves it, so that a call would be answered.
 
         Raises:
             BusError: if its node cannot answer over this bus.
@@ -100,7 +116,7 @@ class Bus(Protocol):
         """Name of the middleware below the back-end; empty if there is only one."""
 
     def interfaces(self, given: Interfaces) -> Interfaces:
-        """Return the types that the other nodes use, if the middleware tells; else those given.
+        """Return the types that the other nodes use, if the middleware reports them; else those given.
 
         Raises:
             BusError: if this ROS does not have them, or if they are ambiguous.

@@ -21,7 +21,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnMessage, Peer, Request, WithoutGraph
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnceLog, OnMessage, Peer, Request, WithoutGraph
 from catch_arena.ros.middleware.dds_domain import code_of, join
 from catch_arena.ros.middleware.dds_peers import FAST_DDS, FastDdsWatch, Peers, is_fast_dds
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
@@ -59,12 +59,11 @@ class DdsBus(WithoutGraph):
     def __init__(self, domain: int, *, log: Log) -> None:
         user = Policy.Userdata(b"enclave=/;")  # ROS recognises participants of its own by it
         self._participant = join(domain, Qos(user))
-        self._log = log
+        self._log_once = OnceLog(log)
         self._waiting = WaitSet(self._participant)
         self._readers: list[_Reader] = []
         self._topics: dict[str, _Reader] = {}
         self._late: list[_Reply] = []
-        self._warned: set[str] = set()
         self._ids = count(1)
         self._watch = FastDdsWatch(self._participant, log)
 
@@ -163,9 +162,7 @@ class DdsBus(WithoutGraph):
             self._warn_once(f"a message on {ros_name(writer.topic.name)} cannot be sent", why)
 
     def _warn_once(self, what: str, why: str) -> None:
-        if what not in self._warned:
-            self._warned.add(what)
-            self._log(f"warning: {what} ({why})")
+        self._log_once(f"warning: {what} ({why})", what)
 
     def _next_id(self) -> str:
         """Return the id by which a service's reader and writer are known to belong together."""
@@ -271,7 +268,7 @@ class _DdsClient:
 
     @property
     def ready(self) -> bool:
-        """Whether a node serves it."""
+        """True if a node serves it."""
         servers = self._servers.present()
         if any(map(is_fast_dds, servers)):  # it never answers, and may run out of memory over the request
             raise BusError(FAST_DDS.format(what=f"serves {self._service}"))

@@ -263,7 +263,7 @@ class _RclpyClient:
 
     @property
     def ready(self) -> bool:
-        """Whether a node serves it."""
+        """True if a node serves it."""
         return bool(self._client.service_is_ready())
 
     def call(self, request: Any) -> Call:

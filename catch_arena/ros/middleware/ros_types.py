@@ -23,7 +23,7 @@ _BY_KIND: Final = {"text", "bool", "list of messages"}
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"), "success": ("success", "sucess")}
 """Other names that solutions of the exercise have for a field, the usual one first."""
 _LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
-"""Of several types that fit, those with such a name come first: a course's package often has a set_led too."""
+"""Names of types that are preferred if several fit: a course's package often has a set_led too."""
 _CORRECT: Final = (
     "correct the file, build the package again with colcon and source it; ros2/catch_arena_interfaces is an example"
 )

@@ -13,7 +13,18 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SPIN_S, Call, Log, OnMessage, Peer, Request, WithoutGraph
+from catch_arena.ros.middleware.bus import (
+    DEPTH,
+    LONGEST,
+    SPIN_S,
+    Call,
+    Log,
+    OnceLog,
+    OnMessage,
+    Peer,
+    Request,
+    WithoutGraph,
+)
 from catch_arena.ros.middleware.interfaces import Field, MessageType, ServiceType, values_by_field
 from catch_arena.ros.middleware.names import Backend
 from catch_arena.text import one_line
@@ -62,7 +73,7 @@ class RosbridgeBus(WithoutGraph):
         self._handlers: dict[tuple[str, str], Callable[[dict[str, Any]], None]] = {}
         self._announced: list[dict[str, Any]] = []
         self._calls: dict[str, _OpenCall] = {}
-        self._warned: set[str] = set()
+        self._log_once = OnceLog(log)
         self._ids = count(1)
         self._again_s = 0.0
         self._connection: ClientConnection | None
@@ -258,10 +269,7 @@ class RosbridgeBus(WithoutGraph):
             self._warn_once(f"a message on {answered.service} cannot be read: {error}", answered.service)
 
     def _warn_once(self, what: str, about: str = "") -> None:
-        about = about or what
-        if about not in self._warned:
-            self._warned.add(about)
-            self._log(f"warning: rosbridge: {one_line(what)}")
+        self._log_once(f"warning: rosbridge: {one_line(what)}", about or what)
 
     def _end_services(self, connection: ClientConnection) -> None:
         """End them, and wait until rosbridge has read it: what it has not read when a connection ends is forgotten."""

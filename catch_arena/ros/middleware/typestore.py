@@ -20,8 +20,7 @@ def register(store: Typestore, kind: MessageType) -> None:
         else:
             register(store, word)
             node = (Nodetype.NAME, word.name)
-        most = 1 if kind.name.endswith("_Event") else 0  # 0: any number
-        lines.append((name, (Nodetype.SEQUENCE, (node, most)) if is_sequence else node))
+        lines.append((name, (Nodetype.SEQUENCE, (node, 0)) if is_sequence else node))  # 0: of any length
     store.register({kind.name: ([], lines)})
 
 

@@ -22,7 +22,7 @@ from catch_arena.verdicts import Ruling, Verdict
 
 _NOT_BY_SERVICE: Final = LeftOut("cannot be asked of a service", "cannot be asked of a service")
 _SETTLE_S: Final = (0.15, 1.0)
-"""How long a position stands before the request, in a case's first play and in the second, for a slow node."""
+"""Time for which a position stands before the request: in the first play of a case, and in a second one."""
 _FITS_S: Final = 30.0
 """Longest wait for a listed target around which a case fits between the walls."""
 _OWN_NAME: Final = "hunter_0"

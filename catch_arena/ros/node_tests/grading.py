@@ -24,7 +24,7 @@ class NodeGrade:
     cases: int
     passed: int
     failures: tuple[str, ...]
-    """Where the node fell silent, if it did; then a line for the clauses of the failed cases."""
+    """The case at which the node fell silent, if it did; then a line for the clauses of the failed cases."""
     hints: tuple[str, ...]
     log: str = ""
 

@@ -5,7 +5,7 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.ros.middleware import graph_names
-from catch_arena.ros.middleware.bus import Log
+from catch_arena.ros.middleware.bus import Log, OnceLog
 from catch_arena.ros.nodes.neighbours import remapping_to
 from catch_arena.text import one_line
 from catch_arena.verdicts import Ruling, Verdict
@@ -27,17 +27,12 @@ class Advice:
         self._reaches = dict(zip(config.hunter_names, config.reaches, strict=True))
         self._names = dict(zip(config.hunter_names, names, strict=True))
         self._log = log
-        self._logged: set[str] = set()
+        self.log_once = OnceLog(log)
+        """Logs a line once."""
         self._too_far: dict[str, list[int]] = {hunter: [] for hunter in config.hunter_names}
         """Distances from which a hunter asked in vain [um]."""
         self._too_late = dict.fromkeys(config.hunter_names, 0)
         """Number of a hunter's requests for targets that were gone."""
-
-    def log_once(self, line: str, about: str = "") -> None:
-        """Log a line, unless it, or another line about the same, was logged before."""
-        if (about or line) not in self._logged:
-            self._logged.add(about or line)
-            self._log(line)
 
     def warn_once(self, line: str, about: str = "") -> None:
         """Log a warning once, as `log_once` does."""

@@ -180,12 +180,12 @@ class ArenaNode:
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """R6.1, R11.1: return ranks and scores by seat. A team shares its rank; one whose agents all failed is last."""
         scores = tuple(hunter.score for hunter in self._service.world.hunters)
-        teams = self._service.config.team_seats
+        config = self._service.config
+        teams = config.team_seats
         failed = self._agents.forfeits if self._agents is not None else {}
         lasted = [max(failed[seat] for seat in team) if failed.keys() >= set(team) else None for team in teams]
         ranks = ranks_of([sum(scores[seat] for seat in team) for team in teams], lasted)
-        by_seat = {seat: rank for team, rank in zip(teams, ranks, strict=True) for seat in team}
-        return tuple(by_seat[seat] for seat in range(len(scores))), scores
+        return tuple(ranks[team] for team in config.team_by_seat), scores
 
     def log_missing(self, *, again: bool) -> None:
         """Log the seats that wait for a node, with a command for each; `again` with the nodes that were seen."""

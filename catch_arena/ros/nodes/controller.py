@@ -16,7 +16,7 @@ from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
 from catch_arena.policy import Limits
-from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer
+from catch_arena.ros.middleware.bus import Bus, Call, Log, OnceLog, Peer
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, catch_turtle_of, cmd_vel_of, pose_of
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.ros.middleware.parameters import Parameter
@@ -82,7 +82,7 @@ class Controller:
         self._calls: dict[str, tuple[Call, float]] = {}
         """Requests by target, each with its time."""
         self._caught = 0
-        self._warned: set[str] = set()
+        self._log_once = OnceLog(log)
         self._cmd_vel = bus.publisher(cmd_vel_of(turtle), TWIST)
         self._services = [CATCH_TURTLE] if service is None else [service]
         if service is None and bus.backend != "rosbridge":  # it does not report services
@@ -190,6 +190,4 @@ class Controller:
                     self._targets = [one for one in self._targets if one.name != name]  # the next list may be late
 
     def _warn_once(self, line: str, about: str) -> None:
-        if about not in self._warned:
-            self._warned.add(about)
-            self._log(f"warning: {line}")
+        self._log_once(f"warning: {line}", about)

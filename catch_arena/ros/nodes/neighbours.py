@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Sequence
 from typing import Final
 
-from catch_arena.ros.middleware.bus import Endpoint, Log
+from catch_arena.ros.middleware.bus import Endpoint, Log, OnceLog
 from catch_arena.ros.middleware.graph_names import (
     ALIVE_TURTLES,
     CATCH_TURTLE,
@@ -51,13 +51,12 @@ class Neighbours:
     """
 
     def __init__(self, hunters: Sequence[str], driven: Collection[str], interfaces: Interfaces, log: Log) -> None:
-        self._driven, self._interfaces, self._log = sorted(driven), interfaces, log
+        self._driven, self._interfaces, self._log_once = sorted(driven), interfaces, OnceLog(log)
         self._poses = {pose_of(one) for one in (*hunters, TURTLE)}
         self._cmd_vels = {cmd_vel_of(one) for one in (*hunters, TURTLE)}
         services = {catch_turtle_of(one) for one in driven} | {CATCH_TURTLE, SPAWN}
         self._own = self._poses | self._cmd_vels | services | {ALIVE_TURTLES}
         self._lists = self._poses | {ALIVE_TURTLES}
-        self._told: set[str] = set()
         self._proposed = self._driven[0] if len(self._driven) > 1 else TURTLE
         """The hunter that a node with other names is to drive."""
         self.seen: tuple[str, ...] = ()
@@ -97,9 +96,7 @@ class Neighbours:
 
     def _tell(self, line: str, about: str) -> None:
         """Log a line once, although the hunter that it proposes changes as seats are taken."""
-        if about not in self._told:
-            self._told.add(about)
-            self._log(f"warning: {line}")
+        self._log_once(f"warning: {line}", about)
 
     def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
         does = [f"publishes {one.name}" for one in own if one.kind == "publisher" and one.name in self._lists]
