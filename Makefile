@@ -5,8 +5,8 @@ BIN := $(VENV)/bin
 # By files, since the tests of one share what is slow to make; where a single file is most of the work, test by test.
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
-USUAL := not nightly and not extras and not hostile and not torch and not cgroups and not rclpy
-MEASURED := not nightly and not large and not hostile and not torch and not cgroups and not rclpy
+USUAL := not nightly and not extras and not hostile and not torch and not rclpy
+MEASURED := not nightly and not large and not hostile and not torch and not rclpy
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 # The docs first: one of their tests is the longest.
 QUICK := tests/docs $(RULES) tests/agents tests/conformance tests/contract tests/vector
@@ -22,7 +22,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card cgroups compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser ros window check format bench wheel pictures golden docs \
+.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser ros window check format bench wheel pictures golden docs \
 	clean setup pythons
 
 help: ## list the targets
@@ -46,12 +46,8 @@ extras: $(VENV)/ready-extras ## the tests that need large packages: Ray, moviepy
 train: $(VENV)/ready-torch ## the scripts that train, for a minute (torch: gigabytes)
 	$(BIN)/pytest $(SPREAD) -m torch tests
 
-hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other, at each level of isolation
+hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
-
-# In a group that systemd delegates to us; root on a machine without systemd is in the root of all groups, and needs none.
-cgroups: $(VENV)/ready-dev ## what the kernel bounds by control groups: needs systemd, or root and cgroup v2 mounted
-	$(if $(wildcard /run/systemd/system),systemd-run --user --scope --quiet -p Delegate=yes) $(BIN)/pytest -m cgroups tests
 
 nightly: long laws interpreted boundscheck coverage mutate compat pythons ## what takes long: the six targets that follow, compat, pythons, and ros on each Python
 	$(BIN)/python scripts/ros_nodes.py --all

@@ -36,15 +36,7 @@ class AgentError(CatchArenaError):
 
 
 class NoContest(CatchArenaError):  # noqa: N818 - the word of the sport
-    """A match that we could not hold: no agent is to blame, nothing counts, and it may be played again."""
-
-
-class WorkerLost(NoContest):
-    """The process that played a match is gone, with all that it knew: another one may play the match."""
-
-
-class Stalled(NoContest):
-    """A match in which our own process stood still, so that nobody could be told to be late."""
+    """A match that failed on our side: no agent is to blame, nothing counts, and it may be played again."""
 
 
 class StoreError(CatchArenaError):

@@ -156,6 +156,17 @@ def prepare_folder(folder: Path) -> Path:
     return folder
 
 
+def require_folder(folder: Path) -> None:
+    """Require that a folder can be made, without making it.
+
+    Raises:
+        OutputError: if it cannot be written.
+    """
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        prepare_folder(folder)  # says why
+
+
 def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputError:
     """What is said of a file that cannot be written; where the disk is full, with the room that there is.
 

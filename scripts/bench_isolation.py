@@ -1,7 +1,7 @@
 """Measure what isolation costs: standard matches of scripted agents, trusted and isolated at each level, in turn.
 
-CPU time is that of all processes: this one, the supervisor and the agents. So it does not matter much how busy the
-machine is. The start of the agents' fork servers is told apart. Reads /proc: for Linux.
+CPU time is that of all processes: this one, bubblewrap and the agents. So it does not matter much how busy the
+machine is. The first match, which starts the agents' processes, is measured by itself. Reads /proc: for Linux.
 """
 
 import argparse
@@ -15,10 +15,9 @@ from typing import get_args
 from catch_arena import agents, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits, Level
+from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import start_players
 from catch_arena.tournament.match_loop import play
 
 AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
@@ -53,10 +52,10 @@ def main() -> None:
         kinds: dict[str, tuple[tuple[Entrant, ...], Sandbox | None]] = {"trusted": (enter(AGENTS), None)}
         one_match(*kinds["trusted"], 0)
         for level in get_args(Level):
-            sandbox = stack.enter_context(Sandbox(AgentLimits(level=level)))
+            sandbox = stack.enter_context(Sandbox(AgentLimits(isolation=level)))
             kinds[level] = enter(specs, inspector(sandbox)), sandbox
             first = one_match(*kinds[level], 0)
-            print(f"{level}: the first match, with the start of four fork servers, took {first:.2f} CPU-seconds")
+            print(f"{level}: the first match, with the start of four processes, took {first:.2f} CPU-seconds")
         rates: dict[str, list[float]] = {kind: [] for kind in kinds}
         for _ in range(arguments.rounds):
             spent = dict.fromkeys(kinds, 0.0)

@@ -32,7 +32,7 @@ os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
 # A busy machine makes no agent late, no match void and no output longer, unless a test names the limit.
 AgentLimits.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
 isolated_players._STALL_S = 60.0
-sandbox._SERVER_S = 5.0
+sandbox._END_S = 10.0
 progress._LINE_EVERY_S = math.inf
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.

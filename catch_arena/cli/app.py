@@ -6,9 +6,8 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import wraps
 from itertools import count
 from pathlib import Path
@@ -25,12 +24,11 @@ from catch_arena.cli.usage_errors import usage_error
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.isolation.limits import AgentLimits, Level
+from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant, Inspection
-    from catch_arena.tournament.inspection_journal import InspectionJournal
 
 _EXIT_ERROR = 2
 _FILES: Final = ("output", "json", "junit", "seeds", "record")
@@ -151,19 +149,11 @@ Agents = Annotated[
     list[str],
     typer.Argument(
         metavar="AGENT...",
-        help="A shipped name (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, or "
-        "cmd:COMMAND (`catch-arena docs isolation`).",
+        help="A shipped name (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, a "
+        "folder with such an agent.py, or cmd:COMMAND (`catch-arena docs isolation`).",
     ),
 ]
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
-TeamSize = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N",
-        help="Make teams of N hunters in a scenario that has none; an agent plays all hunters of its team.",
-        show_default="no teams",
-    ),
-]
 Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
 SettingOption = Annotated[
@@ -180,18 +170,8 @@ LimitOption = Annotated[
     typer.Option(
         "--limit",
         metavar="KEY=VALUE",
-        help="Change a limit of isolated agents, for example step_ms=200 or memory_mib=2048 "
-        "(`catch-arena docs isolation`); may be repeated.",
-    ),
-]
-Isolation = Annotated[
-    Level | None,
-    typer.Option(
-        "--isolation",
-        metavar="LEVEL",
-        help="How agents are isolated, in namespaces or in processes (`catch-arena docs isolation`); if this machine "
-        "cannot do that, nothing is played.",
-        show_default="the best that works here",
+        help="Change a limit of isolated agents, for example step_ms=200, or how they are isolated: "
+        "isolation=namespaces or isolation=processes (`catch-arena docs isolation`); may be repeated.",
     ),
 ]
 Trusted = Annotated[
@@ -247,8 +227,8 @@ def _common(
     del version
 
 
-def arena(name: str, settings: list[str] | None, team_size: int | None = None) -> ArenaConfig:
-    """The scenario with the changes of --set, and the teams of --team-size.
+def arena(name: str, settings: list[str] | None) -> ArenaConfig:
+    """The scenario with the changes of --set.
 
     Raises:
         ConfigError: for an unknown scenario or setting, and a value that it cannot have.
@@ -264,22 +244,7 @@ def arena(name: str, settings: list[str] | None, team_size: int | None = None) -
             parts[part] = value
         else:
             raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
-    config = scenario(name, **overrides)
-    return config if team_size is None else _with_teams(config, team_size, name)
-
-
-def _with_teams(config: ArenaConfig, size: int, name: str) -> ArenaConfig:
-    """The arena with its hunters in teams of that size, neighbours by seat together.
-
-    Raises:
-        ConfigError: for a size that does not divide the hunters, or where there are teams already.
-    """
-    if config.teams is not None:
-        raise ConfigError(f"--team-size must be left out in {name}, which has teams, got {size}")
-    if size < 1 or config.hunters % size:
-        raise ConfigError(f"--team-size must divide the {config.hunters} hunters of {name}, got {size}")
-    seats = range(config.hunters)
-    return config.replace(teams=tuple(tuple(seats[begin : begin + size]) for begin in seats[::size]))
+    return scenario(name, **overrides)
 
 
 def jobs_or_all(jobs: int | None) -> int:
@@ -310,91 +275,66 @@ def seed_told(secret: Secret) -> str:
     return f"seed: {secret.digits}{guessed}"
 
 
-def limits_or_trust(
-    changes: list[str] | None,
-    level: Level | None,
-    agents: Sequence[str],
-    *hidden: Path | None,
-    trusted: bool,
-) -> AgentLimits | None:
-    """What isolated agents may take and see; None with --trusted.
+def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits | None:
+    """Limits of isolated agents; None with --trusted.
 
     Args:
         changes: of --limit.
-        level: of --isolation.
-        agents: all that are to play, as on the command line.
-        hidden: what none of them may see: the command's other files.
         trusted: of --trusted.
 
     Raises:
-        ConfigError: for an unknown limit, a level that this machine cannot hold, and either beside --trusted.
-        AgentError: for a spec that names no agent.
+        ConfigError: for an unknown limit, a level that this machine cannot hold, and --limit with --trusted.
     """
-    from catch_arena.tournament.entrants import resolve_spec
-    from catch_arena.tournament.isolation.levels import level_here
+    from catch_arena.tournament.isolation.namespaces import level_here
 
     if trusted:
         if changes:
             raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {changes[0]}")
-        if level is not None:
-            raise ConfigError(f"--isolation must be left out with --trusted, which isolates nothing: got {level}")
         return None
     limits = AgentLimits.of(**dict(_pairs("--limit", changes)))
-    specs = tuple(resolve_spec(agent) for agent in agents)
-    if level is not None:
-        level_here(level)
-    places = tuple(os.path.realpath(path) for path in hidden if path is not None)
-    return replace(limits, level=level, entrants=specs, hidden=places)
+    level_here(limits.isolation)
+    return limits
 
 
-def say_level(limits: AgentLimits | None) -> None:
-    """Say in one line how agents are held apart, where any is."""
+def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
+    """Say in one line how the entrants with these specs are isolated, if any of them is."""
     from catch_arena.tournament.entrants import is_shipped
-    from catch_arena.tournament.isolation.levels import level_here, level_line
+    from catch_arena.tournament.isolation.namespaces import level_here, level_line
 
-    if limits is not None and not all(map(is_shipped, limits.entrants)):
-        say(folded(level_line(level_here(limits.level)), then="           "), err=True)
+    if limits is not None and not all(map(is_shipped, specs)):
+        say(folded(level_line(level_here(limits.isolation)), then="           "), err=True)
 
 
-def enter_agents(
-    specs: Sequence[str], limits: AgentLimits | None, journal: "InspectionJournal | None" = None, *, prey: bool = False
-) -> "tuple[Entrant, ...]":
-    """The agents that these specs stand for, looked at where they will play. Warns on stderr of those that cannot play,
-    and of what this system cannot limit.
+def enter_agents(specs: Sequence[str], limits: AgentLimits | None, *, prey: bool = False) -> "tuple[Entrant, ...]":
+    """The agents that these specs stand for, inspected where they will play. Warns on stderr of those that cannot play.
 
     Args:
         specs: as on the command line.
-        limits: those of isolated agents, None where all are trusted.
-        journal: of earlier inspections, where one may have ended the command.
+        limits: limits of isolated agents, None if all are trusted.
         prey: whether they play prey too.
 
     Raises:
         AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
+        NoContest: if an isolated agent cannot be started, for a reason on our side.
     """
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.tournament.entrants import enter, is_shipped
-    from catch_arena.tournament.isolation.inspecting import inspector
-    from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.starting import sandbox_for
+    from catch_arena.tournament.entrants import enter
+    from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(limits) as sandbox, progress_bar("looking at agents", late=True) as show:
         inspect, seen = inspector(sandbox), count(1)
 
         def look(spec: str) -> "Inspection":
             show(next(seen), len(specs))
-            trusted = sandbox is None or is_shipped(spec)
-            return inspect(spec) if trusted or journal is None else journal.inspect(spec, inspect)
+            return inspect(spec)
 
         entrants = enter(specs, look)
-    say_level(limits)
+    say_level(limits, [entrant.spec for entrant in entrants])
     for entrant in entrants:
         if entrant.fault is not None:
             say(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
         elif prey and entrant.prey_fault is not None:
             say(f"warning: {entrant.name} forfeits its matches as prey: {entrant.prey_fault}", err=True)
-    if limits is not None and not all(is_shipped(entrant.spec) for entrant in entrants):
-        for line in missing_protections():
-            say(f"warning: {line}", err=True)
     return entrants
 
 

@@ -1,5 +1,6 @@
 """`catch-arena conformance`: anybody's arbiter, tried with the cases of the suite."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -145,14 +146,18 @@ def _callable(spec: str) -> Any:
     Raises:
         AgentError: where it cannot be loaded, or nothing there has that name.
     """
-    from catch_arena.tournament.entrants import load_module
+    from catch_arena.tournament.entrants import load_file, load_module
 
     module_name, colon, name = spec.rpartition(":")
     if not (module_name and colon and name):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
     if module_name.endswith(".py") and not Path(module_name).is_file():
         raise AgentError(f"{spec}: no such file")
-    module = load_module(module_name)
+    if module_name.endswith(".py"):
+        module = load_file(Path(module_name))
+    else:
+        sys.path.append(str(Path.cwd()))  # an arbiter is the user's own, unlike an agent
+        module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
         known = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]

@@ -8,14 +8,12 @@ import typer
 
 from catch_arena.cli.app import (
     MAX_FORFEITS,
-    Isolation,
     Jobs,
     LimitOption,
     MaxForfeits,
     Scenario,
     Seed,
     SettingOption,
-    TeamSize,
     Trusted,
     arena,
     enter_agents,
@@ -45,7 +43,6 @@ def compare(
         typer.Option(metavar="AGENT", help="One more agent of the field that both play against; may be repeated."),
     ] = None,
     scenario: Scenario = "duel",
-    team_size: TeamSize = None,
     elo0: Annotated[float, typer.Option(help="H0: A is stronger by this many points.")] = 0.0,
     elo1: Annotated[float, typer.Option(help="H1: A is stronger by this many points.")] = 20.0,
     share0: Annotated[float | None, typer.Option(help="H0 as A's share instead, 0.5 being equal.")] = None,
@@ -57,7 +54,6 @@ def compare(
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
     settings: SettingOption = None,
 ) -> None:
@@ -70,7 +66,7 @@ def compare(
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config, secret = arena(scenario, settings, team_size), secret_of(seed)
+    config, secret = arena(scenario, settings), secret_of(seed)
     if len(agents) != 2:
         raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
     if (share0 is None) != (share1 is None):
@@ -79,7 +75,7 @@ def compare(
         share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
     )
     everybody = [*agents, *(against or ())]
-    allowed = limits_or_trust(limits, isolation, everybody, trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     entrants = enter_agents(everybody, allowed, prey=config.prey > 0)
     if config.prey:
         say_who_needs_prey(entrants)

@@ -8,7 +8,6 @@ import typer
 from catch_arena.cli import bus_options
 from catch_arena.cli.app import (
     MAX_FORFEITS,
-    Isolation,
     LimitOption,
     SettingOption,
     Trusted,
@@ -50,7 +49,6 @@ def check_agent(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random draws.")] = 0,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     trusted: Trusted = False,
     settings: SettingOption = None,
 ) -> None:
@@ -60,18 +58,16 @@ def check_agent(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.isolation.processes import missing_protections
-    from catch_arena.tournament.isolation.starting import sandbox_for
+    from catch_arena.tournament.entrants import resolve_spec
+    from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
-    allowed = limits_or_trust(limits, isolation, [agent], trusted=trusted)
-    for line in missing_protections() if allowed is not None else ():
-        say(folded(line, "note: ", " " * 6), err=True)
+    allowed = limits_or_trust(limits, trusted=trusted)
     wrong = 0
     with sandbox_for(allowed) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox, show)):
             if number == 0:  # it could be entered
-                say_level(allowed)
+                say_level(allowed, [resolve_spec(agent)])
             wrong += finding.level == "error"
             say(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
     if wrong:
@@ -92,7 +88,6 @@ def grade(
     ] = None,
     force: Force = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     trusted: Trusted = False,
     max_forfeits: Annotated[
         int,
@@ -141,8 +136,7 @@ def grade(
                 raise ConfigError(
                     f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
                 )
-        everybody = [agent, *(opponent for test in exercise.tests for opponent in test.opponents)]
-        allowed = limits_or_trust(limits, isolation, everybody, spec, exercise.seed_file, junit, json, trusted=trusted)
+        allowed = limits_or_trust(limits, trusted=trusted)
         name, digest = _grade_agent(exercise, agent, allowed, max_forfeits, spec, grades)
     points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
     say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
@@ -168,13 +162,12 @@ def _grade_agent(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent
-    from catch_arena.tournament.isolation.inspecting import inspector
-    from catch_arena.tournament.isolation.starting import sandbox_for
+    from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(allowed) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
-        say_level(allowed)
+        say_level(allowed, [student.spec])
         for test in exercise.tests:
             opponents = enter(test.opponents, look)
             for word, opponent in zip(test.opponents, opponents, strict=True):

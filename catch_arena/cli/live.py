@@ -8,11 +8,9 @@ import typer
 from catch_arena.cli.app import (
     Agents,
     ArenaSeed,
-    Isolation,
     LimitOption,
     Scenario,
     SettingOption,
-    TeamSize,
     Trusted,
     arena,
     enter_agents,
@@ -59,12 +57,10 @@ def play(
         ),
     ] = None,
     scenario: Scenario = "standard",
-    team_size: TeamSize = None,
     seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0 ...")] = "0",
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
@@ -77,10 +73,10 @@ def play(
     Where there are teams, an agent plays all hunters of one; the first plays your team-mates. Where there is prey,
     agents play that too, after the hunters.
     """
-    config = arena(scenario, settings, team_size)
+    config = arena(scenario, settings)
     person = _seat(seat, config, scenario)
     rivals = [*(against or ()), *(agents or ())] or list(_RIVALS)
-    allowed = limits_or_trust(limits, isolation, rivals, trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     _show(rivals, allowed, person, _WindowOptions(scenario, config, seed, record, size, force))
 
 
@@ -89,19 +85,17 @@ def watch(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
-    team_size: TeamSize = None,
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     record: Record = None,
     force: Force = False,
     size: Size = "1280x720",
     settings: SettingOption = None,
 ) -> None:
     """Watch agents play, live; if there are fewer agents than seats, an agent plays several seats."""
-    allowed = limits_or_trust(limits, isolation, agents, trusted=trusted)
-    config = arena(scenario, settings, team_size)
+    allowed = limits_or_trust(limits, trusted=trusted)
+    config = arena(scenario, settings)
     _show(agents, allowed, None, _WindowOptions(scenario, config, seed, record, size, force))
 
 

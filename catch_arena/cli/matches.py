@@ -13,14 +13,12 @@ from catch_arena.cli.app import (
     MAX_FORFEITS,
     Agents,
     ArenaSeed,
-    Isolation,
     Jobs,
     LimitOption,
     MaxForfeits,
     Scenario,
     Seed,
     SettingOption,
-    TeamSize,
     Trusted,
     arena,
     enter_agents,
@@ -45,7 +43,7 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.secret import Secret
 
-Format = Literal["round-robin", "balanced", "gauntlet"]
+Format = Literal["round-robin", "gauntlet"]
 ExecutorName = Literal["local", "ray"]
 
 
@@ -54,17 +52,15 @@ def tournament(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
-    team_size: TeamSize = None,
     form: Annotated[
-        Format | None,
+        Format,
         typer.Option(
             "--format",
             metavar="FORMAT",
-            help="round-robin: every group of agents; balanced: fewer groups, in which pairs meet about equally often; "
-            "gauntlet: the first agent against the others.",
-            show_default="round-robin, or balanced if that takes too long",
+            help="round-robin: every group of agents; gauntlet: the first agent against the others. Of more groups "
+            "than --max-matches allows, a sample is played in which pairs meet about equally often.",
         ),
-    ] = None,
+    ] = "round-robin",
     rounds: Annotated[
         int | None, typer.Option(help="Number of rounds.", show_default="enough for ten blocks of each agent")
     ] = None,
@@ -76,7 +72,11 @@ def tournament(
         ),
     ] = None,
     max_matches: Annotated[
-        int | None, typer.Option(help="The most matches that --until-separated plays.", show_default="10000")
+        int | None,
+        typer.Option(
+            help="The most matches of a round; with --until-separated, of all rounds together.",
+            show_default="20000; 10000 with --until-separated",
+        ),
     ] = None,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -86,7 +86,6 @@ def tournament(
     ] = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
@@ -104,9 +103,6 @@ def tournament(
     watch: Annotated[
         bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
     ] = False,
-    plan_only: Annotated[
-        bool, typer.Option("--plan", help="Only say what would be played and what it would cost.")
-    ] = False,
     settings: SettingOption = None,
 ) -> None:
     """Play groups of agents in every seating, and rank them.
@@ -116,12 +112,11 @@ def tournament(
     from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table, standings_tables
-    from catch_arena.files import prepare_folder
+    from catch_arena.files import prepare_folder, require_folder
     from catch_arena.report import REPORT, write_report
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.inspection_journal import InspectionJournal
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
@@ -129,32 +124,33 @@ def tournament(
     from catch_arena.tournament.statistics.standings import standings_of_sides
     from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
-    config = arena(scenario, settings, team_size)
+    config = arena(scenario, settings)
     parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
-    allowed = limits_or_trust(limits, isolation, agents, out, trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    entrants = enter_agents(agents, allowed, InspectionJournal(out), prey=config.prey > 0)
+    entrants = enter_agents(agents, allowed, prey=config.prey > 0)
     require_enough(len(entrants), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
     plan = _plan(entrants, parties, secret, _PlanOptions(form, rounds, until_separated, max_matches))
     worker = Worker(config, entrants, record, allowed)
-    if plan_only:
-        cost = measure_cost(worker, plan)
-        with progress_bar("planning", late=True) as show:
-            table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
-        own_console().print(table)
-        return
-    prepare_folder(out / REPLAYS if record else out)
-    if not (out / STORE).exists():  # else they are made from it
+    terms = terms_of(allowed, max_forfeits, recorded=record)
+    about = Tournament(config, entrants, plan.parameters, terms, secret)
+    if (out / STORE).exists():
+        Store.begin(about, out, resume=resume).close()  # refuse another tournament before anything is played
+    else:
         for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
             require_free(out / name, force=force)
         if record and not force and any((out / REPLAYS).glob("*.replay")):
             raise OutputError(
                 f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder"
             )
-    terms = terms_of(allowed, max_forfeits, recorded=record)
-    about = Tournament(config, entrants, plan.parameters, terms, secret)
+        require_folder(out)
+        cost = measure_cost(worker, plan)
+        with progress_bar("planning", late=True) as show:
+            table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
+        own_console(err=True).print(table)
+    prepare_folder(out / REPLAYS if record else out)
     most = "at most " if isinstance(plan, UntilSeparated) else ""
 
     def kept(count: int) -> str:
@@ -194,8 +190,6 @@ def tournament(
         for line in tables["hunter"]:
             (entrant,) = (one for one in entrants if one.name == line.name)
             lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
-            if harmful := sum(one.forfeits.get("FORFEIT_SABOTAGE", 0) for one in lines):
-                say(f"{line.name} did harm, and forfeited {harmful} matches for it (FORFEIT_SABOTAGE)")
             if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
                 matches = sum(one.matches for one in lines)
                 say(f"{line.name} was out: {without} of its {matches} matches were played without it")
@@ -222,7 +216,7 @@ def _watched(folder: Path) -> Iterator[None]:
 class _PlanOptions(NamedTuple):
     """Which matches a tournament is asked to have."""
 
-    form: Format | None
+    form: Format
     rounds: int | None
     until_separated: float | None
     max_matches: int | None
@@ -239,22 +233,23 @@ def _plan(
     Raises:
         ConfigError: for those that do not go together too.
     """
-    from catch_arena.tournament.plans.schedule import FixedPlan, plan_of
+    from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, FixedPlan, plan_of
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
     form, rounds, until_separated, max_matches = options
     prey = parties if len(parties.sides) > 1 else None
     if until_separated is None:
-        if max_matches is not None:
-            raise ConfigError(f"--max-matches must come with --until-separated, got {max_matches} alone")
-        return plan_of(form, len(entrants), parties.group, rounds, seed, prey)
+        most = MOST_IN_A_ROUND if max_matches is None else max_matches
+        return plan_of(form, len(entrants), parties.group, rounds, seed, prey, most)
     if rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
 
-    def of_rounds(count: int) -> FixedPlan:
-        return plan_of(form, len(entrants), parties.group, count, seed, prey)
+    budget = BUDGET if max_matches is None else max_matches
 
-    return UntilSeparated(entrants, until_separated, BUDGET if max_matches is None else max_matches, of_rounds, prey)
+    def of_rounds(count: int) -> FixedPlan:
+        return plan_of(form, len(entrants), parties.group, count, seed, prey, budget)
+
+    return UntilSeparated(entrants, until_separated, budget, of_rounds, prey)
 
 
 def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
@@ -289,11 +284,9 @@ def match(
     agents: Agents,
     *,
     scenario: Scenario = "standard",
-    team_size: TeamSize = None,
     seed: ArenaSeed = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -312,16 +305,15 @@ def match(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.seeding import arena_seed
-    from catch_arena.tournament.isolation.playing import play_entrants
-    from catch_arena.tournament.isolation.starting import in_parties, sandbox_for
+    from catch_arena.tournament.isolation.playing import in_parties, play_entrants, sandbox_for
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
-    config = arena(scenario, settings, team_size)
+    config = arena(scenario, settings)
     parties = Parties.of(config)
     if output is not None:
         output_file(output, *REPLAY, force=force)
-    allowed = limits_or_trust(limits, isolation, agents, output, trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     entrants = enter_agents(agents, allowed, prey=config.prey > 0)
     require_enough(len(entrants), config, scenario)
     if len(entrants) > len(parties):

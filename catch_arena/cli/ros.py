@@ -11,7 +11,6 @@ from catch_arena import interrupts
 from catch_arena.cli import bus_options
 from catch_arena.cli.app import (
     ArenaSeed,
-    Isolation,
     LimitOption,
     Program,
     SettingOption,
@@ -86,7 +85,6 @@ def serve(
     turtlesim: bus_options.Turtlesim = TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     record: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Where to save the replay; /spawn, /kill and /reset do nothing then."),
@@ -116,7 +114,7 @@ def serve(
     )
     nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
-    allowed = limits_or_trust(limits, isolation, list(specs.values()), trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     if record is not None:
         output_file(record, *REPLAY, force=force)
     if scenario is None:
@@ -173,7 +171,6 @@ def controller(
     turtlesim: bus_options.Turtlesim = TURTLESIM,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     settings: SettingOption = None,
     ros_args: bus_options.RosArgs = None,
 ) -> None:
@@ -187,11 +184,11 @@ def controller(
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.ros.nodes.ros_args import take_ros_args
-    from catch_arena.tournament.isolation.starting import sandbox_for, start_players
+    from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     specs = list(_EXERCISE) if agent in _EXERCISE else [agent]
-    allowed = limits_or_trust(limits, isolation, specs, trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     parameters = controller_parameters(_EXERCISE.get(agent))
     called = take_ros_args(ros_args or (), "turtle_controller", parameters, _warn)
     closest_first = parameters[CLOSEST_FIRST] if agent in _EXERCISE else None

@@ -10,7 +10,6 @@ from catch_arena import interrupts
 from catch_arena.cli.app import (
     MAX_FORFEITS,
     Agents,
-    Isolation,
     Jobs,
     LimitOption,
     MaxForfeits,
@@ -64,7 +63,6 @@ def suite(
     jobs: Jobs = None,
     trusted: Trusted = False,
     limits: LimitOption = None,
-    isolation: Isolation = None,
     max_forfeits: MaxForfeits = MAX_FORFEITS,
 ) -> None:
     """Measure agents in training and held-out scenarios.
@@ -81,17 +79,16 @@ def suite(
     from catch_arena.suite.references import references
     from catch_arena.tournament.entrants import is_shipped
     from catch_arena.tournament.execution.executors import require_jobs
-    from catch_arena.tournament.inspection_journal import InspectionJournal
-    from catch_arena.tournament.isolation.starting import sandbox_for
+    from catch_arena.tournament.isolation.playing import sandbox_for
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     out = out or Path("out/suite-quick" if quick else "out/suite")
     workers = jobs_or_all(jobs)
     require_jobs(workers)
-    allowed = limits_or_trust(limits, isolation, agents, out, json, trusted=trusted)
+    allowed = limits_or_trust(limits, trusted=trusted)
     if json is not None:
         output_file(json, ".json", force=force)
-    entered = enter_agents(agents, allowed, InspectionJournal(out))
+    entered = enter_agents(agents, allowed)
     opponents = enter_opponents(SUITE)
     blocks = QUICK_BLOCKS if quick else SUITE.blocks
     evaluations = [

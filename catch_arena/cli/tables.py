@@ -74,11 +74,12 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
 
 
 def plan_table(
-    plan: Plan, worker: Worker, cost: Cost, jobs: int, max_forfeits: int, progress: Callable[[int, int], None]
+    plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_forfeits: int, progress: Callable[[int, int], None]
 ) -> Table:
-    """What would be played, and what it costs; `progress` is called with the matches that were counted, and all."""
+    """What will be played, and what it costs if that is known; `progress` is called with the matches that were counted,
+    and all.
+    """
     shown = Table(box=None, show_header=False, pad_edge=False)
-    alone_s = plan.size * cost.seconds
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most = plan.size
@@ -87,16 +88,8 @@ def plan_table(
         most = played[1]
         shown.add_row("an agent plays", f"{_span(*played)} matches")
         shown.add_row("a pair meets in", f"{_span(*met)} matches")
-    shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    leaves = f"; after {max_forfeits} in a row it is out" if max_forfeits else ""
-    less = bool(cost.forfeits and leaves)  # matches without those who are out are sooner over
-    shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
-    shown.add_row("store", f"about {decimal(plan.size * cost.stored)}")
-    if cost.replay:
-        shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
-    shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
-    for name, forfeit in cost.forfeits.items():
-        shown.add_row("", plain(f"{name} forfeited there: {forfeit}{leaves}"))
+    if cost is not None:
+        _add_cost(shown, plan.size, cost, jobs, max_forfeits)
     worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
         once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s
@@ -107,6 +100,20 @@ def plan_table(
         once, all_s = duration(worst.slow_s), most * worst.slow_s
         shown.add_row("a slow agent", f"may take {once} a match: {duration(all_s)} for {most}, no forfeit")
     return shown
+
+
+def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: int) -> None:
+    alone_s = matches * cost.seconds
+    shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
+    leaves = f"; after {max_forfeits} in a row it is out" if max_forfeits else ""
+    less = bool(cost.forfeits and leaves)  # matches without those who are out are sooner over
+    shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
+    shown.add_row("store", f"about {decimal(matches * cost.stored)}")
+    if cost.replay:
+        shown.add_row("replays", f"about {decimal(matches * cost.replay)}")
+    shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
+    for name, forfeit in cost.forfeits.items():
+        shown.add_row("", plain(f"{name} forfeited there: {forfeit}{leaves}"))
 
 
 def _span(least: int, most: int) -> str:

@@ -42,7 +42,7 @@ class PatientPlayers:
             while thread.is_alive():
                 self._wait()
         except BaseException:
-            self._sandbox.close()  # with the agents' processes the wait for their answers ends
+            self._sandbox.kill()  # with the agents' processes the wait for their answers ends
             thread.join()
             raise
         return answers.result()

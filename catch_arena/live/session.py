@@ -16,8 +16,8 @@ from catch_arena.replay import Replay
 from catch_arena.text import printable_lines
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.playing import in_seats, sandbox_for, start_players
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import in_seats, sandbox_for, start_players
 from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties

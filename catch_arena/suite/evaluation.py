@@ -70,7 +70,7 @@ class Evaluation:
             yield "any scenario", self.agent.fault
             return
         for one in self.suite.scenarios:
-            # further hunters of its team are under names of their own already (isolation.starting)
+            # further hunters of its team are under names of their own already (isolation.playing)
             result = play_first_step(one.config, self.suite.seed, [self.agent] * len(one.parties), sandbox)
             if (forfeit := result.details[0]) is not None:
                 yield one.name, forfeit.reason
@@ -85,7 +85,7 @@ class Evaluation:
         first = self.suite.scenarios[0]
         cost = measure_cost(self._worker(first), self._plan(first))
         moves = sum(count * _moves(one) for one, count in missing.items())
-        return cost.seconds * moves / _moves(first)
+        return 0.0 if cost is None else cost.seconds * moves / _moves(first)
 
     def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] | None = None) -> None:
         """Play what is not kept yet, scenario by scenario.
@@ -110,7 +110,7 @@ class Evaluation:
             return
         with local_executor(self._worker(waiting[0]), jobs) as ready:
             for one in waiting:
-                ready.use_worker(self._worker(one))
+                ready.worker = self._worker(one)
                 with self._begun(one) as store:
                     folder = self._folder(one)
                     play_plan(

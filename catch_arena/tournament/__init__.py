@@ -12,8 +12,6 @@ And in which file, from one match up:
 - secret: the tournament's secret, and all seeds that follow from it.
 - store: what was planned and played. stored_values: what a stored value may be.
 - agent_logs, export, standings_files: what is written beside it.
-- inspection_journal, crash_journal: who is inspected, and who plays: written before an agent runs, so that who did harm
-  is known when the tournament was killed.
 - agent_check, grading: one agent. comparison: two.
 
 Nothing here draws, prints or reads options: the command line does (cli/).

@@ -8,9 +8,8 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.playing import play_entrants
+from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties

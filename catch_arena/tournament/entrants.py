@@ -11,7 +11,7 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import cache
 from inspect import signature
@@ -23,7 +23,7 @@ from typing import Any, Final, NamedTuple
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
-from catch_arena.files import wide_text_fault
+from catch_arena.files import is_loop, wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.text import composed, name_fault, one_line
 
@@ -36,6 +36,10 @@ SHIPPED_PREY: Final = "flee"
 """Who plays prey for an agent that does not."""
 _PREY: Final = "Prey"
 """What the class is called that plays prey."""
+_IN_FOLDER: Final = "agent.py"
+"""The file with the class `Agent`, if an agent is a folder."""
+_FILE_MODULE: Final = "catch_arena_agent_"
+"""Begin of the name that the module in an agent's file has."""
 _LARGEST_SOURCE: Final = 1 << 26
 """Bytes of a file that is taken for a module's source."""
 _GENERIC: Final = frozenset({"agent", "bot", "main", "player", "solution", "submission"})
@@ -49,11 +53,11 @@ class Entrant:
     """One agent in a tournament; it can be sent to another process, which makes its own instances."""
 
     name: str
-    """Unique in its tournament: `nearest`, and `nearest#2` where it plays against itself; `ann/agent` for a file with a
-    generic name, and `ann/mine` and `bob/mine` where two files have one name.
+    """Unique in its tournament: `nearest`, and `nearest#2` if it plays against itself; `ann/agent` for a file with a
+    generic name, and `ann/mine` and `bob/mine` if two files have one name.
     """
     spec: str
-    """What `agent_class` or `command_of` finds it by, from any folder."""
+    """Absolute path of a file or folder, `package.module:Class`, or `cmd:` and a command with absolute paths."""
     control: Control
     digest: str
     """16 hexadecimal digits of the bytes of its files (`sources_of`), with what a network has learned beside them; of a
@@ -100,7 +104,7 @@ class Entrant:
                 return f"a command: {Path(words[0]).name}"
         except (ValueError, IndexError):  # a store may say anything
             return "a command"
-        return Path(self.spec).name if self.spec.endswith(".py") else self.spec
+        return self.spec if file_of(self.spec) is None else Path(self.spec).name
 
     def create(self) -> Policy | PreyPolicy:
         """A fresh instance in this process, for one match.
@@ -150,8 +154,9 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
     """The entrants that these specs stand for, in their order.
 
     Args:
-        specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent`, or `cmd:` and a command.
-        inspect: looks at an agent, in this process or (`isolation.inspecting.inspector`) in one of its own.
+        specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent` or of folders with
+            such an agent.py, or `cmd:` and a command.
+        inspect: looks at an agent, in this process or (`isolation.playing.inspector`) in one of its own.
 
     Raises:
         AgentError: one line, that names the spec and what is wrong with it.
@@ -250,6 +255,17 @@ def sources_of(spec: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
 
 
+def folder_of(spec: str) -> Path | None:
+    """Return the folder of an agent that is a folder with an agent.py; None for all others."""
+    return Path(spec) if Path(spec).is_absolute() and not spec.endswith(".py") else None
+
+
+def file_of(spec: str) -> Path | None:
+    """Return the file with the class of an agent in a file or folder; None for modules and commands."""
+    folder = folder_of(spec)
+    return folder / _IN_FOLDER if folder is not None else Path(spec) if spec.endswith(".py") else None
+
+
 def command_of(spec: str) -> list[str] | None:
     """The words of a command, its program first; None for an agent in Python."""
     return shlex.split(spec.removeprefix(COMMAND)) if spec.startswith(COMMAND) else None
@@ -264,7 +280,9 @@ def agent_module(spec: str) -> ModuleType:
     """
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
-    return load_module(spec if spec.endswith(".py") else spec.partition(":")[0])
+    if (file := file_of(spec)) is not None:
+        return load_file(file, folder_of(spec))
+    return load_module(spec.partition(":")[0])
 
 
 def agent_class(spec: str, side: Side = "hunter") -> type:
@@ -274,7 +292,7 @@ def agent_class(spec: str, side: Side = "hunter") -> type:
         AgentError: for a command, a module that cannot be imported, and one without that class.
     """
     module = agent_module(spec)
-    name = _PREY if side == "prey" else "Agent" if spec.endswith(".py") else spec.partition(":")[2]
+    name = _PREY if side == "prey" else "Agent" if file_of(spec) is not None else spec.partition(":")[2]
     found = getattr(module, name, None)
     if not isinstance(found, type):
         classes = [key for key, value in vars(module).items() if isinstance(value, type)]
@@ -282,18 +300,37 @@ def agent_class(spec: str, side: Side = "hunter") -> type:
     return found
 
 
+def module_folders() -> list[str]:
+    """Return where the modules of agents are searched: all of `sys.path` but the folder that a command started in."""
+    here = sys.path[:1] in ([""], [str(Path.cwd())])
+    return [str(Path(entry).absolute()) for entry in sys.path[here:] if entry]
+
+
 def load_module(name: str) -> ModuleType:
-    """The module with a dotted name, or in a .py file.
+    """Return the installed module with a dotted name.
 
     Raises:
-        AgentError: where importing it raises.
+        AgentError: if importing it raises.
     """
     with _process_restored():
-        if name.endswith(".py"):
-            return _import_file(Path(name))
-        if str(Path.cwd()) not in sys.path and "" not in sys.path:
-            sys.path.append(str(Path.cwd()))  # as `python -m` finds modules; workers start in the same folder
+        sys.path[:] = module_folders()
         return _import(name)
+
+
+def load_file(path: Path, folder: Path | None = None) -> ModuleType:
+    """Return the module in a .py file.
+
+    Args:
+        path: the file.
+        folder: the folder in which it finds further modules, while it is imported; None for none.
+
+    Raises:
+        AgentError: if importing it raises.
+    """
+    with _process_restored():
+        sys.path[:] = module_folders()
+        with nullcontext() if folder is None else _modules_of(folder):
+            return _import_file(path, alone=folder is None)
 
 
 def resolve_spec(spec: str) -> str:
@@ -318,22 +355,44 @@ class _Resolved(NamedTuple):
 def _resolve(spec: str) -> _Resolved:
     if spec.startswith(COMMAND):
         return _resolve_command(spec)
-    if spec.endswith(".py"):
-        path = Path(os.path.realpath(Path(spec).expanduser()))
-        if not path.is_file():
-            raise AgentError(f"{spec}: {'is a link that leads to itself' if path.is_symlink() else 'no such file'}")
-        return _Resolved(str(path), _name_parts(path), path.read_bytes() + _beside(path))
     if (file := spec.rpartition(":")[0]).endswith(".py"):
         raise AgentError(f"{spec}: a file is given alone, and its class is called Agent: {file}")
+    path = Path(os.path.abspath(Path(spec).expanduser()))  # noqa: PTH100 - absolute() keeps ".."; links stay
+    is_path = os.sep in spec or spec.endswith(".py")
+    if not is_path and spec in (known := shipped()):
+        return _Resolved(_shipped_spec(spec), (spec,))
+    if is_path or os.path.lexists(path):
+        return _resolve_path(spec, path)
     if ":" in spec:
         return _Resolved(spec, tuple(spec.replace(":", ".").split(".")))
-    known = shipped()
-    if spec not in known:
-        raise AgentError(
-            f"unknown agent {spec!r}: {suggest(spec, known)} "
-            f"(or give package.module:Class, the path of a .py file, or {COMMAND}COMMAND)"
-        )
-    return _Resolved(_shipped_spec(spec), (spec,))
+    raise AgentError(
+        f"unknown agent {spec!r}: {suggest(spec, known)} "
+        f"(or give a .py file, a folder with {_IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND)"
+    )
+
+
+def _resolve_path(spec: str, path: Path) -> _Resolved:
+    """Resolve a file or folder.
+
+    Args:
+        spec: as it was given.
+        path: its absolute path.
+    """
+    if path.is_dir():
+        if not (path / _IN_FOLDER).is_file():
+            raise AgentError(f"{spec}: is a folder without {_IN_FOLDER}, which holds the class Agent")
+        return _Resolved(str(path), tuple(map(composed, path.parts[1:])), _content_of_folder(path))
+    if not path.is_file():
+        why = "is a link that leads to no file" if path.is_symlink() else "no such file"
+        raise AgentError(f"{spec}: {'is a link that leads to itself' if is_loop(path) else why}")
+    content = path.read_bytes()
+    if path.suffix == ".ipynb" or (content.lstrip().startswith(b"{") and b'"cells"' in content):
+        raise AgentError(f"{spec}: is a notebook; save the code of its agent as a .py file with a class Agent")
+    if path.suffix != ".py":
+        right = path.with_suffix(".py").name
+        hint = f"rename it to {right}" if path.suffix.lower() == ".py" else "other programs are given as cmd:COMMAND"
+        raise AgentError(f"{spec}: must be a .py file or a folder with {_IN_FOLDER}; {hint}")
+    return _Resolved(str(path), _name_parts(path), content + _beside(path))
 
 
 def _shipped_spec(name: str) -> str:
@@ -349,7 +408,7 @@ def _shipped_prey_digest() -> str:
 def _digest(agent: _Resolved, sources: Sequence[str]) -> str:
     """Of the files that an agent says it consists of, its own first; where none can be read, of its spec."""
     found = [] if agent.content is None else [agent.content]
-    if not agent.spec.startswith(COMMAND):
+    if not agent.spec.startswith(COMMAND) and folder_of(agent.spec) is None:
         for source in sources[:_MOST_SOURCES]:
             content = _content_of(source)
             if content is not None and source != agent.spec:
@@ -365,6 +424,13 @@ def _content_of(source: str) -> bytes | None:
             return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
     except (OSError, ValueError):
         return None
+
+
+def _content_of_folder(folder: Path) -> bytes:
+    """Return the names and contents of all its files, without what Python compiled and what begins with a dot."""
+    paths = (path.relative_to(folder) for path in sorted(folder.rglob("*")))
+    kept = (path for path in paths if not any(part[0] == "." or part == "__pycache__" for part in path.parts))
+    return b"\0".join(os.fsencode(path) + b"\0" + (_content_of(str(folder / path)) or b"") for path in kept)
 
 
 def _beside(path: Path) -> bytes:
@@ -404,14 +470,37 @@ def _resolve_command(spec: str) -> _Resolved:
         raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
     if not words:
         raise AgentError(f"{spec}: must name a command, as in {COMMAND}./my_bot")
-    files = {word: Path(os.path.realpath(path)) for word in words if (path := Path(word).expanduser()).is_file()}
-    program, *arguments = [str(files.get(word, word)) for word in words]
+    named = {word: Path(os.path.abspath(path)) for word in words if (path := Path(word).expanduser()).exists()}  # noqa: PTH100
+    files = {word: path for word, path in named.items() if path.is_file()}
+    program, *arguments = [str(named.get(word, word)) for word in words]
+    if words[0] in files:
+        _require_program(words[0], files[words[0]])
     found = shutil.which(program)
     if found is None:
         raise AgentError(f"{spec}: {words[0]} is no program that can be run")
-    content = b"\0".join(files[word].read_bytes() if word in files else word.encode() for word in words)
+    contents = (_content_of_folder(path) if path.is_dir() else path.read_bytes() for path in named.values())
+    content = b"\0".join([*(word.encode() for word in words if word not in named), *contents])
     parts = _name_parts(next(iter(files.values()), Path(Path(program).name)))
     return _Resolved(COMMAND + shlex.join([found, *arguments]), parts, content)
+
+
+def _require_program(word: str, path: Path) -> None:
+    """Require that a file can be started as a program.
+
+    Raises:
+        AgentError: that says what is wrong with it.
+    """
+    if not os.access(path, os.X_OK):
+        raise AgentError(f"{word}: must be executable: chmod +x {word}")
+    first = (_content_of(str(path)) or b"").partition(b"\n")[0]
+    if not first.startswith(b"#!"):
+        return
+    if first.endswith(b"\r"):
+        raise AgentError(f"{word}: its lines end as on Windows (CR LF): sed -i 's/\\r$//' {word}")
+    interpreter, *options = os.fsdecode(first[2:]).split() or [""]
+    needed = options[-1] if Path(interpreter).name == "env" and len(options) == 1 else interpreter
+    if shutil.which(needed) is None:
+        raise AgentError(f"{word}: its first line names the interpreter {needed!r}, which is not installed here")
 
 
 def _takes_one_argument(method: Callable[..., object]) -> bool:
@@ -458,8 +547,28 @@ def _is_text(stream: object) -> bool:
     return isinstance(stream, TextIOWrapper) and not stream.closed
 
 
-def _import_file(path: Path) -> ModuleType:
-    name = f"catch_arena_agent_{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
+@contextmanager
+def _modules_of(folder: Path) -> Iterator[None]:
+    """Let modules be imported from a folder, and forget them: another agent's may have the same names.
+
+    In an agent's own process the folder is searched already, and they stay.
+    """
+    if str(folder) in sys.path:
+        yield
+        return
+    before = set(sys.modules)
+    sys.path.insert(0, str(folder))
+    try:
+        yield
+    finally:
+        for name in sys.modules.keys() - before:
+            file = getattr(sys.modules[name], "__file__", None)
+            if isinstance(file, str) and Path(file).is_relative_to(folder) and not name.startswith(_FILE_MODULE):
+                del sys.modules[name]
+
+
+def _import_file(path: Path, *, alone: bool) -> ModuleType:
+    name = f"{_FILE_MODULE}{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise AgentError(f"{path}: is no Python file")
@@ -470,7 +579,8 @@ def _import_file(path: Path) -> ModuleType:
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
         fault = wide_text_fault(_content_of(str(path)) or b"")
-        raise AgentError(f"{path}: {fault or _why_not_imported(error, path.stem, path.parent)}") from error
+        why = fault or _why_not_imported(error, path.stem, path.parent if alone else None)
+        raise AgentError(f"{path}: {why}") from error
     return module
 
 
@@ -495,7 +605,7 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
     top = missing.partition(".")[0]
     if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
         return (
-            f"it imports {missing}, which is beside it: an agent of several files must be a package "
-            "(`catch-arena docs agents`)"
+            f"it imports {missing}, which is next to it: an agent of several files is a folder with {_IN_FOLDER}, "
+            "and is given as that folder (`catch-arena docs agents`)"
         )
     return f"it imports {missing}, {NOT_INSTALLED}"

@@ -13,6 +13,8 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any, Final
 
+from msgspec.structs import asdict
+
 from catch_arena.config import RULESET, require_choice
 from catch_arena.errors import ConfigError, install_hint
 from catch_arena.files import whole_file
@@ -107,7 +109,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "versions": versions,
         }
         if timing:
-            record["thinking"] = [dataclasses.asdict(seat) for seat in result.thinking]
+            record["thinking"] = [asdict(seat) for seat in result.thinking]
             record["details"] = [one and {"step": one.step, "reason": one.reason} for one in result.details]
         yield record
 

@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
 from catch_arena.files import read_text, tomllib
-from catch_arena.policy import Side
+from catch_arena.policy import PreyView, Side, player_limits
 from catch_arena.scenarios import scenario
 from catch_arena.text import printable, printable_lines
 from catch_arena.tournament.entrants import NOT_INSTALLED, Entrant
@@ -41,7 +41,7 @@ _HINTS: Final[Mapping[str, str]] = {
     "SERVICE_DOWN": "R5.7: the kill service fails at times in this arena: ask again in the next step",
     "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",
     "no request": "R4.1, R4.4: it never asked for a target: drive closer than view.limits.reach_m to one",
-    "FORFEIT_CRASH": "R7.2: view.targets and view.rivals may be empty",
+    "empty view": "R7.2: view.targets and view.rivals may be empty, and were",
     "FORFEIT_TIMEOUT": "`catch-arena docs isolation`, Limits: an action has step_ms, and all actions of a match "
     "together have bank_s more: catch-arena check-agent shows how long its steps take",
     "FORFEIT_ILLEGAL": "R4.1, R4.4: `catch-arena docs agents` has the actions of each control; catch-arena check-agent "
@@ -267,10 +267,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         if forfeit.code not in reasons:
             reasons[forfeit.code] = str(forfeit)
             log = log or result.logs[party][-_LOG_SHOWN:]
-            late_start = forfeit.late and forfeit.code == "FORFEIT_INIT"
-            causes.append(
-                "not installed" if _misses_a_module(forfeit) else "late start" if late_start else forfeit.code
-            )
+            causes += _causes_of(forfeit, test.config)
     count = len(played)
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
     hunted, caught = (sum(own) / len(own) if own else None for own in scores.values())
@@ -304,6 +301,19 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         hints=tuple(_HINTS[cause] for cause in causes if cause in _HINTS),
         log=log,
     )
+
+
+def _causes_of(forfeit: Forfeit, config: ArenaConfig) -> list[str]:
+    """Return which hints an agent that forfeited needs."""
+    if _misses_a_module(forfeit):
+        return ["not installed"]
+    if forfeit.late and forfeit.code == "FORFEIT_INIT":
+        return ["late start"]
+    if forfeit.code != "FORFEIT_CRASH" or forfeit.observation is None:
+        return [forfeit.code]
+    view = player_limits(config, forfeit.seat).view(*forfeit.observation)
+    seen = (view.hunters, view.others) if isinstance(view, PreyView) else (view.targets, view.rivals)
+    return [forfeit.code] if all(seen) else ["empty view"]
 
 
 def _misses_a_module(forfeit: Forfeit) -> bool:

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Final
 
+from msgspec import Struct
+
 from catch_arena.tournament.players import ForfeitCode, Observation
 
 MOST_TIMEOUTS: Final = 2
 """After so many of an agent, grade and check-agent know enough: each costs seconds."""
-LATE: Final = "took longer than"
-"""Stands in the reason of each forfeit for time."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -37,8 +37,7 @@ Block = tuple[Match, ...]
 """One seed, played in every rotation of its players through the parties (docs/tournaments.md)."""
 
 
-@dataclass(frozen=True, slots=True)
-class MoveTimes:
+class MoveTimes(Struct, frozen=True, array_like=True):
     """How long one party took over its moves, by the clock on the wall; all its seats together."""
 
     moves: int
@@ -47,8 +46,7 @@ class MoveTimes:
     longest_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class Forfeit:
+class Forfeit(Struct, frozen=True, array_like=True):
     """How one party failed: that of one of its seats is that of all (R11.1)."""
 
     code: ForfeitCode
@@ -61,10 +59,8 @@ class Forfeit:
     seat: int = -1
     """Which of its seats failed, likewise."""
 
-    @property
-    def late(self) -> bool:
-        """Whether it was too slow; to load it and `reset` may be too slow as well, which is FORFEIT_INIT."""
-        return self.code == "FORFEIT_TIMEOUT" or LATE in self.reason
+    late: bool = False
+    """Whether it was too slow, which may be FORFEIT_INIT as well; a store does not keep it."""
 
     def __str__(self) -> str:
         """For people."""

@@ -121,7 +121,7 @@ class _RunningMatch:
             party = self._parties.by_seat[seat]
             if self._forfeits[party] is not None:  # a team-mate has failed in the same step
                 continue
-            forfeit = Forfeit(fault.code, self.step, one_line(fault.reason), shown.get(seat), seat)
+            forfeit = Forfeit(fault.code, self.step, one_line(fault.reason), shown.get(seat), seat, fault.late)
             self._forfeits[party] = forfeit
             for mate in self._parties.seats[party]:
                 if mate not in self._playing:  # it has dropped out

@@ -13,11 +13,9 @@ from catch_arena.errors import AgentError, reason
 from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
 from catch_arena.tournament.entrants import Entrant
 
-ForfeitCode = Literal[
-    "FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_SABOTAGE", "FORFEIT_OUT"
-]
-"""How an agent fails: it raises or dies; it takes too long; what it answers is no legal action; it cannot begin; it has
-harmed others or what holds the match; it has failed in too many matches in a row, and is not started any more.
+ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
+"""How an agent fails: it raises or dies; it takes too long; its answer is no legal action; it cannot begin; it has
+failed in too many matches in a row, and is not started any more.
 """
 
 
@@ -28,6 +26,8 @@ class Fault:
     code: ForfeitCode
     reason: str
     """One line for people."""
+    late: bool = False
+    """Whether it was too slow."""
 
 
 # plain tuples: a trusted match makes thousands of them

@@ -5,10 +5,11 @@ none that was kept. Keeping a match twice changes nothing.
 """
 
 import json
+import os
 import platform
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from itertools import groupby
@@ -53,21 +54,12 @@ CREATE TABLE result (
     replay TEXT,
     {results}
 ) WITHOUT ROWID;
-CREATE TABLE begun (block INTEGER PRIMARY KEY) STRICT;
-CREATE TABLE turn (block INTEGER NOT NULL, entrant INTEGER NOT NULL, boot TEXT NOT NULL) STRICT;
-CREATE TABLE broken_off (block INTEGER NOT NULL, entrant INTEGER NOT NULL, PRIMARY KEY (block, entrant)) STRICT;
-CREATE TABLE culprit (
-    block INTEGER NOT NULL,
-    entrant INTEGER NOT NULL,
-    what TEXT NOT NULL,
-    PRIMARY KEY (block, entrant)
-) STRICT;
 """
-"""The last four are crash_journal.py's."""
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
 _KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
+_VERSIONS: Final = "SELECT id, value FROM versions"
 _MATCH: Final = "id, block, seed, seating, agent_seeds"
 _PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(stored_values.RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
 
@@ -119,6 +111,7 @@ class Store:
     def __init__(self, path: Path | None = None, *, writable: bool = True) -> None:
         """Open the file, or one in memory; see `begin` and `read`."""
         self.path = path
+        self._playing = ExitStack()
         name = ":memory:" if path is None else path.absolute().as_uri()
         if path is not None and not writable:
             # without a log there is no writer; with immutable=1, SQLite makes no files of its own to wait for one
@@ -132,14 +125,19 @@ class Store:
         """The store of a tournament that is to be played, kept in memory where there is no folder.
 
         Raises:
-            StoreError: where the folder has a store already, which is not to be resumed.
+            StoreError: if the folder has a store already that is not to be resumed, or another command plays in it.
             OtherTournamentError: where it is of another tournament.
         """
         path = None if folder is None else folder / STORE
+        playing = ExitStack()
+        if folder is not None:
+            playing.enter_context(only_one_plays_in(folder))
         if path is not None and not path.exists():
             with suppress(OSError):  # SQLite says it in its words
                 path.touch(0o600)  # it has the seeds of matches to come
-        store = cls(path)
+        with playing:
+            store = cls(path)
+            store._playing = playing.pop_all()
         with store._closed_on_error():
             store._open(tournament, resume=resume)
         return store
@@ -148,10 +146,8 @@ class Store:
     def read(cls, folder: Path) -> "Store":
         """The store of a tournament that has begun.
 
-        Whatever is read from it was checked (stored_values.py), as it may be damaged, or made by anybody.
-
         Raises:
-            StoreError: where there is none; from here on also where something in it is none of ours.
+            StoreError: if there is none; from here on also if something in it is damaged.
         """
         path = folder / STORE
         if is_loop(folder):
@@ -203,7 +199,6 @@ class Store:
     def plan(self, blocks: Iterable[Block]) -> int:
         """Write blocks that will be played, all or none; how many matches there are in them."""
         count = 0
-        read = self._rows()
         with self.transaction() as db:
             for match in (match for block in blocks for match in block):
                 row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
@@ -212,8 +207,9 @@ class Store:
                 else:
                     planned = db.execute("SELECT * FROM match WHERE id = ?", (match.id,)).fetchone()
                     if planned != row:
+                        there = stored_values.match_of(planned, *self._shape())
                         raise StoreError(
-                            f"{self._name}: match {match.id} must be {read.match(planned)}, got {match}, "
+                            f"{self._name}: match {match.id} must be {there}, got {match}, "
                             f"with {'the same seed' if planned[2] == match.seed else 'another seed'}"
                         )
                 count += 1
@@ -233,7 +229,9 @@ class Store:
         row = (one.match.id, self._versions, one.replay, *map(_json, parts.values()))
         if self._db.execute(_KEEP, row).rowcount:
             return
-        kept = self._rows().played(self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone())
+        kept = stored_values.played_of(
+            self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone(), *self._shape()
+        )
         if kept != one:
             raise StoreError(
                 f"{self._name}: match {one.match.id} came out with scores {kept.result.scores} and digest "
@@ -248,7 +246,7 @@ class Store:
 
     def _waiting(self) -> Iterator[Match]:
         """Match by match, read a page at a time: in between there are writes."""
-        after, read = "", self._rows()
+        after, shape = "", self._shape()
         while True:
             with self._store_errors():
                 found = self._db.execute(
@@ -256,7 +254,7 @@ class Store:
                     "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
                     (after, _PAGE),
                 ).fetchall()
-                page = list(stored_values.in_order(map(read.match, found), lambda match: match, after))
+                page = [stored_values.match_of(row, *shape) for row in found]
             if not page:
                 return
             yield from page
@@ -264,19 +262,18 @@ class Store:
 
     def played(self, most: int = -1) -> Iterator[PlayedMatch]:
         """What was played, in the order of the plan; `most`, at most so many."""
-        read = self._rows()
+        shape = self._shape()
         with self._store_errors():
-            found = self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,))
-            yield from stored_values.in_order(map(read.played, found), lambda one: one.match)
+            for row in self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,)):
+                yield stored_values.played_of(row, *shape)
 
     def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """What was played, in the order of the plan, each with the versions that played it."""
-        read = self._rows()
+        shape = self._shape()
         with self._store_errors():
-            known = self._known_versions()
-            query = f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"
-            found = ((read.played(row), known[by]) for by, *row in self._db.execute(query))
-            yield from stored_values.in_order(found, lambda one: one[0].match)
+            known = {key: stored_values.versions_of(key, text) for key, text in self._db.execute(_VERSIONS)}
+            for by, *row in self._db.execute(f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"):
+                yield stored_values.played_of(row, *shape), known[by]
 
     def count_played(self) -> int:
         """How many matches were played."""
@@ -287,8 +284,9 @@ class Store:
         return self._count("match")
 
     def close(self) -> None:
-        """Give the file back."""
+        """Close the file; another command may play in its folder then."""
         self._db.close()
+        self._playing.close()
 
     def __enter__(self) -> "Store":
         return self
@@ -354,35 +352,24 @@ class Store:
         return True
 
     def _require_sound(self) -> None:
-        """Require a whole store, and one that was made here.
+        """Require a store whose pages are whole.
 
         Raises:
-            StoreError: where its pages do not hang together, its tables are not ours, or a row leads nowhere.
+            StoreError: for any other.
         """
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
                 raise stored_values.DamagedError(str(found))
-            # nothing else: what a view or a trigger would do is up to whoever made it
-            made = self._db.execute("SELECT sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%'").fetchall()
-            if sorted(made) != sorted((statement,) for statement in _STATEMENTS):
-                raise stored_values.DamagedError("its tables are none of ours")
-            if self._db.execute("PRAGMA foreign_key_check").fetchone() is not None:
-                raise stored_values.DamagedError("a result is of no match, or of no versions")
-            self._known_versions()
 
     def _facts(self) -> dict[str, Any]:
         with self._store_errors():
             return stored_values.facts_of(self._db.execute("SELECT name, value FROM fact"))
 
-    def _known_versions(self) -> dict[int, dict[str, str]]:
-        found = self._db.execute("SELECT id, value FROM versions")
-        return {key: stored_values.versions_of(value, versions()) for key, value in found}
-
-    def _rows(self) -> stored_values.Rows:
+    def _shape(self) -> tuple[int, int]:
+        """Return the number of parties in a match, and of entrants."""
         tournament = self.tournament
-        parties = Parties.of(tournament.config)
-        return stored_values.Rows(len(parties), len(parties.by_seat), len(tournament.entrants))
+        return len(Parties.of(tournament.config)), len(tournament.entrants)
 
     def _count(self, table: str) -> int:
         with self._store_errors():
@@ -438,6 +425,36 @@ class Store:
             for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
                 return int(count) * store_bytes(str(seating).count(",") + 1)
         return None
+
+
+@contextmanager
+def only_one_plays_in(folder: Path) -> Iterator[None]:
+    """Hold a lock on a folder, which the kernel releases with this process. On Windows there is none.
+
+    Raises:
+        StoreError: if another command holds it.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError:  # it cannot be read; whoever writes there says so
+        yield
+        return
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        raise StoreError(f"{folder}: another command is playing in this folder") from None
+    except OSError:  # this file system has no such locks
+        pass
+    try:
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def versions() -> dict[str, str]:

@@ -19,9 +19,8 @@ DUEL = ["--scenario", "duel", *QUICK]
         (["check-agent", "nearest", "-s", "duel", "-s", "standard", *QUICK], "playing", range(5)),
         (["conformance", "catch_arena:arbitrate", "--only", "basics"], "cases", None),
         (["compare", "nearest", "idle", *QUICK, "--jobs", "1", "--max-blocks", "1", "--seed", "1"], "playing", [0, 2]),
-        (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--jobs", "1"], "planning", [2, 4]),
+        (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--jobs", "1"], "planning", [2, 4, 2, 4]),
         (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--jobs", "1"], "playing", [0, 2, 4]),
-        (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--plan"], "planning", [2, 4]),
     ],
 )
 def test_how_far_it_is_stands_on_stderr(tmp_path, monkeypatch, words, what, lines):

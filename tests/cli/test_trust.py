@@ -47,7 +47,6 @@ SMALL_SUITE = Suite(
 SHORT = ["--scenario", "duel", "--set", "time_limit_s=1"]
 RUNS = {
     "tournament": ["{}", "nearest", *SHORT, "--rounds", "1", "--jobs", "1", "--out", "out"],
-    "tournament --plan": ["{}", "nearest", *SHORT, "--jobs", "1", "--plan"],
     "match": ["{}", "nearest", *SHORT],
     "compare": ["{}", "nearest", *SHORT, "--jobs", "1", "--max-blocks", "1"],
     "check-agent": ["{}", *SHORT],
@@ -109,9 +108,11 @@ def test_an_agent_in_a_file_is_isolated_unless_it_is_trusted(run, name):
 
 
 @pytest.mark.parametrize("name", ["match", "check-agent", "watch"])
-def test_so_is_one_in_a_module(run, tmp_path, name):
-    """A module may be a stranger's as well: a package of several files is handed in so."""
-    (tmp_path / f"theirs_{name.replace('-', '_')}.py").write_text(AGENT)
+def test_so_is_one_in_a_module(run, tmp_path, monkeypatch, name):
+    """A module may be a stranger's as well."""
+    (tmp_path / "installed").mkdir()
+    monkeypatch.syspath_prepend(tmp_path / "installed")
+    (tmp_path / "installed" / f"theirs_{name.replace('-', '_')}.py").write_text(AGENT)
     spec = f"theirs_{name.replace('-', '_')}:Agent"
     assert not run(name, spec)
     assert run(name, spec, "--trusted", *(["--force"] if name == "match" else []))

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from catch_arena import Replay
-from catch_arena.tournament.entrants import load_module
+from catch_arena.tournament.entrants import load_file
 
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--trusted"]
 MODULE = """
@@ -88,7 +88,7 @@ def test_after_an_import_the_process_is_as_it_was(tmp_path):
         locale.setlocale(locale.LC_ALL, "C.UTF-8")
         before = state()
         with pytest.raises(Exception, match="ZeroDivisionError"):
-            load_module(str(tmp_path / "mine.py"))
+            load_file(tmp_path / "mine.py")
         assert state() == before
     finally:
         locale.setlocale(locale.LC_ALL, language)

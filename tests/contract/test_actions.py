@@ -12,9 +12,8 @@ from odd_actions import FORMS, NO_RANK, RANK_1, Arrayed, Index, Listed
 from catch_arena import VectorArena, env, parallel_env, scenario
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.playing import play_entrants
+from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play
 from catch_arena.training import LearnerBatch
@@ -125,7 +124,7 @@ def test_a_form_of_a_rank_is_legal_in_every_environment_or_in_none(played, name)
 def test_a_form_of_a_rank_is_legal_in_every_process_or_in_none(level):
     """An agent that forfeits in isolation forfeits with --trusted, and with the same sentence."""
     found = {}
-    sandbox = None if level == "trusted" else Sandbox(replace(AgentLimits(init_s=60, step_ms=60_000), level=level))
+    sandbox = None if level == "trusted" else Sandbox(replace(AgentLimits(init_s=60, step_ms=60_000), isolation=level))
     try:
         (entrant,) = enter([odd_actions.__file__], *([inspector(sandbox)] if sandbox else []))
         entrants = [entrant, *enter(["idle"])]

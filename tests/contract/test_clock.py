@@ -8,10 +8,8 @@ from pathlib import Path
 import catch_arena
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.playing import play_entrants
-from catch_arena.tournament.isolation.starting import sandbox_for
+from catch_arena.tournament.isolation.playing import inspector, play_entrants, sandbox_for
 
 PACKAGE = Path(catch_arena.__file__).parent
 WALL = re.compile(

@@ -10,8 +10,7 @@ from catch_arena.ros.nodes.controller import Controller
 from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.inspecting import inspector
-from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.isolation.playing import inspector, start_players
 
 A_SECOND = 63
 """Ticks of 16 ms."""

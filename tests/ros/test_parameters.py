@@ -17,8 +17,7 @@ from catch_arena.ros.nodes.ros_args import take_ros_args
 from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.inspecting import inspector
-from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.isolation.playing import inspector, start_players
 
 FREQUENCY, PREFIX, CLOSEST = "spawn_frequency", "turtle_name_prefix", "catch_closest_turtle_first"
 

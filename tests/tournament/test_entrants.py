@@ -11,8 +11,8 @@ import pytest
 
 from catch_arena.errors import AgentError
 from catch_arena.tournament.entrants import Inspection, enter
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.isolation.sandbox import Sandbox
 
 HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
@@ -22,6 +22,7 @@ HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view):
 def agent_file(tmp_path):
     def write(source: str, name: str = "mine.py") -> str:
         path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(source)
         return str(path)
 
@@ -33,7 +34,7 @@ def test_an_agent_is_a_shipped_name_a_class_in_a_module_or_a_file(agent_file):
     shipped, classed, filed = enter(["patrol", "catch_arena.agents.first:Agent", path])
     assert (shipped.name, shipped.control) == ("patrol", "velocity")
     assert (classed.name, classed.control) == ("Agent", "target")
-    assert (filed.name, Path(filed.spec)) == ("mine", Path(path).resolve())
+    assert (filed.name, filed.spec) == ("mine", path)
     assert filed.create().act(None) == 0
 
 
@@ -84,7 +85,7 @@ def test_a_file_in_another_encoding_is_told_which(tmp_path, encoding):
     why = f"{path}: is text in {encoding[:6].upper()}: save it as UTF-8"
     with pytest.raises(AgentError, match=f"^{re.escape(why)}$"):
         enter([str(path)])
-    with Sandbox(AgentLimits(entrants=(str(path),))) as sandbox:
+    with Sandbox(AgentLimits()) as sandbox:
         (entrant,) = enter([str(path)], inspector(sandbox))
     assert entrant.fault == why
 
@@ -200,7 +201,9 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
 def test_a_file_that_imports_its_neighbour_is_told_how_agents_of_several_files_play(agent_file):
     path = agent_file("from helpers import chase\n")
     Path(path).with_name("helpers.py").write_text("def chase(): pass\n")
-    with pytest.raises(AgentError, match=r"it imports helpers, which is beside it: .* must be a package") as raised:
+    with pytest.raises(
+        AgentError, match=r"it imports helpers, which is next to it: .* is a folder with agent\.py"
+    ) as raised:
         enter([path])
     assert "\n" not in str(raised.value)
 
@@ -213,8 +216,80 @@ def test_a_file_that_imports_its_neighbour_is_told_how_agents_of_several_files_p
         ("ann.py:Agent", "ann.py:Agent: a file is given alone, and its class is called Agent: ann.py"),
         ("catch_arena.agents.nearest:Agnt", "has no class Agnt; did you mean Agent"),
         ("no_such_module:Agent", "ModuleNotFoundError"),
+        ("notes.ipynb", "notes.ipynb: is a notebook; save the code of its agent as a .py file"),
+        ("notebook.py", "notebook.py: is a notebook; save the code of its agent as a .py file"),
+        ("X.PY", "X.PY: must be a .py file or a folder with agent.py; rename it to X.py"),
+        (
+            "agent.txt",
+            "agent.txt: must be a .py file or a folder with agent.py; other programs are given as cmd:COMMAND",
+        ),
+        ("empty", "empty: is a folder without agent.py, which holds the class Agent"),
+        ("loop.py", "loop.py: is a link that leads to itself"),
+        ("cmd:./dos.sh", "./dos.sh: its lines end as on Windows"),
+        (
+            "cmd:./lacks.sh",
+            "./lacks.sh: its first line names the interpreter '/no/such/sh', which is not installed here",
+        ),
+        ("cmd:./lacks_env.sh", "its first line names the interpreter 'no_such_program', which is not installed here"),
+        ("cmd:./plain.sh", "./plain.sh: must be executable: chmod"),
     ],
 )
-def test_a_word_that_stands_for_nothing_is_explained(spec, reason):
+def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec, reason):
+    monkeypatch.chdir(tmp_path)
+    notebook = '{"cells": [{"cell_type": "code", "source": []}], "nbformat": 4}'
+    for name, content in {
+        "notes.ipynb": notebook,
+        "notebook.py": notebook,
+        "X.PY": HOLDS,
+        "agent.txt": HOLDS,
+        "plain.sh": "#!/bin/sh\n",
+        "dos.sh": "#!/bin/sh\r\necho\r\n",
+        "lacks.sh": "#!/no/such/sh\n",
+        "lacks_env.sh": "#!/usr/bin/env no_such_program\n",
+    }.items():
+        (tmp_path / name).write_bytes(content.encode())
+        (tmp_path / name).chmod(0o644 if name == "plain.sh" else 0o755)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "loop.py").symlink_to("loop.py")
     with pytest.raises(AgentError, match=reason):
         enter([spec])
+
+
+def test_an_agent_may_be_a_folder_whose_modules_are_its_own(agent_file):
+    """Two folders have a module of one name; each agent has its own, and none is left where others could import it."""
+    for name, choice in (("ann", 1), ("bob", 2)):
+        agent_file(f"CHOICE = {choice}\n", f"{name}/helper.py")
+        agent_file(
+            HOLDS.replace("class", "import helper\nclass").replace("return 0", "return helper.CHOICE"),
+            f"{name}/agent.py",
+        )
+    folders = [str(Path(agent_file(HOLDS)).parent / name) for name in ("ann", "bob")]
+    entrants = enter(folders)
+    assert [one.name for one in entrants] == ["ann", "bob"]
+    assert [one.create().act(None) for one in entrants] == [1, 2]
+    assert "helper" not in sys.modules
+    assert not set(folders) & set(sys.path)
+    agent_file("CHOICE = 3\n", "ann/helper.py")
+    assert enter(folders)[0].digest != entrants[0].digest
+
+
+def test_a_module_in_the_starting_folder_is_not_found(tmp_path, monkeypatch):
+    """It would be found by `python -m` and not by the command, and trusted and not isolated."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])  # as `python -m` does
+    (tmp_path / "only_here.py").write_text(HOLDS)
+    with pytest.raises(AgentError, match="ModuleNotFoundError"):
+        enter(["only_here:Agent"])
+    (tmp_path / "mine.py").write_text(f"import only_here\n{HOLDS}")
+    with pytest.raises(AgentError, match="it imports only_here, which is next to it"):
+        enter([str(tmp_path / "mine.py")])
+
+
+def test_a_link_is_an_agent_under_its_own_name_whatever_it_leads_to(agent_file, tmp_path):
+    agent_file(HOLDS, "store/77b0de")
+    (tmp_path / "ann.py").symlink_to("store/77b0de")
+    (tmp_path / "ann.npz").write_bytes(b"learned")
+    (linked,) = enter([str(tmp_path / "ann.py")])
+    assert (linked.name, linked.spec) == ("ann", str(tmp_path / "ann.py"))
+    (tmp_path / "ann.npz").write_bytes(b"learned more")
+    assert enter([str(tmp_path / "ann.py")])[0].digest != linked.digest

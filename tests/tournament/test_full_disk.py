@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
+from interrupts.commands import PROGRESS
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -55,7 +56,7 @@ def test_a_store_that_cannot_grow_says_how_much_is_free_and_needed_and_is_resume
     error = re.fullmatch(
         rf"error: o/tournament\.sqlite: cannot be written: disk I/O error: {ROOM}, and [\d.]+ kB are needed; "
         rf"(?P<count>\d+) {KEPT.format('o')}\n",
-        stopped.stderr,
+        PROGRESS.sub("", stopped.stderr),
     )
     assert error, stopped.stderr
     assert 0 < int(error["count"]) < 300
@@ -109,7 +110,7 @@ def test_a_disk_that_is_really_full(catch_arena, small_disk):
     full = rf"cannot be written: the disk is full: {ROOM}"
     assert re.fullmatch(
         rf"error: small/o/.*{full}, and [\d.]+ \w+ are needed; \d+ {KEPT.format('small/o')}\n",
-        stopped.stderr,
+        PROGRESS.sub("", stopped.stderr),
     )
     left = sorted(small_disk.rglob("*"))
     for words in (

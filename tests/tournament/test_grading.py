@@ -122,6 +122,13 @@ def test_a_bad_agent_has_none_and_is_told_why_and_what_to_read(grade):
     assert {one.get("name"): one.get("value") for one in suite.iter("property")} == {"points": "0", "possible": "3"}
 
 
+def test_a_crash_has_the_hint_about_empty_views_only_if_the_view_was_empty(grade):
+    spec = 'seed = 1\n[[test]]\nname = "meets"\nscenario = "duel"\nopponents = ["idle"]\nmatches = 1\n'
+    result = grade(BAD / "crashes.py", spec=spec)
+    assert "FORFEIT_CRASH in step 5" in result.output
+    assert "hint: R7.2" not in result.output
+
+
 def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(grade):
     spec = SPEC.replace("matches = 2", "matches = 5")
     result = grade(BAD / "crashes.py", "--max-forfeits", "3", "--json", "grades.json", spec=spec)

@@ -1,7 +1,7 @@
 """Teams and prey in matches and plans: who plays as one, what a seat's failure is, and who meets whom."""
 
 from collections import Counter
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
 
@@ -11,9 +11,8 @@ from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import create_policy, enter
 from catch_arena.tournament.execution.runner import run
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.playing import play_entrants
+from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.match_loop import play
@@ -200,8 +199,8 @@ def test_every_format_seats_each_player_of_a_block_equally_often_on_each_place()
     for config in (TAG, HERD, scenario("tag", teams=((0, 1, 2),))):
         parties = Parties.of(config)
         entrants = parties.group + 2
-        for form in FORMATS:
-            plan = plan_of(form, entrants, parties.group, 1, 7, parties)
+        for form, most in product(FORMATS, (1, 20_000)):
+            plan = plan_of(form, entrants, parties.group, 1, 7, parties, most)
             matches = list(plan)
             assert len(matches) == plan.size
             assert [match.id for match in matches] == sorted(match.id for match in matches)

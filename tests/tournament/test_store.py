@@ -13,7 +13,7 @@ from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, blocks_of
-from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.plans.schedule import balanced, round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
 
@@ -111,7 +111,7 @@ def test_a_plan_is_written_whole_or_not_at_all(tmp_path):
 CHANGES = {
     "reach_m is 0.3 there, and 0.4 here": {"config": SHORT.replace(reach_m=0.4)},
     "rounds is 2 there, and 3 here": {"plan": round_robin(3, 2, 3, seed=4).parameters},
-    'format is "round-robin" there, and "balanced" here': {"plan": plan_of("balanced", 3, 2, 2, 4).parameters},
+    'format is "round-robin" there, and "balanced" here': {"plan": balanced(3, 2, 2, 4).parameters},
     "recorded is not given there, and true here": {"terms": {"recorded": True}},
     "its seed is another one; without --seed it keeps its own": {"secret": Secret.of(5)},
     "its agents are nearest idle random, and here nearest idle": {"entrants": ENTRANTS[:2]},
@@ -157,7 +157,7 @@ def test_a_seed_that_was_damaged_is_one_line(store, tmp_path, text):
         db.execute("UPDATE fact SET value = ? WHERE name = 'seed'", (json.dumps(text),))
     db.close()
     for look in (lambda: Store.secret_in(tmp_path), lambda: Store.begin(FACTS, tmp_path, resume=True)):
-        with pytest.raises(StoreError, match="is damaged: seed must be"):
+        with pytest.raises(StoreError, match="is damaged: table fact, row seed: seed must be"):
             look()
 
 
@@ -268,3 +268,14 @@ def test_its_size_is_what_a_plan_says(tmp_path):
         for block in plan.blocks():
             store.keep(PlayedMatch(match, first.result) for match in block)
     assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)
+
+
+def test_one_command_plays_in_a_folder_at_a_time(tmp_path):
+    with (
+        Store.begin(FACTS, tmp_path),
+        pytest.raises(StoreError, match=f"^{re.escape(str(tmp_path))}: another command is playing in this folder$"),
+    ):
+        begun(tmp_path)
+    begun(tmp_path)
+    with Store.begin(FACTS, tmp_path, resume=True), Store.read(tmp_path):  # a report may be written meanwhile
+        pass

@@ -19,7 +19,7 @@ from catch_arena.ros.nodes.rate import Rate
 from catch_arena.service import ArenaService
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.starting import sandbox_for, start_players
+from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 
 FASTEST: Final = 100.0
 """The highest --speed."""

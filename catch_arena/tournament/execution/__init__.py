@@ -1,8 +1,7 @@
-"""A plan is played, block by block, in this process, in many, or on a cluster; nothing here decides what is played.
+"""A plan is played, block by block, in this process, in several, or on a cluster; the plan itself is made elsewhere.
 
-- runner: plays a plan, and keeps each match. block_queue: blocks side by side, kept in the order of the plan.
+- runner: plays a plan, and keeps each match. block_queue: submits, collects, stores, and plays again.
 - executors: where blocks are played, in this process or in several; ray_executor: on a cluster.
-- worker: plays the matches of a block. worker_process: a process with a worker in it.
-- cost: what a plan will take. forfeit_streaks: who is excluded. quarantine: who did harm, where a
-  block was not played.
+- worker: plays the matches of a block.
+- cost: what a plan will take. forfeit_streaks: which entrants are excluded.
 """

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
+from catch_arena.errors import NoContest
 from catch_arena.tournament.entrants import is_shipped
+from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
@@ -69,29 +71,31 @@ def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay |
     )
 
 
-def measure_cost(worker: Worker, plan: Plan) -> Cost:
-    """What a match of this plan costs here: its first block is tried, and none of it kept.
+def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
+    """Return what a match of this plan costs here, or None if its first block fails on our side.
 
-    Raises:
-        NoContest: where that block cannot be played.
+    Matches of the first block are tried, and not kept.
     """
     block = next(iter(plan.stage(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}
-    try:
-        worker.play(block[:1])  # the first one loads and compiles
-        for match in block:
-            begin = time.perf_counter()
-            ((played, replay),) = worker.play([match])
-            seconds += time.perf_counter() - begin
-            sizes.append(len(replay))
-            for index, forfeit in zip(match.seating, played.result.details, strict=True):
-                if forfeit is not None:
-                    forfeits.setdefault(worker.entrants[index].name, str(forfeit))
-            if seconds > _SAMPLE_S:
-                break
-    finally:
-        worker.close()
+    foreign = worker.limits is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
+    # a trusted agent may end the process that it plays in
+    with ProcessExecutor(worker, 1) if foreign else SerialExecutor(worker) as executor:
+        try:
+            executor.result(executor.submit(block[:1], {}))  # the first one loads and compiles
+            for match in block:
+                begin = time.perf_counter()
+                ((played, replay),) = executor.result(executor.submit([match], {}))
+                seconds += time.perf_counter() - begin
+                sizes.append(len(replay))
+                for index, forfeit in zip(match.seating, played.result.details, strict=True):
+                    if forfeit is not None:
+                        forfeits.setdefault(worker.entrants[index].name, str(forfeit))
+                if seconds > _SAMPLE_S:
+                    break
+        except NoContest:
+            return None
     tried = len(sizes)
     return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried, tried, forfeits)
 

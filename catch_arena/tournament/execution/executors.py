@@ -1,53 +1,44 @@
 """Where blocks are played: in this process, or in several on this machine. `ray_executor` has a third place."""
 
+import multiprocessing
 import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from queue import Empty, SimpleQueue
-from threading import Lock
+import signal
+import traceback
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from threading import Thread
 from types import TracebackType
 from typing import Protocol
 
-from catch_arena.descendants import end, family
 from catch_arena.engine import Engine
-from catch_arena.errors import ConfigError, NoContest, WorkerLost
-from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
-from catch_arena.tournament.execution.worker_process import WorkerProcess
-from catch_arena.tournament.isolation.newcomers import kill_newcomers, no_newcomers_left
+from catch_arena.errors import ConfigError, NoContest
+from catch_arena.streams import outlive_readers
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.match import Match
+from catch_arena.tournament.players import Fault
 
 
 class Executor(Protocol):
     """Plays blocks side by side; a context, which leaves no process behind."""
 
-    @property
-    def worker(self) -> Worker:
-        """How each match is played."""
+    worker: Worker
+    """How each match is played; it may be replaced when nothing is played."""
 
     @property
     def max_pending(self) -> int:
-        """How many blocks it takes before the first must be waited for: enough that no worker is ever idle."""
+        """Number of blocks that are begun before the first is waited for: enough that no worker is ever idle."""
 
-    @property
-    def tolerated_losses(self) -> int:
-        """How many workers may be lost with a block before agents are suspected: where machines may be lost."""
-
-    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, without the entrants that are `excluded`."""
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """What came of it.
+        """Return what came of it.
 
         Raises:
-            WorkerLost: where it should be played again.
+            NoContest: if it failed on our side.
         """
-
-    def stop_agents(self) -> None:
-        """End all that agents run on this machine; nothing of what was begun is waited for. More may be begun then."""
-
-    def process(self) -> AbstractContextManager[WorkerProcess]:
-        """A process on this machine that plays nothing, for as long as the context lasts."""
 
     def __enter__(self) -> "Executor": ...
 
@@ -60,32 +51,22 @@ class SerialExecutor:
     """One block after the other, in this process."""
 
     max_pending = 1
-    tolerated_losses = 0
 
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
 
-    def use_worker(self, worker: Worker) -> None:
-        """From here on play as this worker does."""
-        self.worker = worker
-
-    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Play them before it returns."""
         future: Future[list[RecordedMatch]] = Future()
-        future.set_result(self.worker.play(matches, excluded))
+        try:
+            future.set_result(self.worker.play(matches, excluded))
+        except NoContest as error:
+            future.set_exception(error)
         return future
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """What came of it."""
+        """Return what came of it."""
         return future.result()
-
-    def stop_agents(self) -> None:
-        """End the agents that wait for their next match."""
-        self.worker.close()
-
-    def process(self) -> AbstractContextManager[WorkerProcess]:
-        """A process on this machine that plays nothing."""
-        return fresh_process(self.worker)
 
     def __enter__(self) -> "SerialExecutor":
         return self
@@ -93,141 +74,71 @@ class SerialExecutor:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.stop_agents()
+        self.worker.close()
 
 
 class ProcessExecutor:
-    """Several processes on this machine; a thread here waits for each."""
+    """Several processes on this machine.
 
-    tolerated_losses = 0
+    Args:
+        worker: plays matches there.
+        jobs: the number of processes.
+
+    Raises:
+        ConfigError: for a number below 1.
+    """
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         require_jobs(jobs)
         self.max_pending = 4 * jobs
         self.worker = worker
-        Engine(worker.config)  # compiled once here, and read from the cache there
-        self._threads = ThreadPoolExecutor(jobs, "catch-arena-worker")
-        self._lock = Lock()
-        self._processes: list[WorkerProcess] | None = []
-        """All that were started; None once no more may be."""
-        self._idle: SimpleQueue[WorkerProcess] = SimpleQueue()
-        self._before: set[int] = set()
-        self._context = ExitStack()
+        self._jobs = jobs
+        self._pool = self._new_pool()
 
-    def use_worker(self, worker: Worker) -> None:
-        """From here on play as this worker does, in the processes that there are: starting them takes seconds. Nothing
-        must be under way, and its limits must be those of the one before.
-        """
-        self.worker = worker
-        Engine(worker.config)
-        for process in self._take_idle():
-            process.use_worker(worker)
-            self._idle.put(process)
-
-    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches, when one of the processes is idle or can be started."""
-        return self._threads.submit(self._play, matches, excluded)
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
+        """Begin to play these matches, when one of the processes is idle."""
+        Engine(self.worker.config)  # compiled once here, and read from the cache there
+        with _signals_held():  # processes that it starts hold them until they have begun
+            try:
+                return self._pool.submit(_play, self.worker, matches, excluded)
+            except BrokenProcessPool:
+                self._end_processes()
+                self._pool = self._new_pool()
+                return self._pool.submit(_play, self.worker, matches, excluded)
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """What came of it."""
-        return future.result()
-
-    def stop_agents(self) -> None:
-        """End the agents that wait for their next match, and what others have left that killed the process above them.
-
-        Processes that still play are ended: what they play is waited for by nobody.
-        """
-        idle = self._take_idle()
-        end([process.pid for process in self._processes or () if process not in idle and process.lives])
-        for process in idle:
-            with suppress(WorkerLost):
-                process.stop_agents()
-                self._idle.put(process)
-        if self.worker.limits is not None:
-            living = [process.pid for process in idle if process.lives]
-            kill_newcomers(self._before | {*living} | family(*living))
-
-    @contextmanager
-    def process(self) -> Iterator[WorkerProcess]:
-        """A process on this machine that plays nothing."""
-        process = self._idle_or_new()
+        """Return what came of it."""
         try:
-            yield process
-        except NoContest:  # after anything else nobody waits for what it plays
-            self._idle.put(process)
-            raise
-        self._idle.put(process)
+            return future.result()
+        except BrokenProcessPool:
+            raise NoContest("a worker process died: a trusted agent may have ended it, or memory ran out") from None
 
     def __enter__(self) -> "ProcessExecutor":
-        self._before = family(os.getpid())
-        if self.worker.limits is not None:
-            self._context.enter_context(no_newcomers_left())
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with self._lock:
-            processes, self._processes = self._processes or [], None
-        self._threads.shutdown(wait=False, cancel_futures=True)
-        idle = self._take_idle()
-        # nobody waits any more for what the others play, and an agent may never return
-        end([process.pid for process in processes if process not in idle and process.lives])
-        self._threads.shutdown()
+        self._end_processes()
+
+    def _new_pool(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(self._jobs, multiprocessing.get_context("spawn"), _begin_process)
+
+    def _end_processes(self) -> None:
+        """End all processes, whatever they play; the agents in them end with them."""
+        processes = list((self._pool._processes or {}).values())  # noqa: SLF001 - Python 3.14 has terminate_workers()
         for process in processes:
-            process.let_go()
-        for process in processes:
-            process.wait()
-        self._context.close()
-
-    def _play(self, matches: Sequence[Match], excluded: Excluded) -> list[RecordedMatch]:
-        process = self._idle_or_new()
-        try:
-            return process.play(matches, excluded)
-        finally:
-            self._idle.put(process)
-
-    def _take_idle(self) -> list[WorkerProcess]:
-        return [self._idle.get() for _ in range(self._idle.qsize())]
-
-    def _idle_or_new(self) -> WorkerProcess:
-        try:
-            while not (process := self._idle.get_nowait()).lives:
-                pass
-        except Empty:
-            return self._start()
-        return process
-
-    def _start(self) -> WorkerProcess:
-        with self._lock:
-            if self._processes is None:
-                raise NoContest("the matches were broken off")
-            self._processes.append(process := WorkerProcess(self.worker))
-        return process
+            process.terminate()
+        self._pool.shutdown(cancel_futures=True)
 
 
 def local_executor(worker: Worker, jobs: int) -> SerialExecutor | ProcessExecutor:
-    """What plays in so many processes on this machine; agents that are not trusted are kept out of this one, which
-    would end with what they kill.
-    """
-    return SerialExecutor(worker) if jobs == 1 and worker.limits is None else ProcessExecutor(worker, jobs)
-
-
-@contextmanager
-def fresh_process(worker: Worker) -> Iterator[WorkerProcess]:
-    """One that ends with the context, and all that descends from it."""
-    process = WorkerProcess(worker)
-    try:
-        yield process
-    finally:
-        if process.lives:
-            end([process.pid])
-        process.let_go()
-        process.wait()
+    """Return the executor for this number of processes on this machine."""
+    return SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
 
 
 def usable_cores() -> int:
-    """How many cores this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -235,7 +146,42 @@ def require_jobs(jobs: int) -> None:
     """Require at least one process.
 
     Raises:
-        ConfigError: for a number of processes that cannot play.
+        ConfigError: for a number of processes below 1.
     """
     if jobs < 1:
         raise ConfigError(f"jobs must be at least 1, got {jobs}")
+
+
+def _play(worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
+    try:
+        return worker.play(matches, excluded)
+    except KeyboardInterrupt:  # an agent's: this process ignores Ctrl-C
+        raise RuntimeError(f"in a worker process:\n{traceback.format_exc()}") from None
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Hold Ctrl-C back: a process that starts meanwhile holds it back too, until `_begin_process` ignores it."""
+    if os.name != "posix":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin_process() -> None:
+    """Leave Ctrl-C to the process that started this one, and end with it, however it ends."""
+    outlive_readers()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.name == "posix":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+    def end_with_parent() -> None:
+        if (parent := multiprocessing.parent_process()) is not None:
+            parent.join()
+        os._exit(1)
+
+    Thread(target=end_with_parent, daemon=True).start()

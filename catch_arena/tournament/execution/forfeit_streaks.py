@@ -1,20 +1,15 @@
-"""Who is excluded: an agent that has forfeited so many matches in a row plays no further ones, nor does one that was
-found to do harm in two blocks.
+"""Which entrants are excluded: an agent that has forfeited as many matches in a row as allowed plays no further ones.
 
-Both are counted in the order of the plan, whenever and wherever its matches were played, and looked at where a block
+Forfeits are counted in the order of the plan, whenever and wherever the matches were played, and checked when a block
 ends: all matches of a block have the same field.
 """
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.match import Block, PlayedMatch, players_of
 from catch_arena.tournament.players import Fault
-
-_MOST_SABOTAGED: Final = 2
-"""Once may be an accident: somebody may kill our processes just when an agent runs alone."""
 
 
 class ForfeitStreaks:
@@ -33,8 +28,6 @@ class ForfeitStreaks:
         self._most = most
         self._forfeited: Counter[int] = Counter()
         self._finished: set[int] = set()
-        self._sabotaged: dict[int, set[int]] = {}
-        """Blocks in which it was found to do harm, by entrant."""
         self._excluded: dict[int, Fault] = {}
 
     def add(self, block: Iterable[PlayedMatch]) -> bool:
@@ -52,21 +45,14 @@ class ForfeitStreaks:
                     continue
                 self._forfeited[index] += 1
                 if self._forfeited[index] == self._most:
-                    self._exclude(index, f"it had forfeited {self._most} matches in a row")
-                if code == "FORFEIT_SABOTAGE":
-                    blocks = self._sabotaged.setdefault(index, set())
-                    blocks.add(one.match.block)
-                    if len(blocks) == _MOST_SABOTAGED:
-                        self._exclude(index, f"it had done harm in {_MOST_SABOTAGED} blocks")
+                    why = Fault("FORFEIT_OUT", f"it had forfeited {self._most} matches in a row")
+                    self._excluded.setdefault(index, why)
         return len(self._excluded) > before
 
     def excluded_from(self, block: Block) -> Mapping[int, Fault]:
         """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
         players = players_of(block)
         return {index: why for index, why in self._excluded.items() if index in players}
-
-    def _exclude(self, index: int, why: str) -> None:
-        self._excluded.setdefault(index, Fault("FORFEIT_OUT", why))
 
     def may_begin(self, block: Block, before: Sequence[Block]) -> bool:
         """Whether it makes sense to begin a block while those right before it are still played.

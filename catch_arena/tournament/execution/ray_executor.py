@@ -3,21 +3,21 @@
 import os
 import platform
 import signal
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
-from contextlib import AbstractContextManager, suppress
+from contextlib import suppress
 from functools import cache
 from types import TracebackType
 from typing import Any
 
 from catch_arena.engine import Engine
-from catch_arena.errors import AgentError, CatchArenaError, ConfigError, WorkerLost, install_hint, reason
+from catch_arena.errors import AgentError, CatchArenaError, ConfigError, NoContest, install_hint, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import fresh_process, require_jobs
-from catch_arena.tournament.execution.worker import Excluded, RecordedMatch, Worker
-from catch_arena.tournament.execution.worker_process import WorkerProcess
-from catch_arena.tournament.isolation.inspecting import inspector
+from catch_arena.tournament.execution.executors import require_jobs
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.match import Match
+from catch_arena.tournament.players import Fault
 from catch_arena.tournament.store import versions
 
 
@@ -32,8 +32,6 @@ class RayExecutor:
     Raises:
         ConfigError: where Ray is missing or does not answer.
     """
-
-    tolerated_losses = 2
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
         require_jobs(jobs)
@@ -67,7 +65,7 @@ class RayExecutor:
         self._versions = tuple(versions().items())
         self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner
 
-    def submit(self, matches: Sequence[Match], excluded: Excluded) -> Future[list[RecordedMatch]]:
+    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches."""
         future: Future[list[RecordedMatch]] = self._task.remote(self._sent, matches, excluded, self._versions).future()
         return future
@@ -79,17 +77,10 @@ class RayExecutor:
         except self._ray.exceptions.RayTaskError:
             raise
         except self._ray.exceptions.RayError as error:
-            raise WorkerLost(f"a Ray worker was lost: {reason(error)}") from None
+            raise NoContest(f"a Ray worker was lost: {reason(error)}") from None
         if isinstance(answer, CatchArenaError):
             raise answer
         return answer
-
-    def stop_agents(self) -> None:
-        """Ray's workers wait; a cluster's are on other machines."""
-
-    def process(self) -> AbstractContextManager[WorkerProcess]:
-        """A process on this machine that plays nothing."""
-        return fresh_process(self.worker)
 
     def __enter__(self) -> "RayExecutor":
         return self
@@ -101,7 +92,7 @@ class RayExecutor:
 
 
 def _play(
-    worker: Worker, matches: Sequence[Match], excluded: Excluded, expected: tuple[tuple[str, str], ...]
+    worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault], expected: tuple[tuple[str, str], ...]
 ) -> list[RecordedMatch] | CatchArenaError:
     """The matches that were played, or our error as a value: Ray would wrap one that is raised in its own."""
     try:

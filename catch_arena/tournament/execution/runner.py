@@ -8,12 +8,10 @@ from typing import Final
 from catch_arena.config import ArenaConfig
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import AgentLogs
-from catch_arena.tournament.crash_journal import CrashJournal
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
 from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.quarantine import Quarantine
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, PlayedMatch
@@ -95,15 +93,14 @@ def play_plan(
 
     Raises:
         ConfigError: for max_forfeits below 0.
-        NoContest: for a match that could not be held, or whose worker was lost, time and again.
-        AgentError: for an agent that another machine has not.
+        NoContest: for a match that failed on our side three times.
+        AgentError: for an agent that another machine does not have.
         OutputError: for logs and replays that cannot be written.
         StoreError: for results that cannot be written.
     """
     tournament = store.tournament
     logs = None if folder is None else AgentLogs(folder / LOGS, tournament.entrants, Parties.of(tournament.config))
     streaks = ForfeitStreaks(max_forfeits)
-    quarantine = Quarantine(executor, CrashJournal(store))
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that what is kept has them
@@ -137,7 +134,7 @@ def play_plan(
             store.end()
             return
         planned += stage
-        play_blocks(store.waiting(), executor, streaks, quarantine, keep)
+        play_blocks(store.waiting(), executor, streaks, keep)
 
 
 def _remove_replays(store: Store, folder: Path) -> None:

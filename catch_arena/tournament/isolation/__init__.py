@@ -1,7 +1,7 @@
-"""Agents in processes of their own, with limits; docs/isolation.md says what that protects against, and what not.
+"""Isolated agents: each in a process of its own, with limits.
 
-From the match down: playing, starting, isolated_players, pipes, protocol. From the tournament's process down: sandbox,
-supervisor, servers, fork_server. Namespaces: levels, namespaces, visible_files. Limits: limits, processes,
-forbidden_calls, control_groups, group_watch. Before play: inspecting asks agents what they are. Harm is found by apart,
-with freezer and newcomers. What strangers wrote to is emptied by folders.
+- playing: whole matches, with the agents of each seat where they belong.
+- isolated_players: asks the agents of a match, and blames the one that fails.
+- sandbox: the agents' processes. agent_program: the program in them. protocol: what both say.
+- namespaces: the command line that hides everything else from an agent. limits: what an agent may take.
 """

@@ -1,29 +1,27 @@
-"""Those who sit in a match in processes of their own: all are asked at once, each on time or out."""
+"""Isolated agents in the seats of a match: all are asked at the same time, and each must answer in time."""
 
 import json
 import math
-import os
 import select
 import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, Final, NamedTuple, get_args
 
 from catch_arena.config import Control, require_choice
-from catch_arena.errors import ConfigError, NoContest, Stalled
+from catch_arena.errors import ConfigError, NoContest
 from catch_arena.policy import AnyLimits
 from catch_arena.text import in_short, one_line
-from catch_arena.tournament.entrants import Entrant, Inspection, command_of
+from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.pipes import AgentPipes
-from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import LATE
+from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox, how_it_ended
 from catch_arena.tournament.players import Answer, Fault, Observation
 
 _POLL_S: Final = 0.1
-"""How long it waits at a time, so that it notices when it stood still itself."""
+"""Longest wait at a time, so that this process notices if it stood still itself."""
 _STALL_S: Final = 1.0
-"""Where this process itself stood still for so long, nobody can be blamed for being late."""
+"""If this process stood still for as long, no agent is blamed for being late."""
 _CHOICES: Final = {b'{"action":%d}' % choice: choice for choice in range(64)}
 """The lines of most agents in most steps: to look them up takes a tenth of reading JSON."""
 
@@ -32,16 +30,17 @@ class _Reply(NamedTuple):
     """One line of an agent."""
 
     said: dict[str, Any]
-    """Empty where there is a fault."""
+    """Empty if there is a fault."""
     seconds: float
     """From the line that it answers until it was read."""
     fault: Fault | None = None
 
 
 class IsolatedPlayers:
-    """Entrants in seats of one match, each in a process of its own; all are asked at once.
+    """Entrants in seats of one match, each in a process of its own; all are asked at the same time.
 
     Args:
+        sandbox: where they run.
         entrants: by seat.
     """
 
@@ -56,38 +55,36 @@ class IsolatedPlayers:
             "reset": f"what was left of init_s ({self._limits.init_s:g} s)",
             "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
         }
-        """What each takes longer than who is late, in words that every match repeats: reports count by them."""
-        self._written = {
-            seat: protocol.view_record if command_of(entrant.spec) is None else protocol.view_line
-            for seat, entrant in entrants.items()
-        }
-        """How views are written for each."""
-        self._pipes: dict[int, AgentPipes] = {}
-        self.doubts: list[str] = []
-        """Faults that somebody else may have caused: a process that was killed, a full disk."""
+        """What an agent exceeds that is late, in words that every match repeats: reports count by them."""
+        self._processes: dict[int, AgentProcess] = {}
+        self._dropped: set[int] = set()
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match; all that comes before the first view counts as init."""
-        faults: dict[int, str] = {}
+        """Begin a match; everything before the first view counts as init."""
+        faults: dict[int, Fault] = {}
         greeted = self._greet(self._entrants)
         for seat, reply in greeted.items():
             if reply.fault is not None:
-                faults[seat] = reply.fault.reason
+                faults[seat] = reply.fault
             elif self._entrants[seat].side == "prey":  # whose control is not up to it (R12.2)
                 continue
             elif (control := _control_in(reply)) != self.controls[seat]:
-                faults[seat] = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
+                why = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
+                faults[seat] = Fault("FORFEIT_INIT", why)
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
         left_s = {seat: max(0.0, self._limits.init_s - greeted[seat].seconds) for seat in lines}
         for seat, reply in self._exchange(lines, left_s, "reset").items():
             if reply.fault is not None:
-                faults[seat] = reply.fault.reason
-        return {seat: Fault("FORFEIT_INIT", faults[seat]) for seat in sorted(faults)}
+                faults[seat] = reply.fault
+        return {seat: replace(faults[seat], code="FORFEIT_INIT") for seat in sorted(faults)}
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
-        """Ask these seats for their actions: all are shown their views before the first answer is read."""
+        """Ask these seats for their actions: all get their views before the first answer is read."""
         step_s, bank_s = self._limits.step_ms / 1000.0, self._bank_s
-        lines = {seat: self._written[seat](*observation) for seat, observation in observations.items()}
+        lines = {
+            seat: (protocol.view_record if self._processes[seat].serves_many else protocol.view_line)(*observation)
+            for seat, observation in observations.items()
+        }
         answers: dict[int, Answer] = {}
         for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
             bank_s[seat] -= max(0.0, reply.seconds - step_s)
@@ -98,9 +95,10 @@ class IsolatedPlayers:
         return answers
 
     def inspect(self) -> Inspection:
-        """What the agent in seat 0 says of itself."""
+        """Ask the agent in seat 0 who it is, and end it."""
         reply = self._greet([0])[0]
         log = self.logs()[0]
+        self.drop(0)
         if reply.fault is not None:
             return Inspection(fault=reply.fault.reason, log=log)
         control, sources = _control_in(reply), reply.said.get("sources")
@@ -116,33 +114,22 @@ class IsolatedPlayers:
 
     def drop(self, seat: int) -> None:
         """End that agent, and all that it started."""
+        self._dropped.add(seat)
         self._sandbox.end(self._entrants[seat])
 
     def logs(self) -> dict[int, str]:
-        """What each seat has printed."""
-        for pipes in self._pipes.values():
-            pipes.read_log()
-        return {seat: pipes.log.text() for seat, pipes in self._pipes.items()}
-
-    def close(self) -> None:
-        """Close every pipe; whoever reads one finds its end."""
-        for pipes in self._pipes.values():
-            pipes.close()
+        """Return what each seat has printed."""
+        for seat, process in self._processes.items():
+            if seat not in self._dropped:
+                process.read_log()
+        return {seat: process.log.text() for seat, process in self._processes.items()}
 
     def _greet(self, seats: Collection[int]) -> dict[int, _Reply]:
         """Start the agents of these seats, and ask who they are."""
         for seat in seats:
-            try:
-                self._pipes[seat] = AgentPipes(self._limits)
-                theirs = self._pipes[seat].take_theirs()
-                try:
-                    self._sandbox.start(self._entrants[seat], seat, theirs)
-                finally:
-                    for file in theirs:
-                        os.close(file)
-            except OSError as error:
-                raise NoContest(f"an agent's process cannot be started: {error.strerror}") from None
-        return self._exchange(dict.fromkeys(seats, protocol.HELLO), dict.fromkeys(seats, self._limits.init_s), "init")
+            self._processes[seat] = self._sandbox.start(self._entrants[seat])
+        lines = {seat: protocol.hello_line(self._entrants[seat].side) for seat in seats}
+        return self._exchange(lines, dict.fromkeys(seats, self._limits.init_s), "init")
 
     def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
         """Send each seat its line, and take a line from each: JSON objects, or faults."""
@@ -151,16 +138,18 @@ class IsolatedPlayers:
         due: dict[int, float] = {}
         seat_of: dict[int, int] = {}
         poll = select.poll()
-        late = Fault("FORFEIT_TIMEOUT", f"{doing} {LATE} {self._granted[doing]}")
+        late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._granted[doing]}", late=True)
         now = time.monotonic()
         for seat, line in lines.items():
-            pipes = self._pipes[seat]
+            process = self._processes[seat]
             sent_at[seat] = sent = time.monotonic()
-            if not pipes.write(line):
-                replies[seat] = _Reply({}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines"))
+            if not process.write(line):
+                replies[seat] = _Reply(
+                    {}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines", late=True)
+                )
                 continue
             due[seat] = sent + allowed_s[seat]
-            for file in pipes.files():
+            for file in process.files():
                 seat_of[file] = seat
                 poll.register(file, select.POLLIN)
         while due:
@@ -168,37 +157,41 @@ class IsolatedPlayers:
             events = poll.poll(math.ceil(1000.0 * patience))
             before, now = now, time.monotonic()
             if now - before > patience + _STALL_S:
-                raise Stalled(f"this process stood still for {now - before - patience:.1f} s")
+                raise NoContest(f"this process stood still for {now - before - patience:.1f} s")
             for file, _ in events:
                 seat = seat_of[file]
-                pipes = self._pipes[seat]
-                if file == pipes.printed:
-                    if not pipes.read_log():
+                process = self._processes[seat]
+                if file == process.printed:
+                    if not process.read_log():
                         poll.unregister(file)
-                elif (heard := pipes.read()) is not None:
+                elif (heard := process.read()) is not None:
                     poll.unregister(file)
                     reply = _understood(heard, now - sent_at[seat])
                     in_time = now <= due.pop(seat) or reply.fault is not None
                     replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
-                poll.unregister(self._pipes[seat].answers)  # what it says from now on, while others think, is too late
+                poll.unregister(self._processes[seat].answers)  # what it says from now on is too late
                 replies[seat] = _Reply({}, now - sent_at[seat], late)
         for seat, reply in replies.items():
-            if reply.fault is None:
-                continue
-            name, reason = self._entrants[seat].name, reply.fault.reason
-            if not reason:
-                how, signalled = self._sandbox.how_it_ended(self._entrants[seat])
-                reason = f"{doing}: {how}"
-                replies[seat] = reply._replace(fault=Fault(reply.fault.code, reason))
-                if signalled:
-                    self.doubts.append(f"{name}: {reason}")
-            elif reply.fault.code == "FORFEIT_TIMEOUT" and self._sandbox.holds_stopped():
-                self.doubts.append(f"{name}: {reason}, and a process was stopped")
-            elif self._sandbox.is_full():
-                self.doubts.append(f"{name}: {reason}, and the disk of the agents' folders is full")
+            if "ended" in reply.said:  # as our program says of the process that it forked for the match
+                replies[seat] = _Reply({}, reply.seconds, _crash(doing, how_it_ended(reply.said["ended"])))
+            elif reply.fault is not None and not reply.fault.reason:
+                replies[seat] = _Reply({}, reply.seconds, _crash(doing, self._why_ended(seat)))
         return replies
+
+    def _why_ended(self, seat: int) -> str:
+        """Return why an agent's process has ended before it answered.
+
+        Raises:
+            NoContest: if it ended before it ran any code of the agent.
+        """
+        process = self._processes[seat]
+        self.drop(seat)
+        if process.started:
+            return "its process has ended"
+        last = process.log.last_line() or "it printed nothing"
+        raise NoContest(f"the process of {self._entrants[seat].name} could not start: {last}")
 
 
 def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
@@ -220,25 +213,20 @@ def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
     return _Reply(said, seconds)
 
 
+def _crash(doing: str, how: str) -> Fault:
+    return Fault("FORFEIT_CRASH", f"{doing}: {how}")
+
+
 def _control_in(greeting: _Reply) -> Any:
     return greeting.said.get("control", "target")
 
 
 @contextmanager
-def players_together(entrants: Mapping[int, Entrant], sandbox: Sandbox) -> Iterator[IsolatedPlayers]:
-    """Isolated agents by seat, for one match, who all think at once.
-
-    Raises:
-        NoContest: where one of several may have been harmed by another.
-    """
-    players = IsolatedPlayers(sandbox, entrants)
+def isolated_players(entrants: Mapping[int, Entrant], sandbox: Sandbox) -> Iterator[IsolatedPlayers]:
+    """Isolated agents by seat, for one match; what they started ends with it."""
     try:
-        yield players
+        yield IsolatedPlayers(sandbox, entrants)
     except BaseException:
-        players.close()
         sandbox.close()  # whatever was under way, the next match starts anew
         raise
-    players.close()
     sandbox.clear()
-    if players.doubts and len(entrants) > 1:
-        raise NoContest(f"{players.doubts[0]}; another agent may have done that")

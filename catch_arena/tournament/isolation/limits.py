@@ -1,4 +1,4 @@
-"""What an isolated agent may take, and what it may see."""
+"""Limits of an isolated agent, and the two levels of isolation."""
 
 from dataclasses import dataclass, fields
 from typing import Any, Final, Literal, get_args
@@ -7,49 +7,40 @@ from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, suggest
 
 Level = Literal["namespaces", "processes"]
-"""How agents are held apart: by namespaces of their own, or only by being processes of their own."""
+"""How an agent's process is separated from others: in namespaces of its own, or only by being a process."""
 _MOST: Final = 10**6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentLimits:
-    """The limits of one agent in one match (docs/isolation.md); times are by the clock on the wall unless said.
-
-    The last three are no numbers: how agents are held apart, and what they do not see.
-    """
+    """Limits of one agent in one match (docs/isolation.md). Times are wall-clock times, except `cpu_s`."""
 
     init_s: float = 10.0
-    """For all that comes before the first view: start, import, construction and `reset`."""
+    """For everything before the first view: start, import, construction and `reset`."""
     step_ms: float = 100.0
     """For one action."""
     bank_s: float = 5.0
-    """What a match allows over `step_ms`, in all its steps together."""
+    """Time over `step_ms` that a match allows, in all its steps together."""
     memory_mib: int = 1024
-    """Private memory of each process; its addresses may span four times as much, for libraries. All processes of an
-    agent together may hold twice as much.
-    """
+    """Private memory of each process. Its addresses may span four times as much, for libraries."""
     processes: int = 256
-    """Processes and threads of an agent at a time, all together."""
+    """Processes and threads of an agent at the same time."""
     cpu_s: int = 300
     """CPU time of each process, in one match."""
     open_files: int = 64
-    """At a time, in each process."""
+    """Files that each process has open at the same time."""
     file_mib: int = 16
-    """The largest file that it may write; all its files together, in each of two folders, where it has namespaces."""
+    """The largest file that it may write; in namespaces also all its files together, in each of two folders."""
     log_kib: int = 64
-    """What is kept of all that it prints in a match: the first half and the last."""
+    """Part of its output in a match that is kept: the first half and the last."""
     answer_kib: int = 64
     """The longest answer."""
-    level: Level | None = None
-    """None for the best that a machine can hold."""
-    entrants: tuple[str, ...] = ()
-    """The specs of all who play: in namespaces, no agent sees the files of another."""
-    hidden: tuple[str, ...] = ()
-    """Whole paths of files and folders that no agent sees there."""
+    isolation: Level | None = None
+    """The level of isolation; None for namespaces if this machine has them, else processes."""
 
     def __post_init__(self) -> None:
-        if self.level is not None:
-            require_choice("isolation", self.level, get_args(Level))
+        if self.isolation is not None:
+            require_choice("isolation", self.isolation, get_args(Level))
         for name, kind in _NUMBERS.items():
             value, whole = getattr(self, name), kind is int
             lowest: float = _LOWEST.get(name, 1)
@@ -60,18 +51,19 @@ class AgentLimits:
 
     @classmethod
     def of(cls, **values: Any) -> "AgentLimits":
-        """The usual limits with these changes of numbers.
+        """Return the usual limits with these changes.
 
         Raises:
-            ConfigError: that names the nearest right name.
+            ConfigError: for an unknown name, and for a value that a limit cannot have.
         """
+        names = [*_NUMBERS, "isolation"]
         for name in values:
-            if name not in _NUMBERS:
-                raise ConfigError(f"unknown limit {name!r}: {suggest(name, _NUMBERS)}")
+            if name not in names:
+                raise ConfigError(f"unknown limit {name!r}: {suggest(name, names)}")
         return cls(**values)
 
     def numbers(self) -> dict[str, int | float]:
-        """Those that are numbers, by name."""
+        """Return the limits that are numbers, by name."""
         return {name: getattr(self, name) for name in _NUMBERS}
 
 

@@ -1,36 +1,45 @@
-"""Namespaces by bubblewrap: the command line that starts an agent's fork server in them, and whether they work here.
+"""Namespaces by bubblewrap: the command line in front of an agent's program, and whether it works on this machine.
 
-In them an agent has a network without anybody, processes of its own, and a file system of what it needs, read-only,
-with small places in memory to write to. It is not root there, cannot become it, and cannot make further namespaces.
+In them an agent has no network, sees no other processes, and sees a read-only file system with what it needs. It can
+write to two small folders in memory. It is not root there, cannot become root, and cannot make further namespaces.
 """
 
+import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Final
 
-from catch_arena.descendants import LINUX
-from catch_arena.tournament.isolation.visible_files import VisibleFiles
+import catch_arena.agents
+from catch_arena.errors import ConfigError
+from catch_arena.tournament.entrants import command_of, file_of, folder_of
+from catch_arena.tournament.isolation.limits import Level
 
-PROGRAM: Final = "bwrap"
 TEMPORARY: Final = Path("/tmp")  # noqa: S108 - in a file system of its own
 SHARED: Final = Path("/dev/shm")  # noqa: S108
-WRITABLE: Final = (TEMPORARY, SHARED)
-"""The folders that an agent can write to."""
-PLAY: Final = TEMPORARY / "match"
-"""Where it works."""
+PACKAGE_NAME: Final = "bubblewrap"
+_PROGRAM: Final = "bwrap"
 _NOBODY: Final = 65534
 _PROBE_S: Final = 20.0
-_SETTINGS: Final = Path("/proc/sys")
+_SYSCTL: Final = Path("/proc/sys")
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
     *("--uid", f"{_NOBODY}", "--gid", f"{_NOBODY}", "--hostname", "arena"),
-    *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent", "--as-pid-1"),
+    *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
+_SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
+_SETTINGS: Final = (
+    *("alternatives", "fonts", "java*", "jvm*", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "magic"),
+    *("mime.types", "nsswitch.conf", "os-release", "pki/tls/certs", "pki/tls/openssl.cnf", "ssl/certs"),
+    *("ssl/openssl.cnf", "terminfo", "timezone"),
+)
+"""Files in /etc that programs read: not the machine's users, keys or names."""
+_INSTALLED: Final = {"site-packages", "dist-packages"}
 _REASONS: Final = (
     ("kernel/unprivileged_userns_clone", "0", "sysctl kernel.unprivileged_userns_clone=1 allows user namespaces"),
     ("user/max_user_namespaces", "0", "sysctl user.max_user_namespaces=10000 allows user namespaces"),
@@ -40,55 +49,80 @@ _REASONS: Final = (
         "AppArmor must allow it user namespaces: sysctl kernel.apparmor_restrict_unprivileged_userns=0, or a profile",
     ),
 )
-"""Settings of the kernel that keep people from user namespaces, and what would help."""
+"""Settings of the kernel that forbid user namespaces: name, value, and what to do."""
 
 
-def bubblewrap_words(files: VisibleFiles, writable_bytes: int) -> list[str]:
-    """What follows `bwrap`, up to the program that it starts.
+def level_here(asked: Level | None = None) -> Level:
+    """Return the level of isolation on this machine.
 
     Args:
-        files: what is seen.
-        writable_bytes: how much each of the folders in WRITABLE holds.
+        asked: the level that is required; None for the best one that works.
+
+    Raises:
+        ConfigError: if the required level does not work here.
+    """
+    if asked == "processes":
+        return asked
+    why = namespaces_missing()
+    if why is None:
+        return "namespaces"
+    if asked is None:
+        return "processes"
+    raise ConfigError(f"isolation namespaces cannot be held here: {why}")
+
+
+def level_line(level: Level) -> str:
+    """Return the line that tells users which level protects them, and from what it does not."""
+    if level == "namespaces":
+        return "isolation: namespaces"
+    return (
+        "isolation: processes, which does not stop a hostile agent: "
+        f"{namespaces_missing() or 'leave isolation=processes out'} (`catch-arena docs isolation`)"
+    )
+
+
+def bubblewrap_words(visible: Iterable[Path], writable_bytes: int) -> list[str]:
+    """Return the command line up to the program that bubblewrap starts.
+
+    Args:
+        visible: files and folders that the program can read, at the same paths as outside.
+        writable_bytes: the size of each of the folders TEMPORARY and SHARED.
     """
     size = ["--size", str(writable_bytes), "--tmpfs"]
-    words = [*_OPTIONS, "--proc", "/proc", "--dev", "/dev", *size, str(SHARED), "--remount-ro", "/dev"]
-    words += [*size, str(TEMPORARY)]
-    paths = {*files.shown, *files.links}
-    read_only = {path.parent for path in paths if path.is_relative_to(TEMPORARY)}  # as it is elsewhere
-    for path in sorted(paths | read_only):  # folders come before what lies in them
-        if path in read_only - paths:
+    words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", "--dev", "/dev"]
+    words += [*size, str(SHARED), "--remount-ro", "/dev", *size, str(TEMPORARY)]
+    paths, shown = set(visible), list[Path]()
+    closed = {path.parent for path in paths if TEMPORARY in path.parent.parents} - paths
+    for path in sorted(paths | closed):  # a folder comes before what lies in it
+        if path in closed:
             words += ["--tmpfs", str(path)]
-        elif path in files.links:
-            words += ["--symlink", files.links[path], str(path)]
-        else:
+        elif not any(path.is_relative_to(folder) for folder in shown):
+            shown.append(path)
             words += ["--ro-bind-try", str(path), str(path)]
-    for path in sorted(files.masked):
-        words += (
-            ["--tmpfs", str(path), "--remount-ro", str(path)] if path.is_dir() else ["--ro-bind", os.devnull, str(path)]
-        )
-    words += [word for path in sorted((read_only - paths) | {Path("/")}) for word in ("--remount-ro", str(path))]
-    return [*words, "--chdir", str(TEMPORARY)]
+    words += [word for path in sorted(closed) for word in ("--remount-ro", str(path))]
+    return [*words, "--remount-ro", "/", "--chdir", str(TEMPORARY), "--"]
+
+
+def visible_paths(spec: str) -> list[Path]:
+    """Return the files and folders that the agent of this spec sees: its own, Python, and what is installed."""
+    return [*_runtime(), *_own_paths(spec)]
 
 
 def namespaces_missing() -> str | None:
-    """Why agents cannot have namespaces of their own here, in one line; None where they can."""
-    return _missing(shutil.which(PROGRAM))
+    """Return why namespaces do not work on this machine, in one line with what to do; None if they work."""
+    return _missing(shutil.which(_PROGRAM))
 
 
 @cache
 def _missing(program: str | None) -> str | None:
-    if not LINUX:
+    if sys.platform != "linux":
         return f"{sys.platform} has none: only Linux does"
     if program is None:
-        return "bubblewrap is not installed: apt-get install bubblewrap, or your system's package of that name"
-    files = VisibleFiles()
-    for path in map(Path, ("/usr", "/bin", "/lib", "/lib64", "/nix/store", "/gnu/store")):
-        files.add(path)
+        return f"bubblewrap is not installed: apt-get install {PACKAGE_NAME}, or your system's package of that name"
     true = shutil.which("true") or "/bin/true"
-    files.add(Path(true))
     try:
         subprocess.run(  # noqa: S603 - a program of the system
-            [program, *bubblewrap_words(files, 1 << 20), "--", true],
+            [*bubblewrap_words([*map(Path, _SYSTEM), Path(true)], 1 << 20), true],
             stdin=subprocess.DEVNULL,
             capture_output=True,
             check=True,
@@ -112,6 +146,75 @@ def _hints(said: Sequence[str]) -> list[str]:
 
 def _setting(name: str) -> str | None:
     try:
-        return (_SETTINGS / name).read_text().strip()
+        return (_SYSCTL / name).read_text().strip()
     except OSError:
         return None
+
+
+def _runtime() -> Iterator[Path]:
+    """Yield the system's programs, this interpreter, the installed packages and this package."""
+    yield from map(Path, _SYSTEM)
+    for pattern in _SETTINGS:
+        yield from Path("/etc").glob(pattern)
+    for prefix in (sys.base_prefix, sys.base_exec_prefix, sys.prefix, sys.exec_prefix):
+        yield from (Path(prefix), Path(prefix).resolve())
+    yield from (path for path in map(Path, sys.path) if path.name in _INSTALLED)
+    yield from _links(Path(sys.executable))
+    yield Path(catch_arena.__file__).parent
+    yield from map(Path, catch_arena.agents.__path__)
+
+
+def _own_paths(spec: str) -> Iterator[Path]:
+    """Yield an agent's files and folders: a file with those of the same stem, a folder, or a package."""
+    if (words := command_of(spec)) is not None:
+        yield from _command_paths(words)
+    elif (folder := folder_of(spec)) is not None:
+        yield folder
+    elif (file := file_of(spec)) is not None:
+        yield from _of_one_stem(file)
+    else:
+        yield from _package_folders(spec)
+
+
+def _of_one_stem(file: Path) -> Iterator[Path]:
+    """Yield a file, and the files in its folder that differ from it in their ending only.
+
+    A link next to it is left out: it may lead to somebody else's file.
+    """
+    yield file
+    for other in file.parent.iterdir() if file.parent.is_dir() else ():
+        if other.stem == file.stem and other.is_file() and not other.is_symlink():
+            yield other
+
+
+def _command_paths(words: Sequence[str]) -> Iterator[Path]:
+    """Yield the files and folders that a command names, and the runtime of its program."""
+    program, *arguments = words
+    for link in _links(Path(program)):
+        yield link
+        if link.parent.name == "bin":  # such as a Java or a Node.js that lies in a folder of its own
+            yield from (link.parents[1] / name for name in ("conf", "lib", "lib64", "libexec"))
+    for part in (part for word in arguments for part in re.split("[=:]", word)):
+        path = Path(part)
+        if path.is_absolute() and path.exists():
+            yield from [path] if path.is_dir() else _of_one_stem(path)
+
+
+def _package_folders(spec: str) -> Iterator[Path]:
+    """Yield where the package of `package.module:Class` lies; nothing of it is run."""
+    try:
+        found = importlib.util.find_spec(spec.partition(":")[0].partition(".")[0])
+    except (ImportError, ValueError):
+        found = None
+    if found is not None and found.submodule_search_locations is not None:
+        yield from map(Path, found.submodule_search_locations)
+    elif found is not None and found.has_location and found.origin:
+        yield Path(found.origin)
+
+
+def _links(path: Path) -> Iterator[Path]:
+    """Yield a file, and the files that it leads to, one link after the other."""
+    yield path
+    while path.exists() and path.is_symlink():
+        path = Path(os.path.normpath(path.parent / path.readlink()))
+        yield path

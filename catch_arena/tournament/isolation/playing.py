@@ -1,23 +1,20 @@
-"""Whole matches whose agents are isolated: begun again where we failed to hold them, and with agents apart where one of
-them may have done harm.
-"""
+"""Whole matches of entrants: which agent plays in this process, and which in a process of its own."""
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import NoContest, Stalled
-from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.apart import PAUSES_S, Apart, Sabotage, attempt_apart
+from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent, is_shipped
+from catch_arena.tournament.isolation.isolated_players import isolated_players
+from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import in_parties, in_seats, is_suspect, start_players
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import Fault
+from catch_arena.tournament.players import AbsentPlayers, CompositePlayers, Fault, Players, TrustedPlayers
 from catch_arena.tournament.secret import agent_seed
 
 
@@ -26,130 +23,102 @@ def play_entrants(
     seed: int,
     entrants: Sequence[Entrant],
     sandbox: Sandbox | None,
-    **options: Any,
-) -> MatchResult:
-    """One match of these entrants, by party; where we failed to hold it, it is played again with isolated agents apart,
-    and without those who turn out to have done harm.
-
-    Args:
-        config: the arena's settings.
-        seed: a whole number in [0, 2^64).
-        entrants: who plays in each party (parties.py).
-        sandbox: how agents that are not trusted run.
-        options: those of `play`.
-
-    Raises:
-        OutputError: for a replay that cannot be written.
-        NoContest: where the match could not be held.
-    """
-    try:
-        return play_together(config, seed, entrants, sandbox, **options)
-    except NoContest:
-        if sandbox is None or not any(map(is_suspect, entrants)):
-            raise
-        sandbox.close()
-    culprits: dict[int, Fault] = {}
-    while True:
-        try:
-            return play_apart(config, seed, entrants, sandbox, excluded_parties=culprits, **options)
-        except Sabotage as found:
-            culprits[Parties.of(config).by_seat[found.seat]] = Fault("FORFEIT_SABOTAGE", found.what)
-
-
-def play_together(
-    config: ArenaConfig,
-    seed: int,
-    entrants: Sequence[Entrant],
-    sandbox: Sandbox | None,
     *,
     excluded_parties: Mapping[int, Fault] = MappingProxyType({}),
     agent_seeds: Sequence[int] = (),
     **options: Any,
 ) -> MatchResult:
-    """One match, all isolated agents at once. One in which we stood still is played again, three times at most.
+    """Play one match of these entrants, by party.
 
     Args:
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
-        entrants: who plays in each party.
-        sandbox: how agents that are not trusted run.
-        excluded_parties: those that are not started, and why.
-        agent_seeds: what each party is told as its seed; where there are none they follow from `seed`.
-        options: the others of `play`.
+        entrants: by party (parties.py).
+        sandbox: where agents that are not trusted run; None if all are trusted.
+        excluded_parties: parties that are not started, and why.
+        agent_seeds: each party's own seed; if there are none they follow from `seed`.
+        options: further arguments of `match_loop.play`.
 
     Raises:
         OutputError: for a replay that cannot be written.
-        NoContest: where the match could not be held.
+        NoContest: for a match that failed on our side.
     """
-    pauses = iter(PAUSES_S[1:])
-    while True:
-        try:
-            return _play_once(config, seed, entrants, sandbox, excluded_parties, agent_seeds, None, options)
-        except Stalled:
-            pause = next(pauses, None)
-            if pause is None:
-                raise
-            time.sleep(pause)
-
-
-def play_apart(
-    config: ArenaConfig,
-    seed: int,
-    entrants: Sequence[Entrant],
-    sandbox: Sandbox,
-    *,
-    excluded_parties: Mapping[int, Fault] = MappingProxyType({}),
-    agent_seeds: Sequence[int] = (),
-    on_turn: Callable[[int], None] | None = None,
-    disks: Mapping[str, Path] = MappingProxyType({}),
-    **options: Any,
-) -> MatchResult:
-    """One match, isolated agents one at a time, so that whoever does harm is found.
-
-    Args:
-        config: the arena's settings.
-        seed: a whole number in [0, 2^64).
-        entrants: who plays in each party.
-        sandbox: whose limits they have.
-        excluded_parties: those that are not started, and why.
-        agent_seeds: what each party is told as its seed; where there are none they follow from `seed`.
-        on_turn: called with a seat before it runs.
-        disks: folders whose disks nobody may fill, by what is said of them; that of the agents' folders besides.
-        options: the others of `play`.
-
-    Raises:
-        Sabotage: where a seat did harm; nothing of it runs on.
-        OutputError: for a replay that cannot be written.
-        NoContest: where the match could not be held, and no agent is to blame.
-    """
-
-    def attempt(apart: Apart) -> MatchResult:
-        return _play_once(config, seed, entrants, sandbox, excluded_parties, agent_seeds, apart, options)
-
-    return attempt_apart(attempt, on_turn, disks)
-
-
-def _play_once(
-    config: ArenaConfig,
-    seed: int,
-    entrants: Sequence[Entrant],
-    sandbox: Sandbox | None,
-    excluded_parties: Mapping[int, Fault],
-    agent_seeds: Sequence[int],
-    apart: Apart | None,
-    options: Mapping[str, Any],
-) -> MatchResult:
-    """A match from its parties, in its seats; arguments as of `play_together`, `apart` as of `start_players`."""
     parties = Parties.of(config)
     names = parties.to_seats([entrant.name for entrant in in_parties(config, entrants)])
     seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
-    seated, absent = in_seats(config, entrants), parties.mapped_to_seats(excluded_parties)
-    with start_players(seated, sandbox, absent, apart) as players:
+    with start_players(in_seats(config, entrants), sandbox, parties.mapped_to_seats(excluded_parties)) as players:
         return play(config, seed, players, names, agent_seeds=seeds, **options)
 
 
+@contextmanager
+def start_players(
+    entrants: Sequence[Entrant] | Mapping[int, Entrant],
+    sandbox: Sandbox | None,
+    excluded_seats: Mapping[int, Fault] = MappingProxyType({}),
+) -> Iterator[Players]:
+    """The players of one match, by seat, while the context lasts.
+
+    Agents that come with the package, and all agents if there is no sandbox, play in this process.
+
+    Args:
+        entrants: by seat.
+        sandbox: where agents that are not trusted run.
+        excluded_seats: seats that are not started, and why.
+
+    Raises:
+        NoContest: for a match that failed on our side.
+    """
+    entrants = entrants if isinstance(entrants, Mapping) else dict(enumerate(entrants))
+    faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
+    faults |= excluded_seats
+    started = {seat: one for seat, one in entrants.items() if seat not in faults}
+    isolated = {seat: one for seat, one in started.items() if sandbox is not None and not is_shipped(one.spec)}
+    trusted = {seat: one for seat, one in started.items() if seat not in isolated}
+    with ExitStack() as stack:
+        parts: list[Players] = []
+        if trusted:
+            parts.append(TrustedPlayers.of(trusted))
+        if sandbox is not None and isolated:
+            parts.append(stack.enter_context(isolated_players(isolated, sandbox)))
+        if faults:
+            parts.append(AbsentPlayers({seat: entrants[seat].control for seat in faults}, faults))
+        yield parts[0] if len(parts) == 1 else CompositePlayers(parts)
+
+
+def sandbox_for(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
+    """Return a sandbox with these limits, or nothing if all agents are trusted."""
+    return nullcontext() if limits is None else Sandbox(limits)
+
+
+def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
+    """Return the function by which `enter` asks agents who they are, in the process where they would play."""
+
+    def inspect(spec: str) -> Inspection:
+        if sandbox is None or is_shipped(spec):
+            return inspect_agent(spec)
+        with isolated_players({0: Entrant(spec, spec, "target", "")}, sandbox) as players:
+            return players.inspect()
+
+    return inspect
+
+
+def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Return who plays in each party: its entrant, or who plays prey for it."""
+    parties = Parties.of(config)
+    return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
+
+
+def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Return who plays in each seat. Further seats of a team have names of their own: processes are kept by names."""
+    found: dict[int, Entrant] = {}
+    for playing, seats in zip(in_parties(config, entrants), Parties.of(config).seats, strict=True):
+        for number, seat in enumerate(seats):
+            found[seat] = playing if number == 0 else replace(playing, name=f"{playing.name} ({number + 1})")
+    return [found[seat] for seat in range(len(found))]
+
+
 def _seeds_by_seat(parties: Parties, agent_seeds: Sequence[int]) -> list[int]:
-    """What each seat is told as its seed: the first of a team what its party is, the others what follows from that."""
+    """Return each seat's seed: the first of a team has its party's, the others have seeds that follow from it."""
     found: dict[int, int] = {}
     for seed, seats in zip(agent_seeds, parties.seats, strict=True):
         for number, seat in enumerate(seats):

@@ -1,12 +1,10 @@
-"""What a match and an isolated agent say to each other, in lines of JSON (docs/isolation.md), and how our own processes
-pass messages with open files.
+"""Messages between a match and an isolated agent: lines of JSON (docs/isolation.md).
 
-To Python agents, whose side is ours too, a view is not written as a line but as a record of bytes: it is as exact, and
+To Python agents, whose side of the protocol is ours too, a view is written as a record of bytes: it is as exact, and
 costs both sides a tenth.
 """
 
 import json
-import socket
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
@@ -15,50 +13,56 @@ from struct import Struct
 from typing import Any, Final
 
 from catch_arena.plain import as_python, plain_action
-from catch_arena.policy import AnyLimits, Limits, PreyLimits
+from catch_arena.policy import AnyLimits, Limits, PreyLimits, Side
 
 VERSION: Final = 1
-HELLO: Final = b'{"hello":%d}\n' % VERSION
+STARTED: Final = b'{"started":true}\n'
+"""First line of each program, before it runs any code of an agent."""
 _HEAD: Final = Struct("<HH")
-_MOST_FILES: Final = 4
-_PART: Final = 65536
+END: Final = _HEAD.pack(0, 0)
+"""Record that ends a match."""
 
 _encoded: Final = json.JSONEncoder(separators=(",", ":")).encode
 
 
 def line(**message: Any) -> bytes:
-    """A message as one line."""
+    """Return a message as one line."""
     return _encoded(message).encode() + b"\n"
 
 
+def hello_line(side: Side) -> bytes:
+    """Return the line that asks an agent who it is."""
+    return line(hello=VERSION, side=side)
+
+
 def reset_line(seed: int, limits: AnyLimits) -> bytes:
-    """What begins a match."""
+    """Return the line that begins a match."""
     return line(reset={"seed": seed, "side": limits.side, "limits": asdict(limits)})
 
 
 def limits_in(reset: dict[str, Any]) -> AnyLimits:
-    """The limits in that line."""
+    """Return the limits in that line."""
     return (PreyLimits if reset["side"] == "prey" else Limits)(**reset["limits"])
 
 
 def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:
-    """What an agent is shown in a step.
+    """Return a view as a line.
 
-    Nine digits tell every float32 apart, and are written three times as fast as all digits of the same double.
+    Nine digits distinguish all float32 numbers, and are written three times as fast as all digits of the same double.
     """
     return (_view_form(len(observation)) % (*observation, mask)).encode()
 
 
 def view_record(observation: Sequence[float], mask: Sequence[int]) -> bytes:
-    """The same for our own runner of Python agents: how many numbers and choices, the numbers, the choices."""
+    """Return a view as a record: the two lengths, the numbers, the choices."""
     shape = len(observation), len(mask)
     return _record_form(*shape).pack(*shape, *observation, *mask)
 
 
 def read_record(stream: BufferedReader) -> tuple[list[float], list[int]] | None:
-    """The next view of that form; None at the end."""
+    """Read the next view; None at the end of a match or of the stream."""
     head = stream.read(_HEAD.size)
-    if len(head) < _HEAD.size:
+    if len(head) < _HEAD.size or head == END:
         return None
     width, choices = _HEAD.unpack(head)
     form = _record_form(width, choices)
@@ -77,7 +81,7 @@ def _view_form(width: int) -> str:
 
 
 def action_line(action: object) -> bytes:
-    """An agent's action; what JSON cannot say is sent as its text, which no control takes for an action."""
+    """Return an agent's action as a line; what JSON cannot express is sent as text, which no control accepts."""
     try:
         return b'{"action":%s}\n' % json.dumps(plain_action(action), default=_plain).encode()
     except (TypeError, ValueError, RecursionError):
@@ -87,21 +91,3 @@ def action_line(action: object) -> bytes:
 def _plain(value: Any) -> Any:
     plain = as_python(value)
     return repr(value) if plain is value else plain
-
-
-def send(channel: socket.socket, files: Sequence[int] = (), **message: Any) -> None:
-    """Pass a message, with open files, to another process of ours."""
-    content = line(**message)
-    sent = socket.send_fds(channel, [content], list(files))
-    channel.sendall(content[sent:])
-
-
-def receive(channel: socket.socket) -> tuple[dict[str, Any], list[int]] | None:
-    """The next message and its open files; None where the other side has gone. One is under way at a time."""
-    content, files, _, _ = socket.recv_fds(channel, _PART, _MOST_FILES)
-    while content and not content.endswith(b"\n"):
-        part = channel.recv(_PART)
-        if not part:
-            return None
-        content += part
-    return (json.loads(content), files) if content else None

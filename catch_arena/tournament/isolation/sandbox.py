@@ -1,215 +1,252 @@
-"""The processes of isolated agents, from the tournament's side.
-
-docs/isolation.md says what this protects against, and what it does not.
-"""
+"""The processes of isolated agents, from the tournament's side. docs/isolation.md says what this protects from."""
 
 import json
 import os
 import select
-import shutil
 import signal
-import socket
 import subprocess
+import sys
 import tempfile
-from collections.abc import Sequence
+import time
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
 
-from catch_arena.descendants import family, is_stopped, start, state
-from catch_arena.errors import NoContest
-from catch_arena.files import is_full, room
-from catch_arena.tournament.entrants import Entrant
+import catch_arena
+from catch_arena.errors import ConfigError, NoContest
+from catch_arena.tournament.entrants import Entrant, command_of, module_folders
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.levels import level_here
 from catch_arena.tournament.isolation.limits import AgentLimits, Level
-from catch_arena.tournament.isolation.namespaces import PLAY
-from catch_arena.tournament.isolation.processes import close_to_others, how_it_ended
+from catch_arena.tournament.isolation.namespaces import TEMPORARY, bubblewrap_words, level_here, visible_paths
+from catch_arena.tournament.players import Fault
 
-_MOST_SERVERS: Final = 16
-"""Entrants whose fork servers wait for their next match; each holds its agent's modules in memory."""
-_SUPERVISOR: Final = "catch_arena.tournament.isolation.supervisor"
-_SUPERVISOR_S: Final = 30.0
-"""How long the supervisor may take over anything that is asked of it."""
-_SERVER_S: Final = 1.0
-"""How long a fork server may take to say how its agent's process has ended."""
-_GONE: Final = "the supervisor of the agents' processes has ended"
-_MESSAGE: Final = 100
+_MOST_WAITING: Final = 16
+"""Entrants whose processes wait for their next match; each holds its agent's modules in memory."""
+_END_S: Final = 2.0
+"""Time for a process to end a match, or to end."""
 _PART: Final = 65536
+_KIB: Final = 1024
+_MAIN: Final = (
+    "import sys; words, package, *path = sys.argv[1:]; sys.path[:] = [package, *path]; "
+    "from catch_arena.tournament.isolation.agent_program import main; del sys.path[0]; main(words)"
+)
 _PASSED_ON: Final = (
-    *("PATH", "LANG", "LC_ALL", "TZ", "TMPDIR"),
+    *("PATH", "LANG", "LC_ALL", "TZ"),
     # which instructions NumPy and its BLAS use: others round sums otherwise, and a network would play otherwise
     *("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"),
     *("MKL_CBWR", "MKL_ENABLE_INSTRUCTIONS"),
 )
 _SETTINGS: Final = {
-    "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left beside an agent's file
+    "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left next to an agent's file
     "PYTHONHASHSEED": "0",  # equal seeds, equal play
     "PYTHONUNBUFFERED": "1",  # what is printed is kept, however its process ends
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
-"""The environment of agents, HOME and TMPDIR besides."""
+"""Environment of agents, besides HOME and TMPDIR."""
 
 
-class _Supervisor:
-    """The process that all agents of a sandbox descend from (supervisor.py)."""
+class Log:
+    """The first and the last half of what an agent prints, up to a size in bytes."""
 
-    def __init__(self) -> None:
-        close_to_others()  # the match is in this process's memory
-        self._control, theirs = socket.socketpair()
-        with theirs:
-            try:
-                self._process = start(
-                    _SUPERVISOR,
-                    theirs.fileno(),
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                    cwd="/",
-                    env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
-                )
-            except OSError as error:
-                raise NoContest(f"the supervisor of the agents' processes cannot be started: {error}") from None
-        self._control.settimeout(_SUPERVISOR_S)
+    def __init__(self, size: int) -> None:
+        self._half = size // 2
+        self._first, self._last, self._between = bytearray(), bytearray(), 0
+
+    def add(self, content: bytes) -> None:
+        """Add what was printed."""
+        room = self._half - len(self._first)
+        self._first += content[:room]
+        self._last += content[room:]
+        if (over := len(self._last) - self._half) > 0:
+            self._between += over
+            del self._last[:over]
+
+    def text(self) -> str:
+        """Return what is kept, with a line where something is left out."""
+        gap = f"\n[{self._between} bytes left out]\n".encode() if self._between else b""
+        return (self._first + gap + self._last).decode(errors="backslashreplace")
+
+    def last_line(self) -> str:
+        """Return the last line with text, empty if there is none."""
+        return next((line for line in reversed(self.text().splitlines()) if line.strip()), "")
+
+
+class AgentProcess:
+    """One agent's process (agent_program.py), with its pipes; it plays one match after the other.
+
+    Args:
+        spec: an entrant's.
+        limits: its limits.
+        level: how it is isolated.
+
+    Raises:
+        ConfigError: on Windows.
+        NoContest: if it cannot be started.
+    """
+
+    def __init__(self, spec: str, limits: AgentLimits, level: Level) -> None:
+        if not hasattr(os, "fork"):
+            raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
+        self.serves_many = command_of(spec) is None
+        """Whether it plays further matches; a command ends with its first."""
+        self.started = False
+        """Whether it has reached the point from which on it runs the agent's code."""
+        self._longest = limits.answer_kib * _KIB
+        self._log_size = limits.log_kib * _KIB
+        self._namespaced = level == "namespaces"
+        self._unread = b""
+        self._log_open = True
+        self._plays = False
+        self.log = Log(self._log_size)
+        into, self._into = os.pipe()
+        self.answers, out = os.pipe()
+        self.printed, log = os.pipe()
         try:
-            self.folder = Path(self._heard()["folder"])
-        except NoContest:
-            self._end()
-            raise
+            self._folder = None if self._namespaced else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+            folder = str(TEMPORARY) if self._folder is None else self._folder.name
+            told = {"spec": spec, "limits": limits.numbers(), "folder": folder, "into": into, "out": out}
+            words = [sys.executable, "-c", _MAIN, json.dumps(told | {"namespaced": self._namespaced}), _package()]
+            words += module_folders()
+            if self._namespaced:
+                words = [*bubblewrap_words(visible_paths(spec), limits.file_mib << 20), *words]
+            self._process = subprocess.Popen(  # noqa: S603 - our own program
+                words,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                cwd="/",
+                env={name: os.environ[name] for name in _PASSED_ON if name in os.environ} | _SETTINGS,
+                pass_fds=(into, out),
+                start_new_session=True,
+            )
+        except OSError as error:
+            for file in (self._into, self.answers, self.printed):
+                os.close(file)
+            raise NoContest(f"an agent's process cannot be started: {error}") from None
+        finally:
+            for file in (into, out, log):
+                os.close(file)
+        for file in (self._into, self.answers, self.printed):
+            os.set_blocking(file, False)
 
     @property
     def pid(self) -> int:
-        """The process's id."""
+        """The process's id; in namespaces, that of the process that made them."""
         return self._process.pid
 
-    def ask(self, files: Sequence[int] = (), **request: Any) -> dict[str, Any]:
-        """Its answer.
+    def begin(self) -> None:
+        """Begin a match: its log is a new one."""
+        self._plays = True
+        self.log = Log(self._log_size)
 
-        Raises:
-            NoContest: where there is none.
-        """
-        self._require_not_stopped()
-        with suppress(OSError):  # what is wrong shows when it is heard
-            protocol.send(self._control, files, **request)
-        return self._heard()
+    def files(self) -> tuple[int, ...]:
+        """Return the descriptors to wait for."""
+        return (self.answers, self.printed) if self._log_open else (self.answers,)
 
-    def require_alive(self) -> None:
-        """Require that it runs.
-
-        Raises:
-            NoContest: where it has ended, and all agents with it, or was stopped.
-        """
-        if select.select([self._control], [], [], 0.0)[0]:  # it says nothing that it was not asked
-            raise NoContest(_GONE)
-        self._require_not_stopped()
-
-    def _require_not_stopped(self) -> None:
-        if state(self.pid) == "T":
-            raise NoContest("the supervisor of the agents' processes was stopped")
-
-    def close(self) -> None:
-        """Let it end everything, and itself."""
-        self._end()
-        shutil.rmtree(self.folder, ignore_errors=True)  # where the supervisor was killed
-
-    def _end(self) -> None:
-        self._control.close()
-        self._process.send_signal(signal.SIGCONT)  # an agent may have stopped it
+    def write(self, line: bytes) -> bool:
+        """Return whether the pipe had room for a line; if it is closed, that shows when it is read."""
         try:
-            self._process.wait(_SUPERVISOR_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-
-    def _heard(self) -> dict[str, Any]:
-        try:
-            received = protocol.receive(self._control)
-        except OSError as error:
-            raise NoContest(f"the supervisor of the agents' processes does not answer: {error}") from None
-        if received is None:
-            raise NoContest(_GONE)
-        return received[0]
-
-
-class _ForkServer:
-    """One entrant's.
-
-    Args:
-        pid: its process.
-        channel: our end of its socket.
-        errors: where bubblewrap says why it fails.
-    """
-
-    def __init__(self, pid: int, channel: socket.socket, errors: int) -> None:
-        self.pid = pid
-        self.channel = channel
-        self.busy = True
-        """Whether it has yet to say how the process that it forked has ended."""
-        self.began = False
-        """Whether it has been ready for its agent."""
-        self._errors = errors
-        self._unread = b""
-
-    def exit_code(self) -> int | None:
-        """That process's, less than 0 for a signal; None where the fork server does not say."""
-        try:
-            message = self._next()
-            if not self.began:  # it has run none of its agent's code yet
-                self.began = message == {"ready": True}
-                message = self._next()
-            code = os.waitstatus_to_exitcode(message["ended"])
-        except (OSError, ValueError, TypeError, KeyError, OverflowError):
-            return None
-        self.busy = False
-        return code
-
-    def why_it_did_not_begin(self) -> str:
-        """What bubblewrap has said."""
-        try:
-            said = os.read(self._errors, _PART).decode(errors="replace").strip().splitlines()
+            return os.write(self._into, line) == len(line)
         except BlockingIOError:
-            said = []
-        return said[-1] if said else "it was ended"
+            return False
+        except BrokenPipeError:
+            return True
+
+    def read(self) -> bytes | Fault | None:
+        """Read what has come: a whole line, a fault, or None if the line is not whole yet.
+
+        A fault without a reason means that the process has ended.
+        """
+        try:
+            part = os.read(self.answers, _PART)
+        except BlockingIOError:
+            return None
+        if not part:
+            return Fault("FORFEIT_CRASH", "")
+        self._unread += part
+        if not self.started and self._unread.startswith(protocol.STARTED):
+            self.started = True
+            self._unread = self._unread.removeprefix(protocol.STARTED)
+        line, end, rest = self._unread.partition(b"\n")
+        if rest:
+            return Fault("FORFEIT_ILLEGAL", f"said more than one line: {_shown(self._unread)}")
+        if len(self._unread) > self._longest:
+            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {self._longest} bytes: {_shown(line)}")
+        if not end:
+            return None
+        self._unread = b""
+        return line
+
+    def read_log(self) -> bool:
+        """Take what has been printed; return whether more may come."""
+        with suppress(BlockingIOError):
+            for _ in range(4):  # one that prints for ever is not waited for
+                if not (part := os.read(self.printed, _PART)):
+                    self._log_open = False
+                    break
+                self.log.add(part)
+        return self._log_open
+
+    def finish(self) -> bool:
+        """End its match, if it plays one; return whether the process can play another."""
+        if not self._plays:
+            return True
+        self._plays = False
+        if not self.serves_many or not self.write(protocol.END):
+            return False
+        line = self._last_line()
+        self.read_log()
+        return line is not None and line.startswith(b'{"ended":')
+
+    def kill(self) -> None:
+        """Kill the process, and all in its namespaces or in its group."""
+        if not self._namespaced and self._process.poll() is None:
+            self._process.terminate()  # it ends what it started, wherever that is
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(_END_S)
+        with suppress(ProcessLookupError, PermissionError):  # macOS says the latter of the dead
+            os.killpg(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """Let it go."""
-        self.channel.close()
-        os.close(self._errors)
+        """Kill the process, wait for its end, and remove its folder."""
+        self.kill()
+        self._process.wait()
+        patience = time.monotonic() + _END_S  # with the last process in its namespaces its log ends
+        while self.read_log() and (left := patience - time.monotonic()) > 0:
+            select.select([self.printed], [], [], left)
+        for file in (self._into, self.answers, self.printed):
+            os.close(file)
+        if self._folder is not None:
+            self._folder.cleanup()
 
-    def _next(self) -> Any:
-        """A short message, without files: it may come from a stranger's code."""
-        while b"\n" not in self._unread:
-            part = self.channel.recv(_MESSAGE)
-            if not part or len(self._unread) > _MESSAGE:
-                raise ConnectionError
-            self._unread += part
-        line, _, self._unread = self._unread.partition(b"\n")
-        return json.loads(line)
+    def _last_line(self) -> bytes | None:
+        """Return the line that comes next, None if none comes in time."""
+        patience = time.monotonic() + _END_S
+        while (left := patience - time.monotonic()) > 0 and select.select([self.answers], [], [], left)[0]:
+            if (heard := self.read()) is not None:
+                return heard if isinstance(heard, bytes) else None
+        return None
 
 
 class Sandbox:
-    """Where the isolated agents of one tournament process live; it holds one match at a time.
-
-    They descend from one process of ours, the supervisor, which is started when it is first needed, and which ends them
-    all when this process ends, however that ends. Use it as a context manager, or `close` it. Whatever its methods
-    raise is a NoContest.
+    """The isolated agents of one process; it holds one match at a time. Use it as a context manager, or `close` it.
 
     Args:
         limits: each agent's.
 
     Raises:
-        ConfigError: for a level that this machine cannot hold.
+        ConfigError: for a level that this machine does not have.
     """
 
     def __init__(self, limits: AgentLimits | None = None) -> None:
-        self.limits = limits or AgentLimits()
-        if self.limits.level is not None:
-            level_here(self.limits.level)
-        self._supervisor: _Supervisor | None = None
-        self._servers: dict[tuple[str, str], _ForkServer] = {}
+        limits = limits or AgentLimits()
+        self.level: Level = level_here(limits.isolation)
+        self.limits = replace(limits, isolation=self.level)
+        self._processes: dict[tuple[str, str], AgentProcess] = {}
 
     def __enter__(self) -> "Sandbox":
         return self
@@ -218,136 +255,58 @@ class Sandbox:
         self.close()
 
     @property
-    def level(self) -> Level:
-        """How its agents are held apart."""
-        return level_here(self.limits.level)
+    def pids(self) -> list[int]:
+        """The processes that wait or play."""
+        return [process.pid for process in self._processes.values()]
 
-    def close(self) -> None:
-        """End all agents, and remove what they wrote; the next match would start anew."""
-        for server in self._servers.values():
-            server.close()
-        self._servers.clear()
-        if self._supervisor is not None:
-            self._supervisor.close()
-            self._supervisor = None
-
-    def start(self, entrant: Entrant, seat: int, files: Sequence[int]) -> None:
-        """Give an entrant a process for this match; `files` are its ends of AgentPipes: in, out and log."""
-        if self._supervisor is None:
-            self._supervisor = _Supervisor()
-        folder = PLAY if self.level == "namespaces" else self._folder(self._supervisor, seat)
-        server = self._servers.get(_key(entrant))
-        if server is not None:
-            try:
-                protocol.send(server.channel, files, play=str(folder), side=entrant.side)
-            except OSError:  # it has ended since its last match
-                self.end(entrant)
-                server = None
-        if server is None:
-            server = self._start_server(self._supervisor, entrant.spec)
-            with suppress(OSError):  # whether it has ended already, its pipes will show
-                whom = {"serve": entrant.spec, "limits": self.limits.numbers()}
-                protocol.send(server.channel, files, play=str(folder), side=entrant.side, **whom)
-        server.busy = True
-        self._servers.pop(_key(entrant), None)
-        self._servers[_key(entrant)] = server  # the last one: those that have waited longest are ended first
-
-    def end(self, entrant: Entrant) -> None:
-        """End an agent and all that it started, its fork server too."""
-        server = self._servers.pop(_key(entrant), None)
-        if server is not None and self._supervisor is not None:
-            server.close()
-            self._supervisor.ask(end=server.pid)
-
-    def how_it_ended(self, entrant: Entrant) -> tuple[str, bool]:
-        """Why an agent's answers have ended, in words; where that is no agent's fault, it is raised.
-
-        Returns:
-            these words, and whether a signal may have ended its process, which anybody may have sent.
-        """
-        server = self._servers[_key(entrant)]
-        code = server.exit_code()
-        self.require_alive()
-        if code is not None:
-            return how_it_ended(code), code < 0 and code != -signal.SIGXCPU
-        if self._supervisor is not None and (excess := self._supervisor.ask(excess=server.pid)["excess"]):
-            return str(excess), False
-        if not server.began and self.level == "namespaces":
-            raise NoContest(f"an agent's namespaces could not be made: {server.why_it_did_not_begin()}")
-        return "its process has ended, or closed its answers", True
-
-    def require_alive(self) -> None:
-        """Require that what keeps the agents runs.
+    def start(self, entrant: Entrant) -> AgentProcess:
+        """Return an entrant's process for the next match: the one that waits, or a new one.
 
         Raises:
-            NoContest: where it has ended or was stopped.
+            NoContest: if it cannot be started.
         """
-        if self._supervisor is not None:
-            self._supervisor.require_alive()
+        key = entrant.name, entrant.spec
+        process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.limits, self.level)
+        self._processes[key] = process  # the last one: those that have waited longest are ended first
+        process.begin()
+        return process
 
-    def has_stopped(self) -> bool:
-        """Whether what keeps the agents was stopped."""
-        return self._supervisor is not None and is_stopped(self._supervisor.pid)
-
-    def holds_stopped(self) -> bool:
-        """Whether anybody has stopped a process of an agent."""
-        return self._supervisor is not None and any(map(is_stopped, family(self._supervisor.pid)))
-
-    def is_full(self) -> bool:
-        """Whether the disk is full that agents' folders are on."""
-        return self._supervisor is not None and is_full(self._supervisor.folder)
-
-    @property
-    def pid(self) -> int:
-        """That of the process that all its agents descend from, which is started where it does not run."""
-        if self._supervisor is None:
-            self._supervisor = _Supervisor()
-        return self._supervisor.pid
+    def end(self, entrant: Entrant) -> None:
+        """End an agent, and all that it started."""
+        if (process := self._processes.pop((entrant.name, entrant.spec), None)) is not None:
+            process.close()
 
     def clear(self) -> None:
-        """End what a match has left, but for the fork servers that serve the next one."""
-        if self._supervisor is None:
-            return
-        try:
-            if not self._supervisor.ask(sweep=True)["done"]:
-                raise NoContest("a process of an agent could not be ended")
-            for key, server in list(self._servers.items()):
-                unclear = server.busy and server.exit_code() is None
-                if unclear or len(self._servers) > _MOST_SERVERS:
-                    del self._servers[key]
-                    server.close()
-                    self._supervisor.ask(end=server.pid)
-        except BaseException:
-            self.close()
-            raise
+        """End a match: processes that can play another one wait for it."""
+        for number, (key, process) in enumerate(reversed([*self._processes.items()])):
+            if number >= _MOST_WAITING or not process.finish():
+                process.close()
+                del self._processes[key]
 
-    @staticmethod
-    def _folder(supervisor: _Supervisor, seat: int) -> Path:
-        """To work in, for one match."""
-        try:
-            return Path(tempfile.mkdtemp(prefix=f"seat_{seat}_", dir=supervisor.folder))
-        except OSError as error:
-            raise NoContest(
-                f"{supervisor.folder}: no folder can be made there: {error.strerror}: {room(supervisor.folder)}"
-            ) from None
+    def kill(self) -> None:
+        """Kill all agents, from any thread: whoever waits for an answer finds the end."""
+        for process in self._processes.values():
+            process.kill()
 
-    def _start_server(self, supervisor: _Supervisor, spec: str) -> _ForkServer:
-        ours, theirs = socket.socketpair()
-        ours.settimeout(_SERVER_S)
-        errors, tells = os.pipe()
-        os.set_blocking(errors, False)
-        try:
-            with theirs:
-                asked = {"serve": spec, "limits": asdict(replace(self.limits, level=self.level))}
-                answer = supervisor.ask([theirs.fileno(), tells], **asked)
-        finally:
-            os.close(tells)
-        server = _ForkServer(answer["pid"], ours, errors)
-        if answer["pid"] is None:
-            server.close()
-            raise NoContest(f"an agent's fork server cannot be started: {answer['error']}")
-        return server
+    def close(self) -> None:
+        """End all agents, and remove what they wrote."""
+        while self._processes:
+            self._processes.popitem()[1].close()
 
 
-def _key(entrant: Entrant) -> tuple[str, str]:
-    return entrant.name, entrant.spec
+def how_it_ended(code: Any) -> str:
+    """Return an exit code in words; one below 0 is a signal."""
+    if not isinstance(code, int) or not -signal.NSIG < code < _KIB:
+        return "its process has ended"
+    if code >= 0:
+        return f"its process exited with code {code}"
+    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+    return "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
+
+
+def _package() -> str:
+    return str(Path(catch_arena.__file__).parents[1])
+
+
+def _shown(content: bytes) -> str:
+    return repr(content[:80].decode(errors="replace"))

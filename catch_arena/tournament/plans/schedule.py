@@ -1,8 +1,9 @@
-"""What is played: groups of entrants, in blocks where each sits in each seat, in one of three formats."""
+"""What is played: groups of entrants, in blocks where each sits in each seat, in one of two formats."""
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import combinations, islice
 from math import comb
 from typing import Final, Protocol
@@ -15,13 +16,13 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.secret import Secret
 
-FORMATS: Final = ("round-robin", "balanced", "gauntlet")
+FORMATS: Final = ("round-robin", "gauntlet")
 
 _MOST_MATCHES: Final = 1_000_000
 _MOST_ROUNDS: Final = 99_999
 """As many as the ids have room for."""
-_MANY_MATCHES: Final = 20_000
-"""A round of more than these is cut down to balanced blocks, where nobody asked for all of it."""
+MOST_IN_A_ROUND: Final = 20_000
+"""Matches of a round; of more groups a balanced sample is played."""
 _BLOCKS_OF_EACH: Final = 10
 """Blocks that each entrant plays at least if no number of rounds is given: all figures have an interval then."""
 
@@ -67,35 +68,38 @@ class FixedPlan:
 
 
 def plan_of(
-    wanted: str | None,
+    wanted: str,
     entrants: int,
     seats: int,
     rounds: int | None,
     seed: Secret | int,
     parties: Parties | None = None,
+    most: int = MOST_IN_A_ROUND,
 ) -> FixedPlan:
     """The plan of a format.
 
     Args:
-        wanted: one of FORMATS; None is a round robin, or balanced blocks where that has too many matches.
+        wanted: one of FORMATS.
         entrants: who plays.
         seats: how many play in a block: `Parties.group`.
         rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
         parties: those of the arena, where there is prey; without, a block is every rotation of its players.
+        most: matches of a round; of more groups a balanced sample is played.
 
     Raises:
         ConfigError: for an unknown format, no rounds, and too few entrants or too many matches for it.
     """
-    if wanted is None:
-        wanted = "balanced" if comb(entrants, seats) * seats > _MANY_MATCHES else "round-robin"
     require_choice("format", wanted, FORMATS)
-    makers = {"round-robin": round_robin, "balanced": balanced, "gauntlet": gauntlet}
-    make = makers[wanted]
+    challengers = int(wanted == "gauntlet")
+    groups = comb(entrants - challengers, seats - challengers)
+    make: Callable[..., FixedPlan] = gauntlet if challengers else round_robin
+    if groups * _block_size(seats, parties) > most:
+        make = partial(gauntlet, sampled=True) if challengers else balanced
     if rounds is None:
-        challenger = wanted == "gauntlet"  # sits in every block; the others share what it leaves free
-        places = make(entrants, seats, 1, seed, parties).size // _block_size(seats, parties) * (seats - challenger)
-        rounds = -(-_BLOCKS_OF_EACH * (entrants - challenger) // max(places, 1))
+        # a challenger sits in every block; the others share what it leaves free
+        places = make(entrants, seats, 1, seed, parties).size // _block_size(seats, parties) * (seats - challengers)
+        rounds = -(-_BLOCKS_OF_EACH * (entrants - challengers) // max(places, 1))
     return make(entrants, seats, rounds, seed, parties)
 
 
@@ -127,15 +131,15 @@ def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int, parties
     return _in_sweeps("balanced", entrants, seats, rounds, seed, parties)
 
 
-def gauntlet(entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None) -> FixedPlan:
-    """The first entrant in every block, against each subset of the others; balanced blocks of them where those are too
-    many.
-    """
+def gauntlet(
+    entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None, *, sampled: bool = False
+) -> FixedPlan:
+    """The first entrant in every block, against each subset of the others, or against balanced groups of them."""
     if seats < 2:
         raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {seats}")
     secret, count = Secret.of(seed), comb(entrants - 1, seats - 1)
     size = count * _block_size(seats, parties)
-    if size > _MANY_MATCHES:
+    if sampled:
         return _in_sweeps("gauntlet", entrants, seats, rounds, seed, parties, challenger=True)
     _check(rounds, rounds * size, f"one against every {seats - 1} of {entrants - 1} entrants")
 

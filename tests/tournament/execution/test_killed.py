@@ -184,7 +184,19 @@ def test_the_processes_of_a_killed_tournament_end_too(tmp_path):
     command = [sys.executable, "-m", "catch_arena", "tournament", "tells.py", "idle"]
     process = subprocess.Popen(
         # in namespaces it could not write there, and would know other numbers
-        [*command, "--scenario", "duel", "--rounds", "5000", "--jobs", "2", "--out", "o", "--isolation", "processes"],
+        [
+            *command,
+            "--scenario",
+            "duel",
+            "--rounds",
+            "5000",
+            "--jobs",
+            "2",
+            "--out",
+            "o",
+            "--limit",
+            "isolation=processes",
+        ],
         cwd=tmp_path,
         stdout=subprocess.DEVNULL,
     )

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import pytest
 from tournament.agents import dies_once
+from tournament.execution.test_process_executor import helpers
 
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
@@ -69,16 +70,16 @@ def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_pa
         assert list(one.result.forfeits) == codes
     assert [path.name for path in (tmp_path / LOGS).iterdir()] == ["bad.log"]
     assert (tmp_path / LOGS / "bad.log").read_text().count("FORFEIT_ILLEGAL in step 1: an action must be") == 8
-    assert family(os.getpid()) == before
+    assert family(os.getpid()) - before <= helpers()
 
 
 def test_a_worker_that_dies_every_time_is_told_with_its_match(tmp_path):
     bad = tmp_path / "bad.py"
     bad.write_text("import os\nclass Agent:\n    def reset(self, seed): pass\n    def act(self, view): os._exit(1)\n")
     before = family(os.getpid())
-    with pytest.raises(NoContest, match="a worker process died, 3 times, while the block of match r00001-g000001"):
+    with pytest.raises(NoContest, match=r"match r00001-g000001.* failed 3 times: a worker process died"):
         run(SHORT, enter([str(bad), "nearest"]), round_robin(2, 2, 1, seed=0), jobs=2)
-    assert family(os.getpid()) == before
+    assert family(os.getpid()) - before <= helpers()
 
 
 def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):

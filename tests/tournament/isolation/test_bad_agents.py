@@ -11,10 +11,9 @@ from isolation_levels import LEVELS
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import start_players
 from catch_arena.tournament.match_loop import play
 
 BAD = Path(__file__).parent / "bad"
@@ -43,7 +42,7 @@ class Agent:
 
 @pytest.fixture(scope="module", params=LEVELS)
 def sandbox(request):
-    with Sandbox(replace(PATIENT, level=request.param)) as made:
+    with Sandbox(replace(PATIENT, isolation=request.param)) as made:
         yield made
 
 
@@ -65,7 +64,7 @@ def played(sandbox, name, *others, record=None):
     [
         ("crashes", "FORFEIT_CRASH", 5, "act raised ZeroDivisionError: integer division or modulo by zero"),
         ("exits", "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
-        ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process has ended, or closed its answers"),
+        ("closes_its_answers", "FORFEIT_CRASH", 1, "act: its process exited with code 1"),
         (
             "hangs",
             "FORFEIT_TIMEOUT",
@@ -90,7 +89,7 @@ def played(sandbox, name, *others, record=None):
     ],
 )
 def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(sandbox, tmp_path, name, code, step, reason):
-    within_limits = replace(IMPATIENT.get(name, PATIENT), level=sandbox.level)
+    within_limits = replace(IMPATIENT.get(name, PATIENT), isolation=sandbox.level)
     with Sandbox(within_limits) if name in IMPATIENT else nullcontext(sandbox) as within:
         result = played(within, name, record=tmp_path / "m.replay")
     assert result.forfeits == (code, None)
@@ -107,19 +106,16 @@ def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(sandbox, tm
     assert last.hunters[1].score == result.scores[1] > 0
 
 
-def test_who_kills_its_fork_server_goes_with_it_unless_it_is_the_first_process_of_its_namespaces(sandbox):
-    result = played(sandbox, "ends_its_fork_server")
-    if sandbox.level == "namespaces":
-        assert result.forfeits == (None, None)
-    else:
-        assert str(result.details[0]) == "FORFEIT_CRASH in step 1: act: its process has ended, or closed its answers"
+def test_one_that_kills_the_program_above_it_forfeits(sandbox):
+    result = played(sandbox, "kills_its_parent")
+    assert str(result.details[0]) == "FORFEIT_CRASH in step 1: act: its process has ended"
 
 
 def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_path):
     """The first takes longer than what is left of its bank, and answers before the second does."""
     for name, naps in (("late", "[4.2, 1.0]"), ("slow", "[4.4, 0.0]")):
         (tmp_path / f"{name}.py").write_text(NAPS.format(naps))
-    with Sandbox(AgentLimits(init_s=60, step_ms=200, bank_s=4.5, level=sandbox.level)) as within:
+    with Sandbox(AgentLimits(init_s=60, step_ms=200, bank_s=4.5, isolation=sandbox.level)) as within:
         entrants = enter([str(tmp_path / "late.py"), str(tmp_path / "slow.py")], inspector(within))
         with start_players(entrants, within) as players:
             result = play(SHORT, 3, players, ["late", "slow"], most_steps=3)
@@ -145,7 +141,7 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
 @pytest.mark.parametrize("level", LEVELS)
 def test_what_it_takes_over_a_step_comes_out_of_its_bank(level):
     """50 ms a step at least, of which 10 are allowed: a bank of 0.2 s lasts for 5 steps at most."""
-    limits = AgentLimits(init_s=60, step_ms=10, bank_s=0.2, level=level)
+    limits = AgentLimits(init_s=60, step_ms=10, bank_s=0.2, isolation=level)
     with Sandbox(limits) as sandbox:
         result = played(sandbox, "is_slow")
     assert result.forfeits[0] == "FORFEIT_TIMEOUT"
@@ -156,7 +152,7 @@ def test_what_it_takes_over_a_step_comes_out_of_its_bank(level):
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_cpu_time_is_limited_too(level):
-    with Sandbox(AgentLimits(init_s=60, step_ms=600_000, cpu_s=1, level=level)) as sandbox:
+    with Sandbox(AgentLimits(init_s=60, step_ms=600_000, cpu_s=1, isolation=level)) as sandbox:
         result = played(sandbox, "hangs")
     assert result.forfeits == ("FORFEIT_CRASH", None)
     assert result.details[0].reason == "act: its process used up its CPU time (cpu_s)"
@@ -166,8 +162,8 @@ def test_a_child_that_would_outlive_its_parent_does_not(sandbox):
     result = played(sandbox, "leaves_a_child")
     assert result.forfeits == (None, None)
     assert re.match(r"child \d+", result.logs[0])
-    of_each = 2 if sandbox.level == "namespaces" else 1  # its fork server, and who made its namespaces
-    assert len(family(sandbox._supervisor._process.pid)) == of_each * len(sandbox._servers)
+    below = 2 if sandbox.level == "namespaces" else 0  # bubblewrap's first process, and the agent's program
+    assert len(family(*sandbox.pids)) == below * len(sandbox.pids)
 
 
 def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, tmp_path, monkeypatch):
@@ -177,7 +173,6 @@ def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, tmp
     (folder,) = re.findall(r"folder (.*)", result.logs[0])
     assert not Path(folder).exists()
     if sandbox.level == "processes":
-        assert Path(folder).parent == sandbox._supervisor.folder
         assert Path(folder).parent.exists()
     assert not list(tmp_path.iterdir())
 

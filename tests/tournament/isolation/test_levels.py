@@ -8,8 +8,8 @@ from isolation_levels import LEVELS
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.isolation import namespaces
-from catch_arena.tournament.isolation.levels import level_here
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.namespaces import level_here, level_line
 from catch_arena.tournament.isolation.sandbox import Sandbox
 
 
@@ -49,7 +49,7 @@ def test_without_a_bubblewrap_that_works_the_level_is_refused_in_one_line(bubble
     monkeypatch.setattr(namespaces, "_PROBE_S", 1.0 if script == "sleep 600" else 60.0)
     assert level_here() == "processes"
     with pytest.raises(ConfigError) as refused:
-        Sandbox(AgentLimits(level="namespaces"))
+        Sandbox(AgentLimits(isolation="namespaces"))
     assert str(refused.value).startswith("isolation namespaces cannot be held here: ")
     assert why in str(refused.value)
     assert "\n" not in str(refused.value)
@@ -68,11 +68,19 @@ def test_a_kernel_without_user_namespaces_is_named(bubblewrap, tmp_path, monkeyp
     path.parent.mkdir(parents=True)
     path.write_text(f"{value}\n")
     bubblewrap("echo bwrap: No permissions to create new namespace >&2; exit 1")
-    monkeypatch.setattr(namespaces, "_SETTINGS", tmp_path / "sys")
+    monkeypatch.setattr(namespaces, "_SYSCTL", tmp_path / "sys")
     with pytest.raises(ConfigError, match=f"No permissions to create new namespace; {hint}"):
         level_here("namespaces")
 
 
 def test_a_level_that_is_none_is_refused():
     with pytest.raises(ConfigError, match="isolation must be one of namespaces, processes, got 'namespace'; did you"):
-        AgentLimits(level="namespace")
+        AgentLimits(isolation="namespace")
+
+
+def test_one_line_says_what_processes_do_not_stop_and_what_to_install(bubblewrap):
+    bubblewrap(None)
+    assert level_line("processes") == (
+        "isolation: processes, which does not stop a hostile agent: bubblewrap is not installed: apt-get install "
+        "bubblewrap, or your system's package of that name (`catch-arena docs isolation`)"
+    )

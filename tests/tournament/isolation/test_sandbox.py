@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import suppress
 from dataclasses import fields
 from io import BufferedReader, BytesIO
 from pathlib import Path
@@ -22,13 +21,9 @@ from catch_arena.errors import AgentError, ConfigError, NoContest
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.inspecting import inspector
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.isolation.pipes import Log
-from catch_arena.tournament.isolation.playing import play_entrants
-from catch_arena.tournament.isolation.processes import missing_protections
-from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.isolation.starting import start_players
+from catch_arena.tournament.isolation.playing import inspector, start_players
+from catch_arena.tournament.isolation.sandbox import Log, Sandbox
 from catch_arena.tournament.match_loop import play
 
 HERE = Path(__file__).parent
@@ -37,7 +32,7 @@ SHORT = scenario("duel", time_limit_s=10)
 
 @pytest.fixture(scope="module", params=LEVELS)
 def sandbox(request):
-    with Sandbox(AgentLimits(level=request.param)) as made:
+    with Sandbox(AgentLimits(isolation=request.param)) as made:
         yield made
 
 
@@ -74,7 +69,7 @@ class Agent:
 ISOLATED = """
 import sys
 from tournament.isolation.test_sandbox import *
-with Sandbox(AgentLimits(level="processes", init_s=120, bank_s=120)) as sandbox:
+with Sandbox(AgentLimits(isolation="processes", init_s=120, bank_s=120)) as sandbox:
     entrants = enter([sys.argv[1], "nearest"], inspector(sandbox))
     print(played(scenario("duel", time_limit_s=1), entrants, sandbox).logs[0])
 """
@@ -98,8 +93,8 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
     assert family(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
-    of_a_server = 2 if sandbox.level == "namespaces" else 1  # itself, and who made its namespaces
-    assert len(family(os.getpid()) - before) == 1 + of_a_server  # the supervisor besides
+    of_each = 3 if sandbox.level == "namespaces" else 1  # bubblewrap, its first process, and the agent's program
+    assert len(family(os.getpid()) - before) == of_each
 
 
 def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox):
@@ -226,25 +221,33 @@ def test_all_are_asked_at_once(tmp_path):
         "        while len(list(HERE.glob(f'{self.step}-*'))) < 4: time.sleep(0.005)\n        return 0\n"
     )
     config = scenario("standard", time_limit_s=0.3)
-    with Sandbox(AgentLimits(step_ms=120_000, level="processes")) as patient:  # where it may write beside itself
+    with Sandbox(AgentLimits(step_ms=120_000, isolation="processes")) as patient:  # where it may write beside itself
         result = played(config, enter([str(path)] * 4, inspector(patient)), patient)
     assert result.forfeits == (None,) * 4
     assert len(list(tmp_path.glob("3-*"))) == 4
 
 
-def test_the_supervisors_end_is_no_contest_and_the_next_match_starts_anew(sandbox):
+def test_a_process_that_cannot_start_is_no_contest_and_its_last_line_says_why(sandbox, monkeypatch):
+    """Here the program that all agents run in: it ends before it has run any of an agent's code."""
     entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
-    whole = played(SHORT, entrants, sandbox)
-    supervisor, folder = sandbox._supervisor._process.pid, sandbox._supervisor.folder
+    sandbox.close()
+    with monkeypatch.context() as changed:
+        changed.setattr("catch_arena.tournament.isolation.sandbox._MAIN", "raise SystemExit('no room')")
+        with pytest.raises(NoContest, match=r"the process of (nearest|idle) could not start: no room"):
+            played(SHORT, entrants, sandbox)
+    assert played(SHORT, entrants, sandbox).forfeits == (None, None)
 
-    def end_the_supervisor(env):
-        if env.world().step == 10:
-            os.kill(supervisor, signal.SIGKILL)
 
-    with pytest.raises(NoContest, match="the supervisor of the agents' processes has ended"):
-        played(SHORT, entrants, sandbox, watch=end_the_supervisor)
-    assert not folder.exists()
-    assert played(SHORT, entrants, sandbox) == whole
+def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_blamed(monkeypatch):
+    def nowhere(**_):
+        raise FileNotFoundError(2, "No usable temporary directory found")
+
+    monkeypatch.setattr("catch_arena.tournament.isolation.sandbox.tempfile.TemporaryDirectory", nowhere)
+    with (
+        Sandbox(AgentLimits(isolation="processes")) as sandbox,
+        pytest.raises(NoContest, match=r"an agent's process cannot be started: .*No usable temporary directory"),
+    ):
+        enter([alone("nearest")], inspector(sandbox))
 
 
 def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, monkeypatch):
@@ -270,90 +273,49 @@ def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
     code = (
         "from catch_arena import scenario\n"
         "from catch_arena.tournament.entrants import enter\n"
-        "from catch_arena.tournament.isolation.inspecting import inspector\n"
-        "from catch_arena.tournament.isolation.playing import play_entrants\n"
-        "from catch_arena.tournament.isolation.starting import start_players\n"
+        "from catch_arena.tournament.isolation.playing import inspector, start_players\n"
         "from catch_arena.tournament.match_loop import play\n"
         "from catch_arena.tournament.isolation.limits import AgentLimits\n"
         "from catch_arena.tournament.isolation.sandbox import Sandbox\n"
-        f"sandbox = Sandbox(AgentLimits(level={level!r}, init_s=120, bank_s=120))\n"
+        f"sandbox = Sandbox(AgentLimits(isolation={level!r}, init_s=120, bank_s=120))\n"
         f"entrants = enter([{str(agent)!r}, {alone('idle')!r}], inspector(sandbox))\n"
         "with start_players(entrants, sandbox) as players:\n"
         "    def tell(env):\n"
         "        if env.world().step == 3:\n"
-        "            print(players.logs()[0].strip(), sandbox._supervisor.folder, flush=True)\n"
+        "            print(players.logs()[0].strip(), flush=True)\n"
         "            input()\n"
         "    play(scenario('duel'), 1, players, ['a', 'b'], watch=tell)\n"
     )
+    (tmp_path / "temporary").mkdir()
     process = subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=tmp_path
+        [sys.executable, "-c", code],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"TMPDIR": str(tmp_path / "temporary")},
     )
     with process:
-        _, child, folder = process.stdout.readline().split()
-        folder, relatives = Path(folder), family(process.pid)
-        if level == "processes":  # in namespaces it has another number
+        _, child = process.stdout.readline().split()
+        relatives = family(process.pid)
+        if level == "processes":  # in namespaces it has another number, and no folder outside
             assert int(child) in relatives
-        assert len(relatives) >= 6  # the supervisor, two fork servers, two agents, the child
-        assert folder.is_dir()
+            assert len(list((tmp_path / "temporary").iterdir())) == 2
+        assert len(relatives) >= 5  # two programs, two agents, the child
         process.kill()
     patience = time.monotonic() + 60
-    while (folder.exists() or any(Path(f"/proc/{pid}").exists() for pid in relatives)) and time.monotonic() < patience:
+    while (any(map(lives, relatives)) or any((tmp_path / "temporary").iterdir())) and time.monotonic() < patience:
         time.sleep(0.02)
-    assert not [pid for pid in relatives if Path(f"/proc/{pid}").exists()]
-    assert not folder.exists()
-
-
-@pytest.fixture(params=["by descent", "by groups"])
-def way_to_end_processes(request, monkeypatch):
-    """The supervisor's two ways. This system may have both; by groups, it is as if it did not list descendants."""
-    if request.param == "by groups":
-        monkeypatch.setattr(
-            "catch_arena.tournament.isolation.sandbox._SUPERVISOR", "tournament.isolation.process_groups_only"
-        )
-        monkeypatch.setattr("catch_arena.tournament.isolation.processes.LINUX", False)
-    return request.param
+    assert not [pid for pid in relatives if lives(pid)]
+    assert not any((tmp_path / "temporary").iterdir())
 
 
 def lives(pid):
-    """Whether a process has not ended; one that nobody has waited for yet has."""
+    """Return whether a process has not ended; one that nobody has waited for yet has."""
     try:
         return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()[0] not in {b"Z", b"X"}
     except FileNotFoundError:
         return False
-
-
-def test_a_child_outlives_its_match_only_where_that_is_said_and_only_in_a_session_of_its_own(
-    way_to_end_processes, tmp_path
-):
-    path = tmp_path / "leaves_children.py"
-    path.write_text(
-        "from subprocess import Popen\nclass Agent:\n    def reset(self, seed):\n"
-        "        children = [Popen(['sleep', '600'], start_new_session=own) for own in (False, True)]\n"
-        "        print(*(child.pid for child in children))\n"
-        "    def act(self, view): return 0\n"
-    )
-    with Sandbox(AgentLimits(level="processes")) as sandbox:
-        entrants = enter([str(path), "idle"], inspector(sandbox))
-        in_its_group, in_a_session = map(int, played(SHORT, entrants, sandbox).logs[0].split())
-        outlived = lives(in_a_session)
-    said = any("in a session of its own may outlive the match" in line for line in missing_protections())
-    if lives(in_a_session):
-        os.kill(in_a_session, signal.SIGKILL)
-    assert not lives(in_its_group)
-    assert outlived is said is (way_to_end_processes == "by groups")
-
-
-@pytest.mark.usefixtures("way_to_end_processes")
-def test_both_ways_to_end_processes_hold_the_same_matches_and_leave_nothing():
-    before = family(os.getpid())
-    with Sandbox(AgentLimits(level="processes")) as sandbox:
-        entrants = enter([str(HERE / "bad" / "crashes.py"), "nearest"], inspector(sandbox))
-        results = [played(SHORT, entrants, sandbox) for _ in range(2)]
-        assert family(os.getpid()) > before
-    trusted = played(SHORT, enter([str(HERE / "bad" / "crashes.py"), "nearest"]), None)
-    assert results[0] == results[1] == trusted
-    assert trusted.forfeits == ("FORFEIT_CRASH", None)
-    assert family(os.getpid()) == before
 
 
 def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
@@ -371,35 +333,6 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     assert played(SHORT, entrants, sandbox).forfeits == (None, None)
 
 
-def test_a_match_that_could_not_be_held_is_played_again_one_agent_at_a_time(sandbox):
-    entrants = enter([alone("nearest"), alone("contested")], inspector(sandbox))
-    whole = play_entrants(SHORT, 7, entrants, sandbox)
-    ended = []
-
-    def end_the_supervisor_once(env):
-        if env.world().step == 10 and not ended:
-            ended.append(sandbox.pid)
-            os.kill(ended[0], signal.SIGKILL)
-
-    assert play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_supervisor_once) == whole
-    assert ended
-
-
-def test_where_harm_is_done_while_no_agent_runs_none_is_blamed(sandbox, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.isolation.apart.PAUSES_S", (0.0, 0.0, 0.0))
-    entrants = enter([alone("nearest"), alone("contested")], inspector(sandbox))
-    before = family(os.getpid())
-
-    def end_the_newcomers(env):
-        if env.world().step == 10:
-            for pid in family(os.getpid()) - before:
-                with suppress(ProcessLookupError):  # its parent's end was its own
-                    os.kill(pid, signal.SIGKILL)
-
-    with pytest.raises(NoContest, match="was ended, or made to run, while no agent ran"):
-        play_entrants(SHORT, 7, entrants, sandbox, watch=end_the_newcomers)
-
-
 def test_a_line_and_a_record_give_every_float32_back():
     bits = np.random.default_rng(1).integers(0, 2**32, 20_000, dtype=np.uint32)
     floats = bits.view(np.float32)
@@ -411,6 +344,7 @@ def test_a_line_and_a_record_give_every_float32_back():
     assert protocol.read_record(records) == (numbers, [1, 0])
     assert protocol.read_record(records) == ([0.5], [])
     assert protocol.read_record(records) is None
+    assert protocol.read_record(BufferedReader(BytesIO(protocol.END + b"next"))) is None
 
 
 def test_a_log_keeps_both_ends():

@@ -1,7 +1,6 @@
-"""Closes its answers, and lives on."""
+"""Closes every file that it has open, as a daemon does."""
 
 import os
-import time
 
 
 class Agent:
@@ -9,5 +8,5 @@ class Agent:
         pass
 
     def act(self, view):
-        os.close(4)
-        time.sleep(3600)
+        os.closerange(0, 64)
+        return 0

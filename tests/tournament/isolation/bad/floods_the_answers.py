@@ -1,6 +1,7 @@
 """Writes zeros without end where our runner's answers go."""
 
 import os
+from contextlib import suppress
 
 
 class Agent:
@@ -9,4 +10,6 @@ class Agent:
 
     def act(self, view):
         while True:
-            os.write(4, bytes(4096))
+            for file in range(3, 64):
+                with suppress(OSError):  # not open, or not to be written
+                    os.write(file, bytes(4096))

@@ -1,6 +1,7 @@
 """Writes where our runner's answers go."""
 
 import os
+from contextlib import suppress
 
 
 class Agent:
@@ -8,5 +9,7 @@ class Agent:
         pass
 
     def act(self, view):
-        os.write(4, b"no JSON\n")
+        for file in range(3, 64):
+            with suppress(OSError):  # not open, or not to be written
+                os.write(file, b"no JSON\n")
         return 0

@@ -1,0 +1,347 @@
+"""The program in an agent's process: it imports the agent's module once, and forks for each of its matches.
+
+It reads lines from one pipe and writes answers to another; standard output and standard error go to the agent's log.
+From the import on it runs a stranger's code, so the tournament relies on nothing that it says. A command takes the
+place of this program, and speaks the protocol itself.
+
+`sandbox.AgentProcess` starts it, in namespaces (namespaces.py) or as it is.
+"""
+
+import ctypes
+import importlib
+import json
+import os
+import resource
+import select
+import shutil
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
+from io import BufferedReader, BufferedWriter
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any, Final, NoReturn
+
+import catch_arena
+from catch_arena.errors import AgentError, CatchArenaError, reason
+from catch_arena.policy import Policy, PreyPolicy
+from catch_arena.tournament import entrants
+from catch_arena.tournament.entrants import (
+    agent_class,
+    command_of,
+    create_policy,
+    folder_of,
+    look_for_prey,
+    sources_of,
+)
+from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.namespaces import SHARED
+
+_LINUX: Final = sys.platform == "linux"
+_SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
+_MIB: Final = 1 << 20
+_ADDRESSES: Final = 4
+"""Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
+_TOLD: Final = 76
+"""Exit code of a match's process that has sent why its agent failed; nothing more is sent, and the program ends."""
+_CLEAN_S: Final = 1.0
+"""Time to end what a match has left; after it the program ends, and the tournament ends the rest."""
+
+
+def main(words: str) -> None:
+    """Run the program.
+
+    Args:
+        words: JSON of the arguments of `serve`.
+    """
+    try:
+        serve(**json.loads(words))
+    except BaseException:  # noqa: BLE001 - its last line says why a match could not be held
+        traceback.print_exc()
+    finally:
+        os._exit(0)
+
+
+def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
+    """Play matches until the tournament closes the lines.
+
+    Args:
+        spec: an entrant's.
+        limits: an agent's, by name.
+        folder: where the agent's working folder is made for each match.
+        into: descriptor of the pipe with the lines.
+        out: descriptor of the pipe for the answers.
+        namespaced: whether the process is in namespaces of its own.
+    """
+    if not namespaced:
+        _end_with(os.getppid(), Path(folder))
+    allowed = AgentLimits(**limits)
+    _confine(allowed, namespaced=namespaced)
+    kept = {*_found_in(Path(folder)), *_found_in(SHARED)} if namespaced else set()
+    os.write(out, protocol.STARTED)
+    _work_in(Path(folder, "match"))
+    if (command := command_of(spec)) is not None:
+        _limit_cpu(allowed.cpu_s)
+        _become_command(command, into, out)
+    _import(spec, out)
+    lines = select.poll()
+    lines.register(into, select.POLLIN)
+    while lines.poll()[0][1] & select.POLLIN:
+        _work_in(Path(folder, "match"))
+        sys.stdout.flush()
+        sys.stderr.flush()
+        parent, child = os.getpid(), os.fork()
+        if child == 0:
+            try:
+                signal.signal(signal.SIGTERM, signal.SIG_DFL)
+                _set_for_process(_SET_PDEATHSIG, signal.SIGKILL)
+                _limit_cpu(allowed.cpu_s)
+                if os.getppid() == parent:
+                    _play(spec, into, out)
+            finally:
+                os._exit(1)
+        code = _exit_code(child)
+        if code == _TOLD:
+            return
+        if not (_end_all_others() if namespaced else _end_descendants()):
+            return
+        os.chdir("/")
+        _remove(Path(folder), kept) if namespaced else shutil.rmtree(Path(folder, "match"))
+        if namespaced:
+            _remove(SHARED, kept)
+        os.write(out, protocol.line(ended=code))
+
+
+def speak_for(
+    policy: Policy | PreyPolicy, lines: BufferedReader, answers: BufferedWriter, known: Mapping[str, Any]
+) -> None:
+    """Speak the protocol for a Python class; what it raises is sent in one line, and its traceback printed.
+
+    Args:
+        policy: an instance for this match, already asked for by a hello.
+        lines: the lines and records for it.
+        answers: where its answers go.
+        known: what it says of itself besides its control.
+    """
+    doing = "init"
+    try:
+        _send(answers, protocol.line(control=getattr(policy, "control", "target"), **known))
+        if not (line := lines.readline()):
+            return
+        doing = "reset"
+        message = json.loads(line)["reset"]
+        limits = protocol.limits_in(message)
+        policy.reset(message["seed"])
+        _send(answers, protocol.line(ready=True))
+        doing = "act"
+        while (seen := protocol.read_record(lines)) is not None:
+            action = policy.act(limits.view(*seen))  # type: ignore[arg-type]  # its limits are of its side
+            _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
+    except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
+        _print(error, error.__traceback__ and error.__traceback__.tb_next)  # without our own frame
+        _send(answers, protocol.line(error=f"{doing} raised {reason(error)}"))
+        os._exit(_TOLD)
+
+
+def _play(spec: str, into: int, out: int) -> NoReturn:
+    """Play one match, in a process of its own."""
+    with os.fdopen(into, "rb") as lines, os.fdopen(out, "wb") as answers:
+        side = json.loads(lines.readline())["side"]
+        try:
+            policy = create_policy(spec, side)
+        except AgentError as error:
+            _report(error, answers)
+            os._exit(_TOLD)
+        else:
+            prey, prey_fault = look_for_prey(spec)
+            speak_for(policy, lines, answers, {"sources": sources_of(spec), "prey": prey, "prey_fault": prey_fault})
+    _flush()
+    os._exit(0)
+
+
+def _become_command(command: list[str], into: int, out: int) -> NoReturn:
+    for number, file in enumerate((into, out)):
+        os.dup2(file, number)
+    os.closerange(3, max(into, out) + 1)
+    for usual in (signal.SIGPIPE, signal.SIGXFSZ, signal.SIGTERM):  # Python ignores or handles them
+        signal.signal(usual, signal.SIG_DFL)
+    try:
+        os.execv(command[0], command)  # noqa: S606 - no shell is wanted
+    except OSError as error:
+        os.write(1, protocol.line(error=f"{command[0]}: cannot be started: {error.strerror}"))
+    os._exit(1)
+
+
+def _import(spec: str, out: int) -> None:
+    """Load the agent's class, or say why that fails and end."""
+    if (folder := folder_of(spec)) is not None:
+        sys.path.insert(0, str(folder))
+    try:
+        agent_class(spec)
+    except AgentError as error:
+        with os.fdopen(out, "wb") as answers:
+            _report(error, answers)
+        _flush()
+        os._exit(1)
+
+
+def _confine(limits: AgentLimits, *, namespaced: bool) -> None:
+    """Limit the memory, files and processes of this process and of those that it starts."""
+    with suppress(OSError):  # when the machine has no memory left, agents are ended first
+        Path("/proc/self/oom_score_adj").write_text("1000")
+    _set_for_process(_SET_CHILD_SUBREAPER, 1)
+    if _LINUX:  # root is not bound by it, except in a user namespace
+        _limit(resource.RLIMIT_NPROC, limits.processes if namespaced else limits.processes + _tasks())
+    _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
+    _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)
+    _limit(resource.RLIMIT_NOFILE, limits.open_files)
+    _limit(resource.RLIMIT_FSIZE, limits.file_mib * _MIB)
+    _limit(resource.RLIMIT_CORE, 0)
+
+
+def _limit_cpu(seconds: int) -> None:
+    _limit(resource.RLIMIT_CPU, seconds, spare=1)  # SIGXCPU comes before SIGKILL, and says why
+
+
+def _limit(what: int, amount: int, spare: int = 0) -> None:
+    _, hard = resource.getrlimit(what)
+    most = amount + spare if hard == resource.RLIM_INFINITY else min(amount + spare, hard)
+    with suppress(ValueError, OSError):  # macOS knows some limits by name only
+        resource.setrlimit(what, (min(amount, most), most))
+
+
+def _tasks() -> int:
+    """Return the number of processes and threads on this machine; the user has at most as many."""
+    return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
+
+
+def _end_with(parent: int, folder: Path) -> None:
+    """End this process, and all that it started, when its parent ends or asks for it; remove its folder."""
+
+    def leave(number: int, frame: FrameType | None) -> None:
+        del number, frame
+        _end_descendants()
+        shutil.rmtree(folder, ignore_errors=True)
+        os._exit(0)
+
+    signal.signal(signal.SIGTERM, leave)
+    _set_for_process(_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != parent:  # it ended before the call
+        os._exit(1)
+
+
+def _set_for_process(option: int, value: int) -> None:
+    if _LINUX:
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+
+
+def _exit_code(child: int) -> int:
+    """Wait for that process; others that end meanwhile are waited for too."""
+    while True:
+        ended, status = os.waitpid(-1, 0)
+        if ended == child:
+            return os.waitstatus_to_exitcode(status)
+
+
+def _end_all_others() -> bool:
+    """End all other processes in these namespaces; false if some do not end."""
+    patience = time.monotonic() + _CLEAN_S
+    while time.monotonic() < patience:
+        try:
+            os.kill(-1, signal.SIGKILL)
+        except ProcessLookupError:
+            return True
+        with suppress(ChildProcessError):
+            os.waitpid(-1, os.WNOHANG)
+        time.sleep(0.0005)
+    return False
+
+
+def _end_descendants() -> bool:
+    """End all processes that descend from this one, as far as the system lists them; false if some do not end."""
+    children = Path(f"/proc/self/task/{os.getpid()}/children")
+    patience = time.monotonic() + _CLEAN_S
+    while time.monotonic() < patience:
+        try:
+            pids = children.read_text().split()
+        except OSError:
+            return True
+        if not pids:
+            return True
+        for pid in pids:  # their own children become this process's
+            os.kill(int(pid), signal.SIGKILL)
+        for _ in pids:
+            os.waitpid(-1, 0)
+    return False
+
+
+def _work_in(folder: Path) -> None:
+    folder.mkdir(mode=0o700, exist_ok=True)
+    os.chdir(folder)
+    os.environ["HOME"] = os.environ["TMPDIR"] = os.environ["PWD"] = str(folder)
+
+
+def _found_in(folder: Path) -> Iterator[Path]:
+    """Yield what is in a folder before an agent writes to it: its own files, and the folders above them."""
+    for entry in folder.iterdir():
+        yield entry
+        if not entry.is_symlink() and entry.is_dir() and not entry.is_mount():
+            yield from _found_in(entry)
+
+
+def _remove(folder: Path, kept: Collection[Path]) -> None:
+    """Remove what an agent wrote; if that fails the program ends, and the next one has new folders."""
+    for entry in list(os.scandir(folder)):
+        path = Path(entry.path)
+        if path in kept:
+            if entry.is_dir(follow_symlinks=False) and not path.is_mount():
+                _remove(path, kept)
+        elif entry.is_dir(follow_symlinks=False):
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+
+
+def _report(error: AgentError, answers: BufferedWriter) -> None:
+    if error.__cause__ is not None:
+        cause = error.__cause__
+        theirs = cause.__traceback__
+        while theirs is not None and _imports(theirs.tb_frame.f_code.co_filename):
+            theirs = theirs.tb_next
+        _print(cause, theirs)
+    _send(answers, protocol.line(error=str(error)))
+
+
+def _print(error: BaseException, theirs: TracebackType | None) -> None:
+    """Print a traceback to the agent's log. Of an error of ours only the agent's own lines are printed: the error is
+    sent in one line, and the lines of ours that raised it help nobody.
+    """
+    log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
+    if isinstance(error, CatchArenaError):
+        ours = str(Path(catch_arena.__file__).parent) + os.sep
+        frames = [frame for frame in traceback.extract_tb(theirs) if not frame.filename.startswith(ours)]
+        traceback.print_list(frames, log)
+    else:
+        traceback.print_exception(type(error), error, theirs, file=log)
+    with suppress(OSError):
+        log.flush()
+
+
+def _imports(file: str) -> bool:
+    """Return whether a line of this file imports an agent, and is none of the agent's own."""
+    return file.startswith("<frozen importlib") or file in {importlib.__file__, entrants.__file__}
+
+
+def _send(answers: BufferedWriter, line: bytes) -> None:
+    answers.write(line)
+    answers.flush()
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(Exception):  # an agent may have closed or replaced it
+            stream.flush()
