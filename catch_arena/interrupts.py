@@ -1,155 +1,79 @@
-"""Ctrl-C, SIGTERM and a terminal that is closed: however many there are, and whenever, a command ends within seconds,
-with one line, and leaves no process behind.
+"""Ctrl-C, SIGTERM and a closed terminal: the first ends a command in order, a second one ends it immediately.
 
-The first one raises KeyboardInterrupt where the command stands; those that follow are ignored. What this unwinds has
-_UNWIND_S. Then a watchdog ends the process, though it may stand in code that swallowed the interrupt, that waits for a
-lock, or that hangs while it tidies up. It waits longer only for what `keep` saves. Before a command begins and after it
-has ended there is nothing to unwind, and the first signal ends the process at once.
+The first signal raises KeyboardInterrupt in the main thread; the command keeps what it has, and ends its processes.
+Both end with one line and exit code 130 (143 for SIGTERM, 129 for a closed terminal), and leave no process behind.
 
-Nothing is imported here but what Python loads by itself, since a signal before `listen` is a traceback.
+Little is imported here, since a signal before `listen` is a traceback.
 """
 
-import _signal  # type: ignore[import-not-found]  # what the module signal is made of; that one takes 10 ms to load
-import _thread
 import atexit
 import os
+import signal
 import sys
 import time
 
-TYPE_CHECKING = False  # as typing says, which takes 10 ms too
+TYPE_CHECKING = False  # as typing says, which takes 10 ms to load
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import NoReturn
 
-_UNWIND_S = 1.5
-_KEEP_S = 60.0
-"""How long saving may take, on a machine however busy."""
-_LOOK_S = 0.05
-_END_S = 1.0
-"""How long the end itself may take: of what descends from this process, and of the last line."""
 _LONG_S = 3600.0
-_WORDS = {_signal.SIGINT: "interrupted", _signal.SIGTERM: "terminated"}
-if hasattr(_signal, "SIGHUP"):  # Windows has none
-    _WORDS[_signal.SIGHUP] = "hung up"
+_AGAIN_S = 0.05
+_WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
 
 
 class _Command:
-    """What this process runs, and what it has heard."""
+    """State of the command that this process runs."""
 
-    def __init__(self) -> None:
-        self.status = 2
-        """The process's, if no signal is heard; until the command has ended that of an error nobody expects."""
-        self.heard: int | None = None
-        """The first signal."""
-        self.unwinds = False
-        """Whether an interrupt can be raised: not before the command begins, and not once it has ended."""
-        self.waits = False
-        """Whether an interrupt is the command's normal end."""
-        self.keeps = False
-        """Whether it saves what must not be lost: an interrupt waits."""
-        self.more: Callable[[], str] | None = None
-        self.end_descendants: Callable[[], None] | None = None
-        self._alarm = -1
-        self._last = _thread.allocate_lock()
-
-    def listen(self) -> None:
-        """Handle signals; a watchdog learns of each at once, though this thread may be busy in compiled code."""
-        watched, self._alarm = os.pipe()
-        _thread.start_new_thread(self._watch, (watched,))
-        if os.name == "posix":
-            os.set_blocking(self._alarm, False)
-            _signal.set_wakeup_fd(self._alarm, warn_on_full_buffer=False)
-        for number in _WORDS:
-            if _signal.getsignal(number) is not _signal.SIG_IGN:
-                _signal.signal(number, self._hear)
-
-    def end(self) -> "NoReturn":
-        """End this process, and all that descend from it, without what Python does at its exit."""
-        if self._last.acquire(blocking=False):
-            try:
-                if self.end_descendants is not None:
-                    self.end_descendants()
-                if self.status:
-                    _tell(self._line())
-            finally:
-                os._exit(self.status)
-        while True:  # another thread is at it
-            time.sleep(_END_S)
-
-    def _hear(self, number: int, _: object) -> None:
-        if self.heard is not None:
-            return
-        self._take(number)
-        os.write(self._alarm, bytes((number,)))  # where it is not written without Python
-        if self.keeps:
-            return
-        if not self.unwinds:
-            self.end()
-        raise KeyboardInterrupt
-
-    def _watch(self, watched: int) -> None:
-        while (number := os.read(watched, 1)[0]) not in _WORDS:
-            pass
-        begin_s = time.monotonic()
-        while time.monotonic() < begin_s + (_KEEP_S if self.keeps else _UNWIND_S):
-            time.sleep(_LOOK_S)
-        if self._last.locked():  # the main thread is at it
-            time.sleep(_END_S)
-            os._exit(self.status)
-        if self.heard is None:
-            self._take(number)
-        self.end()
-
-    def _take(self, number: int) -> None:
-        self.heard = number
-        self.status = 0 if self.waits else 128 + number
-        _silence()
-
-    def _line(self) -> str:
-        word = _WORDS[self.heard]
-        try:
-            return f"catch-arena: {word}: {self.more()}\n" if self.more else f"catch-arena: {word}\n"
-        except Exception:  # noqa: BLE001 - the line is said in any case
-            return f"catch-arena: {word}\n"
-
-
-_command = _Command()
+    status = 2
+    """Exit code if no signal comes; until the command has ended, that of an unexpected error."""
+    heard = 0
+    """The first signal, or 0."""
+    unwinds = False
+    """Whether an interrupt can be raised: not before the command begins, and not after it has ended."""
+    waits = False
+    """Whether an interrupt is the command's normal end."""
+    keeps = False
+    """Whether it saves what must not be lost: an interrupt waits."""
+    more: "Callable[[], str] | None" = None
+    end_descendants: "Callable[[], None] | None" = None
+    """None before `run`: nothing is started until then, and an import in a handler may meet a half-imported module."""
 
 
 def listen() -> None:
-    """From here on, a signal ends this process in order; one that it was started with as ignored stays so."""
-    _command.listen()
+    """Handle signals from here on. A signal that is ignored when the process starts stays so."""
+    for name in _WORDS:
+        if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _hear)
     atexit.register(_exit)  # the first that is registered is the last that is called
 
 
 def run(command: "Callable[[], object]") -> "NoReturn":
     """Run this as the whole of the process, after `listen`; exit with what it returns or exits with."""
-    from catch_arena import descendants
+    from catch_arena.descendants import end_all
 
-    _command.end_descendants = descendants.end_all
+    _Command.end_descendants = end_all
     status: object = None
     try:
         try:
-            _command.unwinds = True
+            _Command.unwinds = True
             status = command()
         finally:
-            _command.unwinds = False
+            _Command.unwinds = False
     except SystemExit as exit_:
         status = exit_.code
     except BaseException:
-        if _command.heard is None:
+        if not _Command.heard:
             raise
-    if _command.heard is not None:  # whatever the command has made of it
+    if _Command.heard:  # whatever the command has made of it
         _flush()
-        _command.end()
-    _command.status = status if isinstance(status, int) else int(status is not None)
+        _end()
+    _Command.status = status if isinstance(status, int) else int(status is not None)
     sys.exit(status)  # type: ignore[arg-type]
 
 
 def wait(tell: "Callable[[], object]") -> None:
-    """Tell that only a signal is waited for, and wait: one that comes once that is told is the normal end of the
-    command, whose status is then 0.
-    """
+    """Call `tell`, and wait for a signal, which is the normal end of the command: its exit code is 0."""
 
     def last() -> None:
         tell()
@@ -160,59 +84,81 @@ def wait(tell: "Callable[[], object]") -> None:
 
 
 def linger(last: "Callable[[], object]") -> None:
-    """Do what may be broken off: a signal ends it, and is the normal end of the command, whose status is then 0."""
-    _command.waits = True
+    """Call `last`; a signal ends it, and is the normal end of the command: its exit code is 0."""
+    _Command.waits = True
     try:
         last()
     except KeyboardInterrupt:
         pass
     finally:
-        _command.waits = False
+        _Command.waits = False
 
 
 def keep(save: "Callable[[], object]") -> None:
-    """Save what must not be lost: no signal breaks it off, and one that comes meanwhile is raised after it."""
-    had_heard = _command.heard
-    _command.keeps = True
+    """Call `save`; an interrupt is raised after it."""
+    before, _Command.keeps = _Command.heard, True
     try:
         save()
     finally:
-        _command.keeps = False
-    if _command.heard != had_heard:
+        _Command.keeps = False
+    if _Command.heard != before:
         raise KeyboardInterrupt
 
 
 def received() -> bool:
-    """Whether a signal has come: what fails from then on is no news."""
-    return _command.heard is not None
+    """Return whether a signal has come: what fails from then on is no news."""
+    return bool(_Command.heard)
 
 
 def also_say(more: "Callable[[], str]") -> None:
-    """What the line is to say besides, if a signal comes from here on; any thread may ask."""
-    _command.more = more
+    """Add this to the line that is printed if a signal comes."""
+    _Command.more = more
 
 
-def _silence() -> None:
-    """Nobody is told what threads and destructors make of an interrupt that ends them."""
+def _hear(number: int, _: object) -> None:
+    first = not _Command.heard
+    if first:
+        _Command.heard, _Command.status = number, 0 if _Command.waits else 128 + number
+        sys.unraisablehook = _raise_again
+        if (threading := sys.modules.get("threading")) is not None:
+            threading.excepthook = _say_nothing  # type: ignore[attr-defined]
+        if _Command.keeps:
+            return
+        if _Command.unwinds:
+            raise KeyboardInterrupt
+    _end()
 
-    def hook(_: object) -> None:
-        pass
 
-    sys.unraisablehook = hook
-    if (threading := sys.modules.get("threading")) is not None:
-        threading.excepthook = hook  # type: ignore[attr-defined]
+def _end() -> "NoReturn":
+    """End this process and all that descends from it, without what Python does at its exit."""
+    try:
+        if _Command.end_descendants is not None:
+            _Command.end_descendants()
+        if _Command.status:
+            line = f"catch-arena: {_WORDS[signal.Signals(_Command.heard).name]}"
+            try:  # noqa: SIM105 - contextlib may be half imported
+                line += f": {_Command.more()}" if _Command.more else ""
+            except Exception:  # noqa: BLE001, S110 - the line is printed in any case
+                pass
+            before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # a cursor that was hidden comes back
+            os.write(2, f"{before}{line}\n".encode(errors="backslashreplace"))
+    finally:
+        os._exit(_Command.status)
 
 
-def _tell(line: str) -> None:
-    """Write to descriptor 2, as the thread that hangs may hold sys.stderr; a cursor that was hidden comes back."""
-    try:  # noqa: SIM105 - contextlib may be half imported
-        os.write(2, (("\r\x1b[K\x1b[?25h" if os.isatty(2) else "") + line).encode(errors="backslashreplace"))
-    except OSError:
-        pass  # nobody is there
+def _raise_again(swallowed: "sys.UnraisableHookArgs") -> None:
+    """Interrupt again if a destructor or a callback from C has swallowed the interrupt; print nothing."""
+    if swallowed.exc_type is KeyboardInterrupt and hasattr(signal, "setitimer"):
+        signal.signal(signal.SIGALRM, signal.default_int_handler)
+        signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
+
+
+def _say_nothing(_: object) -> None:
+    pass
 
 
 def _flush() -> bool:
-    """Whether all that was said could be written."""
+    """Return whether all output could be written."""
     try:
         sys.stdout.flush()
         sys.stderr.flush()
@@ -222,6 +168,6 @@ def _flush() -> bool:
 
 
 def _exit() -> None:
-    """The last that Python calls at its exit: taking its modules down would take half a second, and hear no signal."""
-    if _flush():  # else Python tries it again, and tells why it cannot
-        os._exit(_command.status)
+    """End without taking modules down, which would take half a second and hear no signal."""
+    if _flush():  # else Python tries it again, and says why it cannot
+        os._exit(_Command.status)

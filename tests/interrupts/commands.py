@@ -13,18 +13,19 @@ from pathlib import Path
 
 PATIENCE_S = 240.0
 """What takes longer hangs."""
-PROGRESS = re.compile(r"^(playing|planning|looking at agents|isolation): .+\n", re.MULTILINE)
-"""What a command says every few seconds (more on a slow machine), and how it holds agents apart."""
+_PLAN = "plan|matches|an agent plays|a pair meets in|time|store|replays|measured on|an agent that hangs|a slow agent"
+PROGRESS = re.compile(
+    rf"^((playing|planning|looking at agents|isolation): .+\n|({_PLAN})  +.+\n( {{10,}}.+\n)*)", re.MULTILINE
+)
+"""What a command prints on stderr before and while it plays: the level of isolation, the plan, and how far it is."""
 LINE = re.compile(
     r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
 )
-PATIENT = "from catch_arena import interrupts; interrupts._UNWIND_S = interrupts._END_S = 30.0"
-"""A busy machine must not make the watchdog end a command that unwinds by itself."""
-_CATCH_ARENA = (sys.executable, "-c", f"{PATIENT}; from catch_arena.__main__ import main; main()")
+_CATCH_ARENA = (sys.executable, "-c", "from catch_arena.__main__ import main; main()")
 WAITS_WHEN_IT_HAS_KEPT = (
     sys.executable,
     "-c",
-    f"""{PATIENT}
+    """
 import time
 from pathlib import Path
 from catch_arena.__main__ import main

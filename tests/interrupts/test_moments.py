@@ -51,10 +51,9 @@ COMMANDS = {
     "check-agent": ("check-agent", "mine.py", "--scenario", "duel"),
     "conformance": ("conformance", "catch_arena:arbitrate"),
     "compare": ("compare", "mine.py", "nearest", "--max-blocks", "4"),
-    "audit": ("audit", "nearest", "-s", "duel", "--matches", "100", "--set", "time_limit_s=3"),
 }
 UNDISTURBED = {0, 1, 3}
-"""How they end: 1 and 3 are what `compare` and `audit` say of few matches."""
+"""How they end: 1 and 3 are what `compare` says of few matches."""
 SPEC = """
 title = "An exercise"
 seed = 1
