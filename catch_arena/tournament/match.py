@@ -91,7 +91,7 @@ class MatchResult:
     forfeits: tuple[str | None, ...]
     """One of players.ForfeitCode where it failed, as FORFEIT_CRASH."""
     thinking: tuple[MoveTimes, ...] = field(compare=False)
-    """Like all that follows, no part of what another run of the same match repeats. Stores and exports have this name.
+    """Like `details` and `logs`, no part of what another run of the match repeats. Stores and exports have this name.
     """
     details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
     """More about each of `forfeits`."""

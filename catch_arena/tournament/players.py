@@ -55,7 +55,7 @@ class Players(Protocol):
         """Ask these seats for their actions, in one step."""
 
     def drop(self, seat: int) -> None:
-        """The seat has forfeited; what it still does is ended."""
+        """End the agent of a seat that plays no further: it has forfeited, or dropped out."""
 
     def logs(self) -> dict[int, str]:
         """What seats have printed, as far as it is kept."""

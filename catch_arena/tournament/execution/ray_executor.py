@@ -63,7 +63,7 @@ class RayExecutor:
         self.worker = worker
         self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
-        self._task = ray.remote(max_retries=0)(_play)  # what is lost is counted and played again by the runner
+        self._task = ray.remote(max_retries=0)(_play)  # block_queue plays again what is lost
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches."""

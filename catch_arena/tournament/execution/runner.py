@@ -1,4 +1,4 @@
-"""Plays a plan, and keeps every match as it ends; what comes out does not depend on where it is played."""
+"""Plays a plan, and stores its blocks in the order of the plan; the results do not depend on where it is played."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count
@@ -93,7 +93,7 @@ def play_plan(
 
     Raises:
         ConfigError: for max_forfeits below 0.
-        NoContest: for a match that failed on our side three times.
+        NoContest: for a block that failed on our side three times.
         AgentError: for an agent that another machine does not have.
         OutputError: for logs and replays that cannot be written.
         StoreError: for results that cannot be written.

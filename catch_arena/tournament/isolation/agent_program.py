@@ -150,7 +150,8 @@ def speak_for(
 def _play(spec: str, into: int, out: int) -> NoReturn:
     """Play one match, in a process of its own."""
     with os.fdopen(into, "rb") as lines, os.fdopen(out, "wb") as answers:
-        side = json.loads(lines.readline())["side"]
+        # an END is still there if the last match's process ended before it
+        side = json.loads(lines.readline().lstrip(protocol.END))["side"]
         try:
             policy = create_policy(spec, side)
         except AgentError as error:

@@ -181,7 +181,7 @@ class IsolatedPlayers:
         return replies
 
     def _why_ended(self, seat: int) -> str:
-        """Return why an agent's process has ended before it answered.
+        """End an agent whose process has ended before it answered, and return why.
 
         Raises:
             NoContest: if it ended before it ran any code of the agent.

@@ -28,6 +28,7 @@ _END_S: Final = 2.0
 """Time for a process to end a match, or to end."""
 _PART: Final = 65536
 _KIB: Final = 1024
+_MOST_CODES: Final = 256
 _MAIN: Final = (
     "import sys; words, package, *path = sys.argv[1:]; sys.path[:] = [package, *path]; "
     "from catch_arena.tournament.isolation.agent_program import main; del sys.path[0]; main(words)"
@@ -102,10 +103,10 @@ class AgentProcess:
         self._log_open = True
         self._plays = False
         self.log = Log(self._log_size)
-        into, self._into = os.pipe()
-        self.answers, out = os.pipe()
-        self.printed, log = os.pipe()
+        pipes: list[tuple[int, int]] = []
         try:
+            pipes.extend(os.pipe() for _ in range(3))
+            (into, self._into), (self.answers, out), (self.printed, log) = pipes
             self._folder = None if self._namespaced else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
             folder = str(TEMPORARY) if self._folder is None else self._folder.name
             told = {"spec": spec, "limits": limits.numbers(), "folder": folder, "into": into, "out": out}
@@ -124,12 +125,11 @@ class AgentProcess:
                 start_new_session=True,
             )
         except OSError as error:
-            for file in (self._into, self.answers, self.printed):
+            for file in (file for pipe in pipes for file in pipe):
                 os.close(file)
             raise NoContest(f"an agent's process cannot be started: {error}") from None
-        finally:
-            for file in (into, out, log):
-                os.close(file)
+        for file in (into, out, log):
+            os.close(file)
         for file in (self._into, self.answers, self.printed):
             os.set_blocking(file, False)
 
@@ -296,7 +296,7 @@ class Sandbox:
 
 def how_it_ended(code: Any) -> str:
     """Return an exit code in words; one below 0 is a signal."""
-    if not isinstance(code, int) or not -signal.NSIG < code < _KIB:
+    if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
         return "its process has ended"
     if code >= 0:
         return f"its process exited with code {code}"

@@ -227,6 +227,15 @@ def test_all_are_asked_at_once(tmp_path):
     assert len(list(tmp_path.glob("3-*"))) == 4
 
 
+def test_an_end_that_a_match_has_not_read_does_not_reach_the_next_one(sandbox):
+    """A match's process that ends by itself after its last answer leaves it in the pipe."""
+    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+    first = played(SHORT, entrants, sandbox)
+    for process in sandbox._processes.values():
+        assert process.write(protocol.END)
+    assert played(SHORT, entrants, sandbox) == first
+
+
 def test_a_process_that_cannot_start_is_no_contest_and_its_last_line_says_why(sandbox, monkeypatch):
     """Here the program that all agents run in: it ends before it has run any of an agent's code."""
     entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
