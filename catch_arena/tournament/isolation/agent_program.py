@@ -8,6 +8,7 @@ place of this program, and speaks the protocol itself.
 """
 
 import ctypes
+import gc
 import importlib
 import json
 import os
@@ -20,7 +21,6 @@ import time
 import traceback
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
-from io import BufferedReader, BufferedWriter
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, Final, NoReturn
@@ -43,6 +43,7 @@ from catch_arena.tournament.isolation.namespaces import SHARED
 
 _LINUX: Final = sys.platform == "linux"
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
+_PART: Final = 65536
 _MIB: Final = 1 << 20
 _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
@@ -88,6 +89,7 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
         _limit_cpu(allowed.cpu_s)
         _become_command(command, into, out)
     _import(spec, out)
+    gc.freeze()  # a collection in a fork would look at all modules, and copy their pages
     lines = select.poll()
     lines.register(into, select.POLLIN)
     while lines.poll()[0][1] & select.POLLIN:
@@ -116,21 +118,19 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
         os.write(out, protocol.line(ended=code))
 
 
-def speak_for(
-    policy: Policy | PreyPolicy, lines: BufferedReader, answers: BufferedWriter, known: Mapping[str, Any]
-) -> None:
+def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapping[str, Any]) -> None:
     """Speak the protocol for a Python class; what it raises is sent in one line, and its traceback printed.
 
     Args:
         policy: an instance for this match, already asked for by a hello.
-        lines: the lines and records for it.
-        answers: where its answers go.
+        lines: descriptor of the lines and records for it.
+        answers: descriptor for its answers.
         known: what it says of itself besides its control.
     """
     doing = "init"
     try:
         _send(answers, protocol.line(control=getattr(policy, "control", "target"), **known))
-        if not (line := lines.readline()):
+        if not (line := _read_line(lines)):
             return
         doing = "reset"
         message = json.loads(line)["reset"]
@@ -149,17 +149,15 @@ def speak_for(
 
 def _play(spec: str, into: int, out: int) -> NoReturn:
     """Play one match, in a process of its own."""
-    with os.fdopen(into, "rb") as lines, os.fdopen(out, "wb") as answers:
-        # an END is still there if the last match's process ended before it
-        side = json.loads(lines.readline().lstrip(protocol.END))["side"]
-        try:
-            policy = create_policy(spec, side)
-        except AgentError as error:
-            _report(error, answers)
-            os._exit(_TOLD)
-        else:
-            prey, prey_fault = look_for_prey(spec)
-            speak_for(policy, lines, answers, {"sources": sources_of(spec), "prey": prey, "prey_fault": prey_fault})
+    # an END is still there if the last match's process ended before it
+    side = json.loads(_read_line(into).lstrip(protocol.END))["side"]
+    try:
+        policy = create_policy(spec, side)
+    except AgentError as error:
+        _report(error, out)
+        os._exit(_TOLD)
+    prey, prey_fault = look_for_prey(spec)
+    speak_for(policy, into, out, {"sources": sources_of(spec), "prey": prey, "prey_fault": prey_fault})
     _flush()
     os._exit(0)
 
@@ -184,8 +182,7 @@ def _import(spec: str, out: int) -> None:
     try:
         agent_class(spec)
     except AgentError as error:
-        with os.fdopen(out, "wb") as answers:
-            _report(error, answers)
+        _report(error, out)
         _flush()
         os._exit(1)
 
@@ -307,7 +304,7 @@ def _remove(folder: Path, kept: Collection[Path]) -> None:
             path.unlink()
 
 
-def _report(error: AgentError, answers: BufferedWriter) -> None:
+def _report(error: AgentError, answers: int) -> None:
     if error.__cause__ is not None:
         cause = error.__cause__
         theirs = cause.__traceback__
@@ -337,9 +334,17 @@ def _imports(file: str) -> bool:
     return file.startswith("<frozen importlib") or file in {importlib.__file__, entrants.__file__}
 
 
-def _send(answers: BufferedWriter, line: bytes) -> None:
-    answers.write(line)
-    answers.flush()
+def _read_line(lines: int) -> bytes:
+    """Read a line, after which nothing follows; empty at the end of the pipe."""
+    line = b""
+    while not line.endswith(b"\n") and (part := os.read(lines, _PART)):
+        line += part
+    return line
+
+
+def _send(answers: int, line: bytes) -> None:
+    while line:
+        line = line[os.write(answers, line) :]
 
 
 def _flush() -> None:

@@ -5,10 +5,10 @@ costs both sides a tenth.
 """
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
-from io import BufferedReader
 from struct import Struct
 from typing import Any, Final
 
@@ -19,6 +19,7 @@ VERSION: Final = 1
 STARTED: Final = b'{"started":true}\n'
 """First line of each program, before it runs any code of an agent."""
 _HEAD: Final = Struct("<HH")
+_PART: Final = 65536
 END: Final = _HEAD.pack(0, 0)
 """Record that ends a match."""
 
@@ -59,15 +60,20 @@ def view_record(observation: Sequence[float], mask: Sequence[int]) -> bytes:
     return _record_form(*shape).pack(*shape, *observation, *mask)
 
 
-def read_record(stream: BufferedReader) -> tuple[list[float], list[int]] | None:
-    """Read the next view; None at the end of a match or of the stream."""
-    head = stream.read(_HEAD.size)
-    if len(head) < _HEAD.size or head == END:
+def read_record(file: int) -> tuple[list[float], list[int]] | None:
+    """Read the next view from a descriptor; None at the end of a match or of the pipe.
+
+    The other side writes one record and waits, so that nothing follows it.
+    """
+    record = os.read(file, _PART)
+    if len(record) < _HEAD.size or record == END:
         return None
-    width, choices = _HEAD.unpack(head)
+    width, choices = _HEAD.unpack_from(record)
     form = _record_form(width, choices)
-    numbers = form.unpack(head + stream.read(form.size - _HEAD.size))
-    return [*numbers[2 : 2 + width]], [*numbers[2 + width :]]
+    while len(record) < form.size:
+        record += os.read(file, _PART)
+    _, _, *numbers = form.unpack(record)
+    return numbers[:width], numbers[width:]
 
 
 @cache

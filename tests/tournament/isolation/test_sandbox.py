@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 from dataclasses import fields
-from io import BufferedReader, BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -349,11 +348,18 @@ def test_a_line_and_a_record_give_every_float32_back():
     said = json.loads(protocol.view_line(numbers, [1, 0]))
     assert np.asarray(said["view"], dtype=np.float32).tolist() == numbers
     assert said["mask"] == [1, 0]
-    records = BufferedReader(BytesIO(protocol.view_record(numbers, [1, 0]) + protocol.view_record([0.5], [])))
-    assert protocol.read_record(records) == (numbers, [1, 0])
-    assert protocol.read_record(records) == ([0.5], [])
-    assert protocol.read_record(records) is None
-    assert protocol.read_record(BufferedReader(BytesIO(protocol.END + b"next"))) is None
+    reader, writer = os.pipe()
+    for number in range(0, len(numbers), 5000):
+        some = numbers[number : number + 5000]
+        os.write(writer, protocol.view_record(some, [1, 0]))
+        assert protocol.read_record(reader) == (some, [1, 0])
+    os.write(writer, protocol.view_record([0.5], []))
+    assert protocol.read_record(reader) == ([0.5], [])
+    os.write(writer, protocol.END)
+    assert protocol.read_record(reader) is None
+    os.close(writer)
+    assert protocol.read_record(reader) is None
+    os.close(reader)
 
 
 def test_a_log_keeps_both_ends():
