@@ -2,9 +2,11 @@
 
 import json
 import os
+import secrets
 import shutil
 import socket
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -77,6 +79,35 @@ def test_it_sees_its_own_processes_only(sandbox, ask):
         assert (len(numbers), parents) == (3, 2)
     else:
         assert os.getpid() in numbers
+
+
+@pytest.mark.parametrize("place", ["/tmp", "/var/tmp", str(Path.home()), sys.prefix, "Zoë Müller", "a link"])  # noqa: S108
+@pytest.mark.parametrize("form", ["file", "folder"])
+def test_an_agent_plays_from_any_place_with_what_is_its_own(sandbox, tmp_path, place, form):
+    folder = Path(place) if place.startswith("/") else tmp_path / place
+    folder.mkdir(exist_ok=True)
+    name = f"catch_arena_test_{secrets.token_hex(8)}"
+    own = folder / name if form == "folder" else folder / f"{name}.py"
+    weights = own / "weights.npz" if form == "folder" else folder / f"{name}.npz"
+    target = tmp_path / "target" if place == "a link" else own
+    try:
+        if form == "folder":
+            target.mkdir()
+        (target / "agent.py" if form == "folder" else target).write_text(
+            "from pathlib import Path\nclass Agent:\n    def reset(self, seed): pass\n"
+            f"    def act(self, view): return len(Path({str(weights)!r}).read_bytes())\n"
+        )
+        if place == "a link":
+            own.symlink_to(target)
+        weights.write_bytes(b"1")
+        entrants = enter([str(own), "idle"], inspector(sandbox))
+        assert (entrants[0].name, entrants[0].fault) == (name, None)
+        with start_players(entrants, sandbox) as players:
+            assert play(SHORT, 1, players, ["own", "idle"]).forfeits == (None, None)
+    finally:
+        shutil.rmtree(own, ignore_errors=True) if form == "folder" and place != "a link" else own.unlink()
+        if form == "file":
+            weights.unlink()
 
 
 def test_it_reaches_nobody_over_a_network(sandbox, ask):
