@@ -102,6 +102,7 @@ class AgentProcess:
         self._unread = b""
         self._log_open = True
         self._plays = False
+        self._killed = False
         self.log = Log(self._log_size)
         pipes: list[tuple[int, int]] = []
         try:
@@ -204,6 +205,9 @@ class AgentProcess:
 
     def kill(self) -> None:
         """Kill the process, and all in its namespaces or in its group."""
+        if self._killed:  # its number may be another process's by now
+            return
+        self._killed = True
         if not self._namespaced and self._process.poll() is None:
             self._process.terminate()  # it ends what it started, wherever that is
             with suppress(subprocess.TimeoutExpired):
