@@ -91,14 +91,11 @@ def bubblewrap_words(visible: Iterable[Path], writable_bytes: int) -> list[str]:
     size = ["--size", str(writable_bytes), "--tmpfs"]
     words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", "--dev", "/dev"]
     words += [*size, str(SHARED), "--remount-ro", "/dev", *size, str(TEMPORARY)]
-    paths, shown = set(visible), list[Path]()
-    closed = {path.parent for path in paths if TEMPORARY in path.parent.parents} - paths
-    for path in sorted(paths | closed):  # a folder comes before what lies in it
-        if path in closed:
-            words += ["--tmpfs", str(path)]
-        elif not any(path.is_relative_to(folder) for folder in shown):
-            shown.append(path)
-            words += ["--ro-bind-try", str(path), str(path)]
+    paths = set(visible)
+    shown = {path for path in paths if paths.isdisjoint(path.parents)}
+    closed = {path.parent for path in shown if TEMPORARY in path.parent.parents}
+    for path in sorted(shown | closed):  # a folder comes before what lies in it
+        words += ["--tmpfs", str(path)] if path in closed else ["--ro-bind-try", str(path), str(path)]
     words += [word for path in sorted(closed) for word in ("--remount-ro", str(path))]
     return [*words, "--remount-ro", "/", "--chdir", str(TEMPORARY), "--"]
 
