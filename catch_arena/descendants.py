@@ -1,4 +1,4 @@
-"""The processes that descend from this one, and their end. Only Linux tells who descends from whom."""
+"""Descendants of this process, and how they are ended. Only Linux lists them."""
 
 import os
 import signal
@@ -31,8 +31,8 @@ def end_all() -> None:
             time.sleep(_PAUSE_S)
 
 
-def parent_of(pid: int) -> int | None:
-    """Return the id of a process's parent; None if the process has ended, even if nobody has waited for it yet."""
+def _parent_of(pid: int) -> int | None:
+    """Return the id of a process's parent; None if the process has ended."""
     try:
         with open(f"/proc/{pid}/stat", "rb", buffering=0) as file:  # noqa: PTH123 - read for each process there is
             state, parent, *_ = file.read().rpartition(b")")[2].split()
@@ -45,7 +45,7 @@ def _by_generation(roots: Iterable[int]) -> list[int]:
     """Return these processes and their living descendants, parents before their children."""
     children: dict[int, list[int]] = {}
     for entry in os.scandir("/proc") if LINUX else ():
-        if entry.name.isdigit() and (parent := parent_of(int(entry.name))) is not None:
+        if entry.name.isdigit() and (parent := _parent_of(int(entry.name))) is not None:
             children.setdefault(parent, []).append(int(entry.name))
     found = dict.fromkeys(roots)
     generation = list(found)

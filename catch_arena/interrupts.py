@@ -30,11 +30,11 @@ class _Command:
     heard = 0
     """The first signal, or 0."""
     unwinds = False
-    """Whether an interrupt can be raised: not before the command begins, and not after it has ended."""
+    """True from the begin of the command to its end: an interrupt can be raised."""
     waits = False
-    """Whether an interrupt is the command's normal end."""
+    """True while an interrupt is the command's normal end."""
     keeps = False
-    """Whether it saves what must not be lost: an interrupt waits."""
+    """True while it saves what must not be lost; an interrupt waits."""
     more: "Callable[[], str] | None" = None
     end_descendants: "Callable[[], None] | None" = None
     """None before `run`: nothing is started until then, and an import in a handler may meet a half-imported module."""
@@ -116,8 +116,7 @@ def also_say(more: "Callable[[], str]") -> None:
 
 
 def _hear(number: int, _: object) -> None:
-    first = not _Command.heard
-    if first:
+    if not _Command.heard:
         _Command.heard, _Command.status = number, 0 if _Command.waits else 128 + number
         sys.unraisablehook = _raise_again
         if (threading := sys.modules.get("threading")) is not None:

@@ -136,8 +136,11 @@ def tournament(
     worker = Worker(config, entrants, record, allowed)
     terms = terms_of(allowed, max_forfeits, recorded=record)
     about = Tournament(config, entrants, plan.parameters, terms, secret)
+    folder = out / REPLAYS if record else out
+    begun: Store | None = None
     if (out / STORE).exists():
-        Store.begin(about, out, resume=resume).close()  # refuse another tournament before anything is played
+        prepare_folder(folder)
+        begun = Store.begin(about, out, resume=resume)
     else:
         for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
             require_free(out / name, force=force)
@@ -150,7 +153,7 @@ def tournament(
         with progress_bar("planning", late=True) as show:
             table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
         own_console(err=True).print(table)
-    prepare_folder(out / REPLAYS if record else out)
+        prepare_folder(folder)
     most = "at most " if isinstance(plan, UntilSeparated) else ""
 
     def kept(count: int) -> str:
@@ -160,7 +163,7 @@ def tournament(
         with Store.read(out) as store:  # of its own: any thread may ask
             return kept(store.count_played())
 
-    with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
+    with begun or Store.begin(about, out) as store, _watched(out) if watch else nullcontext():
         interrupts.also_say(kept_by_now)
         say(f"{scenario}: {len(entrants)} agents, {most}{plan.size} matches, {len(parties)} in each")
         if config.prey:

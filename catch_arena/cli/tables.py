@@ -76,9 +76,7 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
 def plan_table(
     plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_forfeits: int, progress: Callable[[int, int], None]
 ) -> Table:
-    """What will be played, and what it costs if that is known; `progress` is called with the matches that were counted,
-    and all.
-    """
+    """Return the plan and, if known, its cost; `progress` is called with (counted, all) matches."""
     shown = Table(box=None, show_header=False, pad_edge=False)
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")

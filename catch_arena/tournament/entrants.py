@@ -381,7 +381,7 @@ def _resolve_path(spec: str, path: Path) -> _Resolved:
     if path.is_dir():
         if not (path / _IN_FOLDER).is_file():
             raise AgentError(f"{spec}: is a folder without {_IN_FOLDER}, which holds the class Agent")
-        return _Resolved(str(path), tuple(map(composed, path.parts[1:])), _content_of_folder(path))
+        return _Resolved(str(path), tuple(map(composed, path.parts[1:])), _digest_of_folder(path))
     if not path.is_file():
         why = "is a link that leads to no file" if path.is_symlink() else "no such file"
         raise AgentError(f"{spec}: {'is a link that leads to itself' if is_loop(path) else why}")
@@ -426,11 +426,14 @@ def _content_of(source: str) -> bytes | None:
         return None
 
 
-def _content_of_folder(folder: Path) -> bytes:
-    """Return the names and contents of all its files, without what Python compiled and what begins with a dot."""
+def _digest_of_folder(folder: Path) -> bytes:
+    """Return a digest of the names and contents of its files, without `__pycache__` and what begins with a dot."""
     paths = (path.relative_to(folder) for path in sorted(folder.rglob("*")))
     kept = (path for path in paths if not any(part[0] == "." or part == "__pycache__" for part in path.parts))
-    return b"\0".join(os.fsencode(path) + b"\0" + (_content_of(str(folder / path)) or b"") for path in kept)
+    digest = hashlib.blake2b()  # a folder may hold more than memory does
+    for path in kept:
+        digest.update(os.fsencode(path) + b"\0" + (_content_of(str(folder / path)) or b"") + b"\0")
+    return digest.digest()
 
 
 def _beside(path: Path) -> bytes:
@@ -478,7 +481,7 @@ def _resolve_command(spec: str) -> _Resolved:
     found = shutil.which(program)
     if found is None:
         raise AgentError(f"{spec}: {words[0]} is no program that can be run")
-    contents = (_content_of_folder(path) if path.is_dir() else path.read_bytes() for path in named.values())
+    contents = (_digest_of_folder(path) if path.is_dir() else path.read_bytes() for path in named.values())
     content = b"\0".join([*(word.encode() for word in words if word not in named), *contents])
     parts = _name_parts(next(iter(files.values()), Path(Path(program).name)))
     return _Resolved(COMMAND + shlex.join([found, *arguments]), parts, content)

@@ -60,7 +60,7 @@ class Forfeit(Struct, frozen=True, array_like=True):
     """Which of its seats failed, likewise."""
 
     late: bool = False
-    """Whether it was too slow, which may be FORFEIT_INIT as well; a store does not keep it."""
+    """True if it was too slow, which may be FORFEIT_INIT as well; a store does not keep it."""
 
     def __str__(self) -> str:
         """For people."""

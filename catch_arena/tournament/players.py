@@ -14,7 +14,7 @@ from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
 from catch_arena.tournament.entrants import Entrant
 
 ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
-"""How an agent fails: it raises or dies; it takes too long; its answer is no legal action; it cannot begin; it has
+"""Kinds of failure: an agent raises or dies; it takes too long; its answer is no legal action; it cannot begin; it has
 failed in too many matches in a row, and is not started any more.
 """
 
@@ -27,7 +27,7 @@ class Fault:
     reason: str
     """One line for people."""
     late: bool = False
-    """Whether it was too slow."""
+    """True if the seat was too slow."""
 
 
 # plain tuples: a trusted match makes thousands of them

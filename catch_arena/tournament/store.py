@@ -129,16 +129,13 @@ class Store:
             OtherTournamentError: where it is of another tournament.
         """
         path = None if folder is None else folder / STORE
-        playing = ExitStack()
-        if folder is not None:
-            playing.enter_context(only_one_plays_in(folder))
         if path is not None and not path.exists():
             with suppress(OSError):  # SQLite says it in its words
                 path.touch(0o600)  # it has the seeds of matches to come
-        with playing:
-            store = cls(path)
-            store._playing = playing.pop_all()
+        store = cls(path)
         with store._closed_on_error():
+            if folder is not None:
+                store._playing.enter_context(only_one_plays_in(folder))
             store._open(tournament, resume=resume)
         return store
 

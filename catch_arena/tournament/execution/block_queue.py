@@ -18,7 +18,7 @@ from catch_arena.tournament.match import Block
 from catch_arena.tournament.players import Fault
 
 _MOST_TRIES: Final = 3
-"""How often a block is begun that fails on our side."""
+"""Tries of a block that fails on our side."""
 _PAUSE_S: Final = 1.0
 """Pause before it is begun again."""
 _MOST_HELD: Final = 256

@@ -8,10 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import cache
 from threading import Thread
 from types import TracebackType
 from typing import Protocol
 
+from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.errors import ConfigError, NoContest
 from catch_arena.streams import outlive_readers
@@ -24,7 +26,7 @@ class Executor(Protocol):
     """Plays blocks side by side; a context, which leaves no process behind."""
 
     worker: Worker
-    """How each match is played; it may be replaced when nothing is played."""
+    """Plays each match; it may be replaced while nothing is played."""
 
     @property
     def max_pending(self) -> int:
@@ -97,7 +99,7 @@ class ProcessExecutor:
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, when one of the processes is idle."""
-        Engine(self.worker.config)  # compiled once here, and read from the cache there
+        _compile(self.worker.config)  # once here; worker processes read it from the cache
         with _signals_held():  # processes that it starts hold them until they have begun
             try:
                 return self._pool.submit(_play, self.worker, matches, excluded)
@@ -150,6 +152,11 @@ def require_jobs(jobs: int) -> None:
     """
     if jobs < 1:
         raise ConfigError(f"jobs must be at least 1, got {jobs}")
+
+
+@cache
+def _compile(config: ArenaConfig) -> None:
+    Engine(config)
 
 
 def _play(worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:

@@ -35,7 +35,7 @@ class Worker:
 
     @property
     def sandbox(self) -> Sandbox | None:
-        """Where its agents are isolated: one for each process, in which they wait for the next match."""
+        """The sandbox of its agents, one for each process; agents wait in it for the next match."""
         return None if self.limits is None else _sandbox(self.limits)
 
     def play(

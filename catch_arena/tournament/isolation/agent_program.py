@@ -26,6 +26,7 @@ from types import FrameType, TracebackType
 from typing import Any, Final, NoReturn
 
 import catch_arena
+from catch_arena.descendants import LINUX
 from catch_arena.errors import AgentError, CatchArenaError, reason
 from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import entrants
@@ -41,9 +42,7 @@ from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.namespaces import SHARED
 
-_LINUX: Final = sys.platform == "linux"
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
-_PART: Final = 65536
 _MIB: Final = 1 << 20
 _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
@@ -82,7 +81,8 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
         _end_with(os.getppid(), Path(folder))
     allowed = AgentLimits(**limits)
     _confine(allowed, namespaced=namespaced)
-    kept = {*_found_in(Path(folder)), *_found_in(SHARED)} if namespaced else set()
+    writable = [Path(folder), SHARED] if namespaced else [Path(folder)]
+    kept = {path for place in writable for path in _found_in(place)}
     os.write(out, protocol.STARTED)
     _work_in(Path(folder, "match"))
     if (command := command_of(spec)) is not None:
@@ -107,14 +107,11 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
             finally:
                 os._exit(1)
         code = _exit_code(child)
-        if code == _TOLD:
-            return
-        if not (_end_all_others() if namespaced else _end_descendants()):
+        if not (_end_all_others() if namespaced else _end_descendants()) or code == _TOLD:
             return
         os.chdir("/")
-        _remove(Path(folder), kept) if namespaced else shutil.rmtree(Path(folder, "match"))
-        if namespaced:
-            _remove(SHARED, kept)
+        for place in writable:
+            _remove(place, kept)
         os.write(out, protocol.line(ended=code))
 
 
@@ -192,7 +189,7 @@ def _confine(limits: AgentLimits, *, namespaced: bool) -> None:
     with suppress(OSError):  # when the machine has no memory left, agents are ended first
         Path("/proc/self/oom_score_adj").write_text("1000")
     _set_for_process(_SET_CHILD_SUBREAPER, 1)
-    if _LINUX:  # root is not bound by it, except in a user namespace
+    if LINUX:  # it does not hold root
         _limit(resource.RLIMIT_NPROC, limits.processes if namespaced else limits.processes + _tasks())
     _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)
@@ -233,7 +230,7 @@ def _end_with(parent: int, folder: Path) -> None:
 
 
 def _set_for_process(option: int, value: int) -> None:
-    if _LINUX:
+    if LINUX:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
@@ -315,9 +312,7 @@ def _report(error: AgentError, answers: int) -> None:
 
 
 def _print(error: BaseException, theirs: TracebackType | None) -> None:
-    """Print a traceback to the agent's log. Of an error of ours only the agent's own lines are printed: the error is
-    sent in one line, and the lines of ours that raised it help nobody.
-    """
+    """Print a traceback to the agent's log; of an error of ours only the agent's own lines, as the error is sent."""
     log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
     if isinstance(error, CatchArenaError):
         ours = str(Path(catch_arena.__file__).parent) + os.sep
@@ -337,7 +332,7 @@ def _imports(file: str) -> bool:
 def _read_line(lines: int) -> bytes:
     """Read a line, after which nothing follows; empty at the end of the pipe."""
     line = b""
-    while not line.endswith(b"\n") and (part := os.read(lines, _PART)):
+    while not line.endswith(b"\n") and (part := os.read(lines, protocol.PART)):
         line += part
     return line
 

@@ -55,7 +55,7 @@ class IsolatedPlayers:
             "reset": f"what was left of init_s ({self._limits.init_s:g} s)",
             "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
         }
-        """What an agent exceeds that is late, in words that every match repeats: reports count by them."""
+        """The limit that a late agent exceeds, by what it does; reports count by these words."""
         self._processes: dict[int, AgentProcess] = {}
         self._dropped: set[int] = set()
 

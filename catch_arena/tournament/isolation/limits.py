@@ -7,7 +7,7 @@ from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, suggest
 
 Level = Literal["namespaces", "processes"]
-"""How an agent's process is separated from others: in namespaces of its own, or only by being a process."""
+"""Levels of isolation: an agent has namespaces of its own, or only a process of its own."""
 _MOST: Final = 10**6
 
 

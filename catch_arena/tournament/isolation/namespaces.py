@@ -22,7 +22,6 @@ from catch_arena.tournament.isolation.limits import Level
 
 TEMPORARY: Final = Path("/tmp")  # noqa: S108 - in a file system of its own
 SHARED: Final = Path("/dev/shm")  # noqa: S108
-PACKAGE_NAME: Final = "bubblewrap"
 _PROGRAM: Final = "bwrap"
 _NOBODY: Final = 65534
 _PROBE_S: Final = 20.0
@@ -115,7 +114,7 @@ def _missing(program: str | None) -> str | None:
     if sys.platform != "linux":
         return f"{sys.platform} has none: only Linux does"
     if program is None:
-        return f"bubblewrap is not installed: apt-get install {PACKAGE_NAME}, or your system's package of that name"
+        return "bubblewrap is not installed: apt-get install bubblewrap, or your system's package of that name"
     true = shutil.which("true") or "/bin/true"
     try:
         subprocess.run(  # noqa: S603 - a program of the system

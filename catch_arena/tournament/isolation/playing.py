@@ -1,4 +1,4 @@
-"""Whole matches of entrants: which agent plays in this process, and which in a process of its own."""
+"""Matches of entrants: trusted agents play in this process, and all others in processes of their own."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext

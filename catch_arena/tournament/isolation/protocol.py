@@ -19,7 +19,8 @@ VERSION: Final = 1
 STARTED: Final = b'{"started":true}\n'
 """First line of each program, before it runs any code of an agent."""
 _HEAD: Final = Struct("<HH")
-_PART: Final = 65536
+PART: Final = 65536
+"""Bytes that are read from a pipe at a time."""
 END: Final = _HEAD.pack(0, 0)
 """Record that ends a match."""
 
@@ -65,13 +66,13 @@ def read_record(file: int) -> tuple[list[float], list[int]] | None:
 
     The other side writes one record and waits, so that nothing follows it.
     """
-    record = os.read(file, _PART)
+    record = os.read(file, PART)
     if len(record) < _HEAD.size or record == END:
         return None
     width, choices = _HEAD.unpack_from(record)
     form = _record_form(width, choices)
     while len(record) < form.size:
-        record += os.read(file, _PART)
+        record += os.read(file, PART)
     _, _, *numbers = form.unpack(record)
     return numbers[:width], numbers[width:]
 

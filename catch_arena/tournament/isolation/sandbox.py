@@ -26,7 +26,6 @@ _MOST_WAITING: Final = 16
 """Entrants whose processes wait for their next match; each holds its agent's modules in memory."""
 _END_S: Final = 2.0
 """Time for a process to end a match, or to end."""
-_PART: Final = 65536
 _KIB: Final = 1024
 _MOST_CODES: Final = 256
 _MAIN: Final = (
@@ -93,9 +92,9 @@ class AgentProcess:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
         self.serves_many = command_of(spec) is None
-        """Whether it plays further matches; a command ends with its first."""
+        """True if it plays further matches; a command ends with its first."""
         self.started = False
-        """Whether it has reached the point from which on it runs the agent's code."""
+        """True from when it runs the agent's code."""
         self._longest = limits.answer_kib * _KIB
         self._log_size = limits.log_kib * _KIB
         self._namespaced = level == "namespaces"
@@ -163,7 +162,7 @@ class AgentProcess:
         A fault without a reason means that the process has ended.
         """
         try:
-            part = os.read(self.answers, _PART)
+            part = os.read(self.answers, protocol.PART)
         except BlockingIOError:
             return None
         if not part:
@@ -186,7 +185,7 @@ class AgentProcess:
         """Take what has been printed; return whether more may come."""
         with suppress(BlockingIOError):
             for _ in range(4):  # one that prints for ever is not waited for
-                if not (part := os.read(self.printed, _PART)):
+                if not (part := os.read(self.printed, protocol.PART)):
                     self._log_open = False
                     break
                 self.log.add(part)

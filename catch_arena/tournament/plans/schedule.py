@@ -1,4 +1,4 @@
-"""What is played: groups of entrants, in blocks where each sits in each seat, in one of two formats."""
+"""Plans of matches: groups of entrants, in blocks where each sits in each seat, in one of two formats."""
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
