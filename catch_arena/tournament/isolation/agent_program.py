@@ -22,7 +22,7 @@ import traceback
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import FrameType, TracebackType
+from types import TracebackType
 from typing import Any, Final, NoReturn
 
 import catch_arena
@@ -58,12 +58,13 @@ def main(words: str) -> None:
     Args:
         words: JSON of the arguments of `serve`.
     """
+    told = json.loads(words)
     try:
-        serve(**json.loads(words))
+        serve(**told)
     except BaseException:  # noqa: BLE001 - its last line says why a match could not be held
         traceback.print_exc()
     finally:
-        os._exit(0)
+        _leave(None if told["namespaced"] else Path(told["folder"]))
 
 
 def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
@@ -214,19 +215,22 @@ def _tasks() -> int:
     return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
-def _end_with(parent: int, folder: Path) -> None:
-    """End this process, and all that it started, when its parent ends or asks for it; remove its folder."""
-
-    def leave(number: int, frame: FrameType | None) -> None:
-        del number, frame
-        _end_descendants()
-        shutil.rmtree(folder, ignore_errors=True)
+def _leave(folder: Path | None) -> NoReturn:
+    """End this process, and without namespaces all that it started; remove its folder."""
+    try:
+        if folder is not None:
+            _end_descendants()
+            shutil.rmtree(folder, ignore_errors=True)
+    finally:
         os._exit(0)
 
-    signal.signal(signal.SIGTERM, leave)
+
+def _end_with(parent: int, folder: Path) -> None:
+    """End this process, and all that it started, when its parent ends or asks for it; remove its folder."""
+    signal.signal(signal.SIGTERM, lambda *_: _leave(folder))
     _set_for_process(_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:  # it ended before the call
-        os._exit(1)
+        _leave(folder)
 
 
 def _set_for_process(option: int, value: int) -> None:

@@ -274,6 +274,25 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, monkey
         signal.signal(signal.SIGALRM, former)
 
 
+def test_an_agents_program_removes_its_folder_when_its_pipes_close(tmp_path):
+    """The pipes of a tournament that is killed close before the system sends its agents a signal."""
+    (folder := tmp_path / "folder").mkdir()
+    (lines, into), (answers, out) = os.pipe(), os.pipe()
+    told = {"spec": alone("idle"), "limits": AgentLimits().numbers(), "folder": str(folder), "into": lines, "out": out}
+    code = "import sys; from catch_arena.tournament.isolation.agent_program import main; main(sys.argv[1])"
+    words = [sys.executable, "-c", code, json.dumps(told | {"namespaced": False})]
+    with subprocess.Popen(words, pass_fds=(lines, out), stderr=subprocess.DEVNULL):
+        os.close(lines)
+        os.close(out)
+        os.write(into, protocol.hello_line("hunter"))
+        with os.fdopen(answers, "rb") as said:
+            assert said.readline() == protocol.STARTED
+            assert b"control" in said.readline()  # the match's process waits for the next line
+            assert folder.exists()
+        os.close(into)
+    assert not folder.exists()
+
+
 @pytest.mark.parametrize("level", LEVELS)
 def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
     """Not even a grandchild in a session of its own, nor the folders."""
