@@ -6,6 +6,7 @@ Those in processes of their own are in isolation/.
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Literal, Protocol
 
 from catch_arena.config import Control
@@ -76,13 +77,21 @@ class TrustedPlayers:
         self._faults: dict[int, Fault] = {}
 
     @classmethod
-    def of(cls, entrants: Mapping[int, Entrant]) -> "TrustedPlayers":
-        """A fresh instance of each, by seat; what cannot be made forfeits."""
+    def of(
+        cls, entrants: Mapping[int, Entrant], absent: Mapping[int, Fault] = MappingProxyType({})
+    ) -> "TrustedPlayers":
+        """Return a fresh instance of each entrant, by seat; one that cannot be made forfeits.
+
+        Args:
+            entrants: by seat.
+            absent: the seats of those that are not made, and why.
+        """
         players = cls({})
         players.controls = {seat: entrant.control for seat, entrant in entrants.items()}
-        for seat, entrant in entrants.items():
+        players._faults = dict(absent)
+        for seat in entrants.keys() - absent.keys():
             try:
-                players._policies[seat] = entrant.create()
+                players._policies[seat] = entrants[seat].create()
             except AgentError as error:
                 players._faults[seat] = Fault("FORFEIT_INIT", str(error))
         return players
@@ -118,31 +127,6 @@ class TrustedPlayers:
 
     def logs(self) -> dict[int, str]:
         """What agents print here goes where this process prints."""
-        return {}
-
-
-class AbsentPlayers:
-    """Agents that are not started, each with the fault that keeps it out."""
-
-    def __init__(self, controls: Mapping[int, Control], faults: Mapping[int, Fault]) -> None:
-        self.controls = controls
-        self._faults = faults
-
-    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match, without them."""
-        del seeds, limits
-        return dict(self._faults)
-
-    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
-        """Nobody asks them."""
-        del observations
-        return {}
-
-    def drop(self, seat: int) -> None:
-        """Nothing of it runs."""
-
-    def logs(self) -> dict[int, str]:
-        """They print nothing."""
         return {}
 
 

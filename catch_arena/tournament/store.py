@@ -176,17 +176,13 @@ class Store:
         facts = self._facts()
         with self._store_errors():
             return Tournament(
-                stored_values.config_of(facts),
-                stored_values.entrants_of(facts),
-                stored_values.parameters_of("plan", facts),
-                stored_values.parameters_of("terms", facts),
-                stored_values.secret_of(facts),
+                stored_values.config_of(facts), facts.entrants, facts.plan, facts.terms, stored_values.secret_of(facts)
             )
 
     @property
     def ended(self) -> bool:
         """Whether its plan has been played to its end: before, nobody may know what it is drawn from."""
-        return "ended" in self._facts()
+        return self._facts().ended
 
     def end(self) -> None:
         """The plan has no further matches."""
@@ -359,7 +355,7 @@ class Store:
             if found != "ok":
                 raise stored_values.DamagedError(str(found))
 
-    def _facts(self) -> dict[str, Any]:
+    def _facts(self) -> stored_values.Facts:
         with self._store_errors():
             return stored_values.facts_of(self._db.execute("SELECT name, value FROM fact"))
 

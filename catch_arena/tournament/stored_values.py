@@ -1,6 +1,6 @@
 """Rows of a store as objects: msgspec decodes each value and checks its type."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Final, TypeVar, get_type_hints
 
 import msgspec
@@ -29,62 +29,53 @@ class DamagedError(Exception):
     """A value that no command has written; the text names the table, the row and the value."""
 
 
-def facts_of(rows: Iterable[Sequence[Any]]) -> dict[str, Any]:
-    """Return the facts of a tournament by name.
+class Facts(msgspec.Struct):
+    """Table `fact`, by name."""
+
+    ruleset: str
+    config: dict[str, Any]
+    entrants: tuple[Entrant, ...]
+    plan: dict[str, str | int | float]
+    seed: str | None
+    terms: dict[str, str | int | float | bool]
+    ended: bool = False
+
+
+def facts_of(rows: Iterable[Sequence[Any]]) -> Facts:
+    """Return the facts of a tournament.
 
     Raises:
         DamagedError: if one is missing or damaged, or of another ruleset.
     """
-    facts = {str(name): _decode(_ANY, "fact", name, "value", value) for name, value in rows}
-    for name in ("ruleset", "config", "entrants", "plan", "seed", "terms"):
-        if name not in facts:
-            raise DamagedError(f"table fact: {name} is missing")
-    if facts["ruleset"] != RULESET:
-        raise DamagedError(f"it was played under ruleset {facts['ruleset']}, and this is {RULESET}")
-    return facts
+    values = {str(name): _decode(_ANY, "fact", name, "value", value) for name, value in rows}
+    if values.get("ruleset", RULESET) != RULESET:
+        raise DamagedError(f"it was played under ruleset {values['ruleset']}, and this is {RULESET}")
+    try:
+        return msgspec.convert(values, Facts)
+    except msgspec.ValidationError as error:  # it names the row
+        raise DamagedError(f"table fact: {error}") from None
 
 
-def config_of(facts: Mapping[str, Any]) -> ArenaConfig:
+def config_of(facts: Facts) -> ArenaConfig:
     """Return the arena's settings.
 
     Raises:
         DamagedError: if no arena can have them.
     """
     try:
-        return ArenaConfig.from_dict(_fact(facts, "config", dict[str, Any]))
+        return ArenaConfig.from_dict(facts.config)
     except (CatchArenaError, TypeError, ValueError) as error:
         raise DamagedError(f"table fact, row config: {error}") from None
 
 
-def entrants_of(facts: Mapping[str, Any]) -> tuple[Entrant, ...]:
-    """Return who plays.
-
-    Raises:
-        DamagedError: for anything else.
-    """
-    entrants: tuple[Entrant, ...] = _fact(facts, "entrants", tuple[Entrant, ...])
-    return entrants
-
-
-def parameters_of(what: str, facts: Mapping[str, Any]) -> dict[str, str | int | float]:
-    """Return the plan's parameters, or the terms.
-
-    Raises:
-        DamagedError: for anything else.
-    """
-    parameters: dict[str, str | int | float] = _fact(facts, what, dict[str, str | int | float | bool])
-    return parameters
-
-
-def secret_of(facts: Mapping[str, Any]) -> Secret | None:
+def secret_of(facts: Facts) -> Secret | None:
     """Return the secret that the plan is drawn from.
 
     Raises:
         DamagedError: for anything else.
     """
-    text = _fact(facts, "seed", str | None)
     try:
-        return None if text is None else Secret.parse(text)
+        return None if facts.seed is None else Secret.parse(facts.seed)
     except CatchArenaError as error:
         raise DamagedError(f"table fact, row seed: {error}") from None
 
@@ -109,7 +100,10 @@ def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
     Raises:
         DamagedError: for anything else.
     """
-    name, block, seed, seating, agent_seeds = _converted(tuple(row), _MATCH_ROW, "match", row[0])
+    try:
+        name, block, seed, seating, agent_seeds = msgspec.convert(tuple(row), _MATCH_ROW)
+    except msgspec.ValidationError as error:
+        raise DamagedError(f"table match, row {row[0]}: {error}") from None
     players = _decode(_INDICES, "match", name, "seating", seating)
     seeds = _decode(_INDICES, "match", name, "agent_seeds", agent_seeds)
     if len(players) != parties or not all(0 <= index < entrants for index in players):
@@ -138,17 +132,6 @@ def played_of(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
         if len(parts[name]) != parties:
             raise DamagedError(f"table result, row {match.id}: {name} must be {parties}, got {len(parts[name])}")
     return PlayedMatch(match, MatchResult(**parts), replay)
-
-
-def _fact(facts: Mapping[str, Any], name: str, kind: Any) -> Any:
-    return _converted(facts[name], kind, "fact", name)
-
-
-def _converted(value: object, kind: Any, table: str, row: object) -> Any:
-    try:
-        return msgspec.convert(value, kind)
-    except msgspec.ValidationError as error:
-        raise DamagedError(f"table {table}, row {row}: {error}") from None
 
 
 def _decode(decoder: "msgspec.json.Decoder[T]", table: str, row: object, column: str, text: object) -> T:

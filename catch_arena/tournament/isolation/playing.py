@@ -14,7 +14,7 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import AbsentPlayers, CompositePlayers, Fault, Players, TrustedPlayers
+from catch_arena.tournament.players import CompositePlayers, Fault, Players, TrustedPlayers
 from catch_arena.tournament.secret import agent_seed
 
 
@@ -71,17 +71,18 @@ def start_players(
     entrants = entrants if isinstance(entrants, Mapping) else dict(enumerate(entrants))
     faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
     faults |= excluded_seats
-    started = {seat: one for seat, one in entrants.items() if seat not in faults}
-    isolated = {seat: one for seat, one in started.items() if sandbox is not None and not is_shipped(one.spec)}
-    trusted = {seat: one for seat, one in started.items() if seat not in isolated}
+    isolated = {
+        seat: one
+        for seat, one in entrants.items()
+        if sandbox is not None and seat not in faults and not is_shipped(one.spec)
+    }
+    here = {seat: one for seat, one in entrants.items() if seat not in isolated}
     with ExitStack() as stack:
         parts: list[Players] = []
-        if trusted:
-            parts.append(TrustedPlayers.of(trusted))
+        if here:
+            parts.append(TrustedPlayers.of(here, faults))
         if sandbox is not None and isolated:
             parts.append(stack.enter_context(isolated_players(isolated, sandbox)))
-        if faults:
-            parts.append(AbsentPlayers({seat: entrants[seat].control for seat in faults}, faults))
         yield parts[0] if len(parts) == 1 else CompositePlayers(parts)
 
 

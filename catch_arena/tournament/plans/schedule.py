@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import combinations, islice
+from itertools import combinations
 from math import comb
 from typing import Final, Protocol
 
@@ -111,16 +111,7 @@ def round_robin(
     A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
     each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
     """
-    secret, count = Secret.of(seed), comb(entrants, seats)
-    size = rounds * count * _block_size(seats, parties)
-    _check(rounds, size, f"every {seats} of {entrants} entrants")
-
-    def blocks() -> Iterator[Block]:
-        for number in range(rounds):
-            for index, group in enumerate(combinations(range(entrants), seats)):
-                yield _block(group, secret, number, index, count, parties)
-
-    return FixedPlan(_parameters("round-robin", rounds), size, blocks)
+    return _plan("round-robin", entrants, seats, rounds, seed, parties)
 
 
 def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None) -> FixedPlan:
@@ -128,7 +119,7 @@ def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int, parties
 
     How often a pair meets differs by as little as the swaps of `balanced_groups.sweeps` can make it.
     """
-    return _in_sweeps("balanced", entrants, seats, rounds, seed, parties)
+    return _plan("balanced", entrants, seats, rounds, seed, parties, sampled=True)
 
 
 def gauntlet(
@@ -137,18 +128,7 @@ def gauntlet(
     """The first entrant in every block, against each subset of the others, or against balanced groups of them."""
     if seats < 2:
         raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {seats}")
-    secret, count = Secret.of(seed), comb(entrants - 1, seats - 1)
-    size = count * _block_size(seats, parties)
-    if sampled:
-        return _in_sweeps("gauntlet", entrants, seats, rounds, seed, parties, challenger=True)
-    _check(rounds, rounds * size, f"one against every {seats - 1} of {entrants - 1} entrants")
-
-    def blocks() -> Iterator[Block]:
-        for number in range(rounds):
-            for index, others in enumerate(combinations(range(1, entrants), seats - 1)):
-                yield _block((0, *others), secret, number, index, count, parties)
-
-    return FixedPlan(_parameters("gauntlet", rounds), rounds * size, blocks)
+    return _plan("gauntlet", entrants, seats, rounds, seed, parties, challengers=1, sampled=sampled)
 
 
 def listed(matches: Sequence[Match]) -> FixedPlan:
@@ -239,7 +219,7 @@ def _block(
     )
 
 
-def _in_sweeps(
+def _plan(
     name: str,
     entrants: int,
     seats: int,
@@ -247,26 +227,26 @@ def _in_sweeps(
     seed: Secret | int,
     parties: Parties | None,
     *,
-    challenger: bool = False,
+    challengers: int = 0,
+    sampled: bool = False,
 ) -> FixedPlan:
-    """Blocks from a balanced design of the entrants, or of the field when a challenger sits in every block."""
+    """Blocks of the challengers, who come first and play in each, and of groups of the others: all, or a sample."""
     secret = Secret.of(seed)
-    aside = int(challenger)
-    players, free = entrants - aside, seats - aside
-    turns = rounds * sweeps_to_meet(players, free)
-    count = groups_in_sweep(players, free)
+    others, free = entrants - challengers, seats - challengers
+    if sampled:
+        turns, count = rounds * sweeps_to_meet(others, free), groups_in_sweep(others, free)
+        what = f"balanced blocks of {entrants} entrants"
+    else:
+        turns, count = rounds, comb(others, free)
+        what = f"{'one against ' if challengers else ''}every {free} of {others} entrants"
     size = turns * count * _block_size(seats, parties)
-    _check(turns, size, f"balanced blocks of {entrants} entrants")
+    _check(turns, size, what)
 
     def blocks() -> Iterator[Block]:
-        drawn = sweeps(players, free, lambda *about: secret.seed("groups", *about))
-        for number, groups in enumerate(islice(drawn, turns)):
-            for index, group in enumerate(groups):
-                everybody = (*range(aside), *(player + aside for player in group))
+        drawn = sweeps(others, free, lambda *about: secret.seed("groups", *about))
+        for number in range(turns):
+            for index, group in enumerate(next(drawn) if sampled else combinations(range(others), free)):
+                everybody = (*range(challengers), *(player + challengers for player in group))
                 yield _block(everybody, secret, number, index, count, parties)
 
-    return FixedPlan(_parameters(name, rounds), size, blocks)
-
-
-def _parameters(name: str, rounds: int) -> Mapping[str, str | int]:
-    return {"format": name, "rounds": rounds}
+    return FixedPlan({"format": name, "rounds": rounds}, size, blocks)

@@ -8,11 +8,24 @@ party in turn meet (`Parties.seatings`). They had the same opponents, in the sam
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
+from typing import Any, Final
 
 from catch_arena.policy import Side
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.ranks import ranks_of_sides
+
+_BY_PARTY: Final = (
+    "scores",
+    "verdicts",
+    "contests_won",
+    "contests_lost",
+    "lost_to_mates",
+    "forfeits",
+    "thinking",
+    "details",
+)
+"""Parts of a result that are the same in a table of one side."""
 
 
 def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequence[PlayedMatch]:
@@ -42,48 +55,24 @@ def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
     return replace(
         one,
         match=replace(match, seating=match.seating[cut], agent_seeds=match.agent_seeds[cut]),
-        result=replace(
-            result,
-            scores=result.scores[cut],
-            ranks=result.ranks[cut],
-            verdicts=result.verdicts[cut],
-            contests_won=result.contests_won[cut],
-            contests_lost=result.contests_lost[cut],
-            lost_to_mates=result.lost_to_mates[cut],
-            forfeits=result.forfeits[cut],
-            thinking=result.thinking[cut],
-            details=result.details[cut],
-            logs=result.logs[cut],
-        ),
+        result=replace(result, **{name: getattr(result, name)[cut] for name in (*_BY_PARTY, "ranks", "logs")}),
     )
 
 
 def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
     """Matches with one party each, as one match of them all."""
-    results = [one.result for one in those]
-    scores = [score for result in results for score in result.scores]
-    codes = [code for result in results for code in result.forfeits]
-    details = [detail for result in results for detail in result.details]
-    if details:
-        lasted = [None if one is None else one.step for one in details]
+    first, results = those[0], [one.result for one in those]
+    joined: dict[str, Any] = {
+        name: tuple(value for result in results for value in getattr(result, name)) for name in _BY_PARTY
+    }
+    if joined["details"]:
+        lasted = [None if one is None else one.step for one in joined["details"]]
     else:
-        lasted = [None if code is None else 0 for code in codes]
-    first = those[0]
+        lasted = [None if code is None else 0 for code in joined["forfeits"]]
+    ranks = ranks_of_sides(joined["scores"], lasted, len(lasted) if side == "hunter" else 0)
     return replace(
         first,
         match=replace(first.match, seating=tuple(index for one in those for index in one.match.seating)),
-        result=replace(
-            first.result,
-            scores=tuple(scores),
-            ranks=ranks_of_sides(scores, lasted, len(scores) if side == "hunter" else 0),
-            verdicts=tuple(tally for result in results for tally in result.verdicts),
-            contests_won=tuple(count for result in results for count in result.contests_won),
-            contests_lost=tuple(count for result in results for count in result.contests_lost),
-            lost_to_mates=tuple(count for result in results for count in result.lost_to_mates),
-            forfeits=tuple(codes),
-            thinking=tuple(times for result in results for times in result.thinking),
-            details=tuple(details),
-            logs=(),
-        ),
+        result=replace(first.result, **joined, ranks=ranks, logs=()),
         replay=None,
     )
