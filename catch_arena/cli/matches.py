@@ -35,6 +35,7 @@ from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.live.session import SessionResult
+    from catch_arena.policy import Side
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
@@ -42,6 +43,7 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.secret import Secret
+    from catch_arena.tournament.statistics.standings import Standing
 
 Format = Literal["round-robin", "gauntlet"]
 ExecutorName = Literal["local", "ray"]
@@ -111,16 +113,16 @@ def tournament(
     """
     from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.cli.tables import plan_table, standings_tables
-    from catch_arena.files import prepare_folder, require_folder
-    from catch_arena.report import REPORT, write_report
+    from catch_arena.cli.tables import plan_table
+    from catch_arena.files import prepare_folder
+    from catch_arena.report import write_report
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
-    from catch_arena.tournament.standings_files import SUMMARY, TABLES, write_standings
+    from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
     from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
@@ -142,13 +144,7 @@ def tournament(
         prepare_folder(folder)
         begun = Store.begin(about, out, resume=resume)
     else:
-        for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
-            require_free(out / name, force=force)
-        if record and not force and any((out / REPLAYS).glob("*.replay")):
-            raise OutputError(
-                f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder"
-            )
-        require_folder(out)
+        _require_free_folder(out, parties, recorded=record, force=force)
         cost = measure_cost(worker, plan)
         with progress_bar("planning", late=True) as show:
             table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
@@ -188,14 +184,7 @@ def tournament(
         except (NoContest, OutputError, StoreError) as error:
             error.args = (f"{error}; {kept(store.count_played())}",)
             raise
-        for table in standings_tables(tables):
-            own_console().print(table)
-        for line in tables["hunter"]:
-            (entrant,) = (one for one in entrants if one.name == line.name)
-            lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
-            if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
-                matches = sum(one.matches for one in lines)
-                say(f"{line.name} was out: {without} of its {matches} matches were played without it")
+        _say_standings(tables, entrants)
         if isinstance(plan, UntilSeparated) and plan.last is not None:
             say(f"after {played} matches, {plan.last}")
         if (out / LOGS).exists():
@@ -203,6 +192,38 @@ def tournament(
         say(seed_told(secret))
         say(f"results: {out}")
         say(f"report: {write_report(out)}")
+
+
+def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force: bool) -> None:
+    """Require a folder that holds no other tournament's files, or `force`.
+
+    Raises:
+        OutputError: for any other, and a folder that cannot be written to.
+    """
+    from catch_arena.files import require_folder
+    from catch_arena.report import REPORT
+    from catch_arena.tournament.execution.runner import REPLAYS
+    from catch_arena.tournament.standings_files import SUMMARY, TABLES
+
+    for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
+        require_free(out / name, force=force)
+    if recorded and not force and any((out / REPLAYS).glob("*.replay")):
+        raise OutputError(f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder")
+    require_folder(out)
+
+
+def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
+    """Print the standings, and who was excluded from how many matches."""
+    from catch_arena.cli.tables import standings_tables
+
+    for table in standings_tables(tables):
+        own_console().print(table)
+    for line in tables["hunter"]:
+        (entrant,) = (one for one in entrants if one.name == line.name)
+        lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
+        if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
+            matches = sum(one.matches for one in lines)
+            say(f"{line.name} was out: {without} of its {matches} matches were played without it")
 
 
 @contextmanager

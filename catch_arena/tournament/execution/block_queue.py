@@ -20,7 +20,7 @@ from catch_arena.tournament.players import Fault
 _MOST_TRIES: Final = 3
 """Tries of a block that fails on our side."""
 _PAUSE_S: Final = 1.0
-"""Pause before it is begun again."""
+"""Pause before what failed is begun again."""
 _MOST_HELD: Final = 256
 """Blocks that were played and wait, in memory, for one ahead of them."""
 
@@ -63,7 +63,7 @@ def play_blocks(
         one.matches, one.excluded = None, streaks.excluded_from(one.block)
         one.future = executor.submit(one.block, one.excluded)
 
-    def take(one: _QueuedBlock) -> None:
+    def take(one: _QueuedBlock) -> bool:
         try:
             one.matches = executor.result(one.future)
         except NoContest as error:
@@ -72,8 +72,7 @@ def play_blocks(
                 raise NoContest(
                     f"match {one.block[0].id} or another one of its block failed {_MOST_TRIES} times: {error}"
                 ) from None
-            time.sleep(_PAUSE_S)
-            begin(one)
+        return one.matches is not None
 
     def has_room(block: Block) -> bool:
         return (
@@ -91,9 +90,11 @@ def play_blocks(
             block = next(waiting, None)
         playing = [one for one in queue if one.matches is None]
         done = wait([one.future for one in playing], return_when=FIRST_COMPLETED).done
-        for one in playing:  # in order: the first failure is raised
-            if one.future in done:
-                take(one)
+        # in order: the first failure is raised
+        if failed := [one for one in playing if one.future in done and not take(one)]:
+            time.sleep(_PAUSE_S)
+        for one in failed:
+            begin(one)
         while queue and (matches := queue[0].matches) is not None:
             keep(matches)
             queue.popleft()
