@@ -22,7 +22,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser ros window check format bench wheel pictures golden docs \
+.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser ros window check format bench pictures golden docs \
 	clean setup pythons
 
 help: ## list the targets
@@ -112,9 +112,6 @@ bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs
 
 card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/card.md; goes on where it was (out/card)
 	$(BIN)/python scripts/card.py
-
-wheel: $(VENV)/ready ## a release, from the last commit: the wheel with machine code in it (dist/); its tests are in nightly
-	$(BIN)/python scripts/wheel
 
 pictures: $(VENV)/ready ## draw the README's picture and its animation
 	$(BIN)/python scripts/pictures.py

@@ -7,8 +7,8 @@ since a setting is 0, are left out; and what Numba says in much code is said in 
 only the time to compile.
 
 The passes come from Numba's public `CompilerBase`. What is not public, and may change from one Numba to the next, is
-the library below, what `_Substitute` writes into, how parts call each other, and `quick_typing`; `USABLE` is false
-where Numba has not what they need, and then all is compiled in Numba's own way.
+the library below, what `_Substitute` writes into, and how parts call each other; `USABLE` is false where Numba has
+not what they need, and then all is compiled in Numba's own way.
 """
 
 import signal
@@ -30,7 +30,6 @@ import numba.core.types
 import numba.core.untyped_passes
 from numba.core import cgutils
 from numba.core.errors import UnsupportedError
-from numba.core.targetconfig import ConfigStack
 
 from catch_arena.core.builtin_functions import IN_PLACE_OF
 
@@ -45,7 +44,6 @@ typed_passes: Any = numba.core.typed_passes
 types: Any = numba.core.types
 untyped_passes: Any = numba.core.untyped_passes
 _machinery: Any = numba.core.compiler_machinery
-_flags_on_top: Any = ConfigStack.top_or_none
 
 _ENDING: Final = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _Library: Any = codegen.JITCodeLibrary
@@ -56,11 +54,10 @@ _NEEDED: Final[dict[Any, str]] = {
     codegen.CPUCodegen: "_check_llvm_bugs _module_pass_manager",
     compiler.CompilerBase: "define_pipelines",
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
-    compiler.Flags: "no_compile __hash__",
+    compiler.Flags: "no_compile",
     ir: "Assign Const Expr Global Raise SetItem",
     ir_utils: "get_definition guard",
-    cpu.CPUContext: "insert_func_defn insert_user_function install_registry load_additional_registries",
-    types.functions.BaseFunction: "get_call_type",
+    cpu.CPUContext: "insert_func_defn insert_user_function",
     typed_passes: "IRLegalization InlineOverloads NativeLowering NopythonRewrites",
     untyped_passes: "FindLiterallyCalls InlineClosureLikes InlineInlinables LiteralPropagationSubPipelinePass "
     "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
@@ -333,61 +330,3 @@ class WholeCompiler(_Compiler):
 
     lowering = _LowerWhole
     is_part = False
-
-
-_patching: Final = threading.RLock()
-
-
-@contextmanager
-def quick_typing() -> Iterator[None]:
-    """In this block Numba remembers what it asks itself again and again, which is a third of the time: the type of
-    `a + b`, for which it tries some thirty overloads at every plus sign, and compares all its flags for each; and
-    which modules of its own it has imported. One thread is in such a block at a time, since Numba could not be left as
-    it was if blocks overlapped; others wait before theirs.
-    """
-    with _patching:
-        if USABLE:
-            with _patched_numba():
-                yield
-        else:
-            yield
-
-
-@contextmanager
-def _patched_numba() -> Iterator[None]:
-    function, flags, context = types.functions.BaseFunction, compiler.Flags, cpu.CPUContext
-    slow = function.get_call_type, flags.__hash__, context.load_additional_registries
-    signatures: dict[Any, Any] = {}
-    registries: list[Any] = []
-
-    def get_call_type(self: Any, typing: Any, args: Any, kws: Any) -> Any:
-        top = _flags_on_top()
-        key = self, typing, tuple(args), tuple(dict(kws).items()), top is not None and top.nrt
-        if key not in signatures:
-            signatures[key] = slow[0](self, typing, args, kws)
-        return signatures[key]
-
-    def load_additional_registries(self: Any) -> None:
-        if not registries:
-            install = self.install_registry
-
-            def note(registry: Any) -> None:
-                registries.append(registry)
-                install(registry)
-
-            self.install_registry = note
-            try:
-                slow[2](self)
-            finally:
-                del self.install_registry
-        else:
-            for registry in registries:
-                self.install_registry(registry)
-
-    function.get_call_type = get_call_type
-    flags.__hash__ = lambda self: hash(frozenset(self._values))
-    context.load_additional_registries = load_additional_registries
-    try:
-        yield
-    finally:
-        function.get_call_type, flags.__hash__, context.load_additional_registries = slow

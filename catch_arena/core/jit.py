@@ -65,20 +65,9 @@ _MOST_KEPT: Final = 16
 """How many states of the sources."""
 
 
-def sources_digest() -> str:
-    """Of all from which the core is compiled."""
-    package = Path(__file__).parent.parent
-    sources = [*sorted((package / "core").glob("*.py")), package / "layout.py", package / "verdicts.py"]
-    digest = hashlib.blake2b(digest_size=8)
-    for source in sources:
-        digest.update(source.name.encode())
-        digest.update(source.read_bytes())
-    return digest.hexdigest()
-
-
 def _cache_directory() -> Path | None:
     """Where compiled code is kept: one folder for each state of the sources; None where nothing can be written."""
-    digest = sources_digest()
+    digest = _sources_digest()
     checked = "-checked" if CHECKED else ""  # which is other code of the same sources
     for parent in _cache_parents():
         folder = parent / f"core-{digest}{checked}"
@@ -88,6 +77,17 @@ def _cache_directory() -> Path | None:
                 _drop_old_folders(folder)
                 return folder
     return None
+
+
+def _sources_digest() -> str:
+    """Return the digest of every source file that the compiled core depends on."""
+    package = Path(__file__).parent.parent
+    sources = [*sorted((package / "core").glob("*.py")), package / "layout.py", package / "verdicts.py"]
+    digest = hashlib.blake2b(digest_size=8)
+    for source in sources:
+        digest.update(source.name.encode())
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
 
 
 def _cache_parents() -> Iterator[Path]:

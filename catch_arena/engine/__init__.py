@@ -2,8 +2,7 @@
 those.
 
 - engine: `Engine`. The envs, the service and the replays stand on it.
-- compiling: the core is compiled once in a process, and what is printed meanwhile. prebuilt: the machine code that a
-  wheel may carry instead.
+- compiling: the core is compiled once in a process, and what is printed meanwhile.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
 - block_views: the memory by what lies in it. world_reading: it is read as a World.
 """

@@ -37,7 +37,6 @@ from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
-from catch_arena.engine.prebuilt import PrebuiltRun, prebuilt_code
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
@@ -86,9 +85,7 @@ class Engine:
         variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
         self._variant = (*((SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)), options)
         """What of `tick.run` is compiled."""
-        self._prebuilt = prebuilt_code(len(self._variant[0]), options=variant.options)
-        if self._prebuilt is None:
-            compile_once(variant, partial(_play_smallest, variant))
+        compile_once(variant, partial(_play_smallest, variant))
         self.config = config
         self.num_arenas = num_arenas
         self.with_infos = with_infos
@@ -146,9 +143,7 @@ class Engine:
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Give the memory's sections their names."""
         self._memory = memory
-        self._run: Callable[..., None] = (
-            partial(tick.run, *self._variant, memory) if self._prebuilt is None else PrebuiltRun(self._prebuilt, memory)
-        )
+        self._run: Callable[..., None] = partial(tick.run, *self._variant, memory)
         self.blocks = sections.blocks
         """The arenas' memory: see core/state.py."""
         self.controls = sections.controls
@@ -282,12 +277,9 @@ class Engine:
             prey_commands: see `step`.
         """
         given = 0, 0, 1, _NO_RESETS, True, choices, commands, _NO_REQUESTS
-        if isinstance(self._run, PrebuiltRun):
-            play = self._run.bound(*given)
-        else:
-            arguments = (*self._variant, self._memory, *given)
-            types = self._variant, choices.flags.c_contiguous, commands.flags.c_contiguous
-            play = partial(machine_code(tick.run, types, *arguments), *arguments)
+        arguments = (*self._variant, self._memory, *given)
+        types = self._variant, choices.flags.c_contiguous, commands.flags.c_contiguous
+        play = partial(machine_code(tick.run, types, *arguments), *arguments)
         if prey_commands is None:
             return play
 
@@ -498,7 +490,7 @@ class Engine:
         twin = object.__new__(Engine)
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
-        twin._any_control, twin._variant, twin._prebuilt = self._any_control, self._variant, self._prebuilt
+        twin._any_control, twin._variant = self._any_control, self._variant
         twin._chunks, twin.threads = self._chunks, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))

@@ -7,12 +7,9 @@ import subprocess
 import sys
 import tempfile
 import time
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-WHEELS = Path(__file__).resolve().parents[2] / "dist"
-"""Where `make wheel` puts a release's, with machine code in it: measured where there is one."""
 ONE_ARENA = "import catch_arena as c; env = c.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
 _BATCH = (
     "import catch_arena as c, numpy as np; arena = c.VectorArena('standard', 1024); arena.reset(1); "
@@ -36,8 +33,8 @@ def spent(code: str, environment: Mapping[str, str], folder: Path | None = None)
     }
 
 
-def _median(code: str, environment: Mapping[str, str], times: int, folder: Path | None = None) -> dict[str, float]:
-    turns = [spent(code, environment, folder) for _ in range(times)]
+def _median(code: str, environment: Mapping[str, str], times: int) -> dict[str, float]:
+    turns = [spent(code, environment) for _ in range(times)]
     return {clock: statistics.median(turn[clock] for turn in turns) for clock in turns[0]}
 
 
@@ -55,9 +52,4 @@ def startup(*, quick: bool) -> dict[str, dict[str, float]]:
             if not quick:  # where the user's own cache is used, the first may be cold or warm
                 found[f"first step of {what}, cold"] = first
             found[f"first step of {what}, warm"] = _median(code, environment, times)
-            for wheel in () if quick else sorted(WHEELS.glob("*-manylinux*.whl"))[-1:]:
-                with tempfile.TemporaryDirectory() as folder:
-                    zipfile.ZipFile(wheel).extractall(folder)
-                    installed = {**environment, "PYTHONPATH": folder, "NUMBA_CACHE_DIR": f"{folder}/empty"}
-                    found[f"first step of {what}, cold, by the wheel"] = _median(code, installed, times, Path(folder))
     return found

@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from threading import Event, Thread
 from types import SimpleNamespace
 
 import numba
@@ -69,8 +68,7 @@ def work(given):
     return sum_up(given)
 
 block = np.linspace(0.3, 7.7, 16)
-with compiler.quick_typing():
-    print(work(block), block.tobytes().hex())
+print(work(block), block.tobytes().hex())
 """
 
 
@@ -152,13 +150,12 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
 def test_nothing_that_is_called_can_fail(options):
     """Calls are compiled without asking whether they have: LLVM finds that each function returns 0, always."""
     engine = Engine(ArenaConfig(), 2)
-    with compiler.quick_typing():
-        step = unkept_entry(tick.run.py_func)
-        nothing = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0, 2), dtype=np.float32)
-        requests = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
-        resets = np.zeros((0, 2), dtype=np.uint64)
-        given = HALF, WIDE, options, engine._memory, 0, 0, 0, resets, False, *nothing, requests
-        step.compile(tuple(map(numba.typeof, given)))
+    step = unkept_entry(tick.run.py_func)
+    nothing = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0, 2), dtype=np.float32)
+    requests = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
+    resets = np.zeros((0, 2), dtype=np.uint64)
+    given = HALF, WIDE, options, engine._memory, 0, 0, 0, resets, False, *nothing, requests
+    step.compile(tuple(map(numba.typeof, given)))
     library = step.overloads[step.signatures[0]].library
     module = llvm.parse_assembly(library.get_llvm_str())
     returned = {
@@ -170,13 +167,6 @@ def test_nothing_that_is_called_can_fail(options):
         if instruction.opcode == "ret"
     }
     assert returned == {"ret i32 0"}
-
-
-def patched():
-    """What `quick_typing` puts others in the place of."""
-    owners = compiler.types.functions.BaseFunction, compiler.compiler.Flags, compiler.cpu.CPUContext
-    names = "get_call_type", "__hash__", "load_additional_registries"
-    return [getattr(owner, name) for owner, name in zip(owners, names, strict=True)]
 
 
 @phase
@@ -234,21 +224,6 @@ def test_what_compiled_parts_would_do_otherwise_than_python_is_refused(part, mes
         call(np.zeros(3))
 
 
-@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
-def test_numba_is_left_as_it_was():
-    """Also where compiling fails: others use it too."""
-
-    def fail():
-        with compiler.quick_typing():
-            assert before != patched()
-            numba.njit(lambda number: number + "text")(1)
-
-    before = patched()
-    with pytest.raises(numba.TypingError):
-        fail()
-    assert before == patched()
-
-
 def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again():
     """LLVM frees what is linked; llvmlite would do so too, if it were not told, and the process would crash."""
     linked = llvm.parse_assembly("")
@@ -292,22 +267,3 @@ def test_an_interrupt_while_llvm_makes_machine_code_counts_behind_it(monkeypatch
         assert signal.getsignal(number) is end
     finally:
         signal.signal(number, before)
-
-
-def test_numba_is_left_as_it_was_by_two_threads_at_once():
-    """The second comes before the first has gone."""
-    before = patched()
-    inside, go = Event(), Event()
-
-    def second():
-        with compiler.quick_typing():
-            inside.set()
-            go.wait()
-
-    thread = Thread(target=second)
-    with compiler.quick_typing():
-        thread.start()
-        inside.wait(0.2)
-    go.set()
-    thread.join()
-    assert before == patched()
