@@ -1,0 +1,23 @@
+"""Made-up matches, for tests of statistics and tables."""
+
+from typing import Any
+
+from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
+from catch_arena.tournament.ranks import ranks_of
+
+
+def made_up(block: int, seating: tuple[int, ...], scores: tuple[int, ...], turn: int = 0, **parts: Any) -> PlayedMatch:
+    """Return a match of a block, with these scores and other parts of its result."""
+    count = len(seating)
+    usual = {
+        "ranks": ranks_of(scores),
+        "verdicts": ({},) * count,
+        "contests_won": (0,) * count,
+        "contests_lost": (0,) * count,
+        "steps": 600,
+        "digest": "ab",
+        "forfeits": (None,) * count,
+        "thinking": (),
+    }
+    match = Match(f"r00001-g{block + 1:06d}-s{turn:02d}", block, 7 + block, seating)
+    return PlayedMatch(match, MatchResult(scores, **(usual | parts)))
