@@ -1,150 +1,171 @@
-"""Fairness of seats, labels and the order of requests: proven every night, and an unfair arena is found."""
+"""Fairness of seats, names, labels and the order of requests: proven every night, as docs/ratings.md says."""
 
+from dataclasses import replace
+from itertools import cycle, islice
 from random import Random
 
 import numpy as np
 import pytest
-from tournament import invariance
-from tournament.fairness import (
-    LEVEL,
-    audit,
-    corrected,
-    p_of_no_bias,
-    permuted_steps,
-    seat_plan,
-    seats_differ,
-)
-from tournament.invariance import Step, lots
+from scipy import special
 
 from catch_arena import scenario
+from catch_arena.arbitration import arbitrate
+from catch_arena.envs.parallel import CatchArenaEnv
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.ratings import rate
+from catch_arena.tournament.statistics.separation import holm, p_values
+from catch_arena.tournament.statistics.sides import on_side
+from catch_arena.verdicts import Verdict
+
+LEVEL = 0.01
+"""A fair arena fails as often: all that depends on chance together, corrected for their number."""
+OTHERS = ("nearest", "contested", "patrol", "first")
+"""The agents that play with the twins."""
+TARGETS = ("one", "two")
+each_scenario = pytest.mark.parametrize("name", ["standard", "pairs", "tag"])
 
 
-@pytest.fixture(autouse=True)
-def fewer_steps(monkeypatch):
-    """Made-up ones: what is unfair here shows in the first few."""
-    monkeypatch.setattr("tournament.fairness._STEPS", 300)
+def p_of_no_bias(rows):
+    """Return how often independent rows with a mean of 0 have a mean at least so far from it (a score test)."""
+    moments, mean = rows.T @ rows / len(rows), rows.mean(axis=0)
+    rank = int(np.linalg.matrix_rank(moments, hermitian=True))
+    distance = len(rows) * float(mean @ np.linalg.pinv(moments, hermitian=True) @ mean)
+    return float(special.chdtrc(rank, distance)) if rank else 1.0
 
 
-def identical(random, matches, bonus):
-    """Scores of four seats, the third of which gets a bonus now and then."""
-    scores = random.poisson(13, size=(matches, 4))
-    scores[:, 2] += random.random(matches) < bonus
-    ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
-    return Outcomes(4, np.arange(matches), np.tile(np.arange(4), (matches, 1)), scores, ranks)
+def seats_differ(identical):
+    """Return the p-values of the wins and of the scores of identical agents, by seat."""
+    return [
+        p_of_no_bias(values - values.mean(axis=1, keepdims=True)) for values in (identical.win_shares, identical.scores)
+    ]
 
 
-def passes(outcomes):
-    return all(check.passed for check in corrected(seats_differ(outcomes, "0123")))
+def outcomes_by_side(config, entrants, plan):
+    played, parties = run(config, entrants, plan, jobs=2), Parties.of(config)
+    assert not any(code for one in played for code in one.result.forfeits)
+    return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
 
 
-@pytest.mark.parametrize(
-    ("side", "names"), [("hunter", ("0+1", "2+3", "4+5", "6+7")), ("prey", ("prey 0", "prey 1", "prey 2", "prey 3"))]
-)
-def test_what_is_found_names_teams_by_their_seats_and_prey_by_its_index(side, names):
-    """As the table does. The third of them catches most, or is caught most."""
-    found = seats_differ(identical(np.random.default_rng(3), 200, 0.9), names, side)
-    assert [check.question for check in found] == (
-        ["Does a seat win more often than another?", "Does a seat catch more than another?"]
-        if side == "hunter"
-        else ["Does one prey win more often than another?", "Is one prey caught more often than another?"]
-    )
-    most = {"hunter": "(most: seat 4+5)", "prey": "(most: prey 2)"}[side]
-    assert all(check.finding.endswith(most) for check in found)
+def drawn_step(config, random):
+    """Return the requests of one step on a few points, so that they often meet, and often from equal distances."""
+    points = [(x * config.reach_m / 3, y * config.reach_m / 3) for x in range(4) for y in range(4)]
+    return {
+        "hunters": random.choices(points, k=config.hunters),
+        "targets": dict(zip(TARGETS, random.choices(points, k=2), strict=True)),
+        "requests": [(seat, random.choice([*TARGETS, "nobody"])) for seat in range(config.hunters)],
+        "reach_m": config.reach_m,
+        "seed": random.getrandbits(48),
+    }
 
 
-@pytest.mark.parametrize(("name", "of_prey"), [("pairs", 0), ("tag", 1), ("herd", 3)])
-def test_prey_is_asked_of_by_itself(name, of_prey):
-    """Of one prey alone only what its name matters: there is no other in its match."""
-    found = audit(scenario(name, time_limit_s=1), matches=100, seed=0)
-    assert found.passed
-    questions = [check.question for check in found.checks]
-    assert len(set(questions)) == len(questions) == 8 + of_prey
-    assert sum("prey" in question for question in questions) == of_prey
-    assert (found.prey_twin_difference is not None) == (of_prey > 0)
+def judged(step):
+    return {ruling.hunter: (ruling.target, ruling.verdict, ruling.winner) for ruling in arbitrate(**step)}
 
 
-def test_a_bonus_of_one_catch_in_two_matches_is_found_in_two_thousand():
-    assert not passes(identical(np.random.default_rng(1), 2000, 0.5))
-
-
-def test_fair_seats_are_accused_as_seldom_as_is_said():
-    """1 % of 600 audits, but for three standard errors."""
-    random = np.random.default_rng(2)
-    accused = sum(not passes(identical(random, 300, 0.0)) for _ in range(600)) / 600
-    assert accused <= LEVEL + 3 * (LEVEL / 600) ** 0.5
-
-
-def test_what_is_always_so_is_no_chance():
-    assert p_of_no_bias(np.tile([0.75, -0.25, -0.25, -0.25], (50, 1))) < 1e-6
-    assert p_of_no_bias(np.zeros((50, 4))) == 1.0
-
-
-def test_an_arbiter_that_serves_whoever_comes_first_is_found_out(monkeypatch):
-    """A test double: the first of those who may have the target gets it."""
-    true = invariance.arbitrate
-
-    def partial(*, hunters, requests, **settings):
-        asked = {seat: place for place, (seat, _) in reversed(list(enumerate(requests)))}
-        first = min(asked, key=asked.__getitem__)
-        return true(
-            hunters=[(9.0, 9.0) if seat != first else at for seat, at in enumerate(hunters)],
-            requests=requests,
-            **settings,
-        )
-
-    monkeypatch.setattr(invariance, "arbitrate", partial)
-    (order, _), _ = permuted_steps(scenario("standard"), 0)
-    assert not order.passed
-
-
-def test_an_arbiter_that_prefers_a_seat_is_found_out(monkeypatch):
-    """A test double: seat 0 reaches further than the others."""
-    true = invariance.arbitrate
-
-    def partial(*, hunters, targets, **settings):
-        target = next(iter(targets.values()))
-        return true(hunters=[target, *hunters[1:]], targets=targets, **settings)
-
-    monkeypatch.setattr(invariance, "arbitrate", partial)
-    (_, labels), _ = permuted_steps(scenario("standard"), 0)
-    assert not labels.passed
-
-
-def test_lots_that_a_seat_always_wins_are_found_out(monkeypatch):
-    monkeypatch.setattr(
-        "tournament.fairness.lots",
-        lambda rulings, config: {name: (tied, min(tied)) for name, (tied, _) in lots(rulings, config).items()},
-    )
-    _, (drawn,) = permuted_steps(scenario("standard"), 0)
-    assert not drawn.passed
-
-
-def test_made_up_steps_meet_every_verdict_that_a_contest_has():
-    steps = [Step.drawn(scenario("standard"), Random(seed)) for seed in range(200)]
-    verdicts = {ruling.verdict.name for step in steps for ruling in step.judged().values()}
-    assert {"GRANTED", "LOST_CONTEST", "OUT_OF_REACH", "DUPLICATE", "UNKNOWN_TARGET"} <= verdicts
-
-
-def test_requests_in_another_order_are_the_same_requests():
-    step = Step.drawn(scenario("standard"), Random(5))
-    other = step.in_another_order(Random(6))
-    assert sorted(other.requests) == sorted(step.requests)
-    for seat in range(4):
-        own, others = ([name for asker, name in one.requests if asker == seat] for one in (step, other))
-        assert own == others
-
-
-def test_identical_agents_play_each_match_on_targets_of_its_own():
-    plan = seat_plan(4, 50, 3)
-    assert len({match.seed for match in plan}) == len({match.block for match in plan}) == len(plan) == 50
-    assert {match.seating for match in plan} == {(0, 1, 2, 3)}
+def lots_in(step):
+    """Yield each target that a lot decides on (R5.5), the seats that are tied for it, and the seat that wins it."""
+    for target in TARGETS:
+        rulings = [ruling for ruling in arbitrate(**step) if ruling.target == target]
+        contenders = [one for one in rulings if one.verdict in {Verdict.GRANTED, Verdict.LOST_CONTEST}]
+        nearest = min((one.distance_um for one in contenders), default=None)
+        tied = [one for one in contenders if one.distance_um == nearest]
+        if len(tied) > 1:
+            (winner,) = (one.hunter for one in tied if one.verdict is Verdict.GRANTED)
+            yield target, [one.hunter for one in tied], winner
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("name", ["standard", "pairs", "tag"])
-def test_the_arena_is_fair(name, monkeypatch):
-    """2000 matches of identical agents, 500 of one agent under two names, and 2000 permuted steps."""
-    monkeypatch.setattr("tournament.fairness._STEPS", 2000)
-    found = audit(scenario(name), matches=2000, seed=0, jobs=2)
-    assert [(check.question, check.finding, check.p) for check in found.checks if not check.passed] == []
+@each_scenario
+def test_no_seat_has_an_advantage_and_one_agent_under_two_names_has_one_rating(name):
+    """2000 matches of identical agents on targets of their own, 500 of twins, and the lots of 2000 steps."""
+    config = scenario(name)
+    parties = Parties.of(config)
+    prey = parties if config.prey else None
+    seats = list(round_robin(len(parties), len(parties), 2000, 1))[:: len(parties)]
+    in_order = [replace(match, seating=tuple(range(len(parties)))) for match in seats]
+    doubts = {}
+    for side, found in outcomes_by_side(config, enter(["nearest"] * len(parties)), in_order).items():
+        if len(parties.seats[parties.on(side)]) > 1:  # one prey alone has no other to differ from
+            doubts[side, "wins"], doubts[side, "scores"] = seats_differ(found)
+    twins = enter(["nearest", "nearest", *islice(cycle(OTHERS), parties.group - 2)])
+    plan = round_robin(len(twins), len(twins), 500 // parties.block_size, 2, prey)
+    for side, found in outcomes_by_side(config, twins, plan).items():
+        doubts[side, "twins"] = p_values(rate(found))[0, 1]
+    random = Random(3)
+    drawn = [
+        [(seat in tied) * ((seat == winner) - 1 / len(tied)) for seat in range(config.hunters)]
+        for _ in range(2000)
+        for _, tied, winner in lots_in(drawn_step(config, random))
+    ]
+    doubts["lots"] = p_of_no_bias(np.array(drawn))
+    corrected = holm(np.array([*doubts.values()]))
+    assert not {question: p for question, p in zip(doubts, corrected, strict=True) if p < LEVEL}
+
+
+@each_scenario
+def test_neither_the_order_of_requests_nor_hunters_labels_change_a_ruling(name):
+    """Labels may change a lot (R5.1, R5.5)."""
+    config, random = scenario(name), Random(4)
+    for _ in range(300):
+        step = drawn_step(config, random)
+        rulings = judged(step)
+        requests = random.sample(step["requests"], config.hunters)
+        assert judged(step | {"requests": requests}) == rulings
+        labels = random.sample(range(config.hunters), config.hunters)
+        moved = step | {
+            "hunters": [step["hunters"][labels.index(label)] for label in range(config.hunters)],
+            "requests": [(labels[seat], target) for seat, target in step["requests"]],
+        }
+        by_lot = {target for target, _, _ in lots_in(step)}
+        for seat, (target, verdict, winner) in rulings.items():
+            same = (target, verdict, None if winner is None else labels[winner])
+            assert target in by_lot or judged(moved)[labels[seat]] == same
+
+
+@each_scenario
+def test_the_order_of_a_steps_actions_does_not_matter(name):
+    config, random = scenario(name, control="target"), Random(5)
+    one, other = CatchArenaEnv(config), CatchArenaEnv(config)
+    for env in (one, other):
+        env.reset(seed=5)
+    while one.agents:
+        drives = (random.random(), random.uniform(-1.0, 1.0))
+        actions = {agent: drives if "prey" in agent else 1 for agent in one.agents}
+        one.step(actions)
+        other.step({agent: actions[agent] for agent in random.sample(sorted(actions), len(actions))})
+    assert one.digest() == other.digest()
+
+
+@each_scenario
+def test_agents_names_and_places_among_the_entrants_do_not_matter(name):
+    """`nearest` draws nothing from the seed that it is told."""
+    config = scenario(name)
+    (agent,) = enter(["nearest"])
+    kinds = [agent] * config.hunters + [agent.on("prey")] * config.prey
+    indices = list(range(len(kinds)))
+    digests = {
+        play(config, 6, [kind.create() for kind in kinds], list(map(str, turned)), agent_seeds=turned).digest
+        for turned in (indices, indices[1:] + indices[:1], indices[::-1])
+    }
+    assert len(digests) == 1
+
+
+def test_a_bonus_of_one_catch_in_two_matches_is_found_and_fair_seats_are_seldom_accused():
+    """At most 1 % of 600 audits, within three standard errors."""
+    random = np.random.default_rng(1)
+
+    def accused(matches, bonus):
+        scores = random.poisson(13, size=(matches, 4))
+        scores[:, 2] += random.random(matches) < bonus
+        ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
+        seating = np.tile(np.arange(4), (matches, 1))
+        found = seats_differ(Outcomes(4, np.arange(matches), seating, scores, ranks))
+        return holm(np.array(found)).min() < LEVEL
+
+    assert accused(2000, 0.5)
+    assert sum(accused(300, 0.0) for _ in range(600)) / 600 <= LEVEL + 3 * (LEVEL / 600) ** 0.5

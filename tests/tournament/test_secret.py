@@ -1,29 +1,19 @@
-"""A tournament's secret: written twice, told to nobody, and of no use to an agent that knows some of its seeds."""
+"""Seeds of a tournament: their values, who may see them and when, and no way from one to another."""
 
-import hashlib
 import json
 import re
 import sqlite3
 import subprocess
 import sys
-import time
-from collections.abc import Iterator
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import get_args
 
-import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from tournament.blake2b import blake2b
 from typer.testing import CliRunner
 
 from catch_arena import scenario
 from catch_arena.cli import main
 from catch_arena.cli.arguments import blank_argument
-from catch_arena.core.jit import INTERPRETED
-from catch_arena.core.spawner import spawn_pose
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
@@ -31,44 +21,21 @@ from catch_arena.tournament.execution.executors import SerialExecutor
 from catch_arena.tournament.execution.runner import REPLAYS, play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import blocks_of
-from catch_arena.tournament.plans.schedule import FORMATS, Plan, plan_of, round_robin
+from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.secret import Purpose, Secret, agent_seed
 from catch_arena.tournament.store import STORE, Store, Tournament
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tournaments.md").read_text()
-GUESSES = Path(__file__).parent / "isolation" / "bad" / "guesses.py"
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
 SMALL_NUMBERS = 40
 PURPOSES = get_args(Purpose)
-NUMBERS = st.lists(st.integers(0, 2**64 - 1), max_size=4)
+DRAWN = Secret.parse("5bd1e995c0ffee0123456789abcdef07")
+CONFIG = scenario("duel", time_limit_s=3)
 
 
-def seed_by_the_page(secret: bytes, words: str, numbers: list[int]) -> int:
-    """docs/tournaments.md, "Seeds", with another BLAKE2b than the package's."""
-    message = b"".join(number.to_bytes(8, "little") for number in numbers)
-    return int.from_bytes(blake2b(message, 8, key=secret, person=words.encode()), "little") // 2
-
-
-@given(
-    message=st.binary(max_size=300), size=st.integers(1, 64), key=st.binary(max_size=64), person=st.binary(max_size=16)
-)
-def test_the_second_blake2b_is_pythons(message, size, key, person):
-    assert (
-        blake2b(message, size, key, person)
-        == hashlib.blake2b(message, digest_size=size, key=key, person=person).digest()
-    )
-
-
-@given(secret=st.binary(min_size=16, max_size=16), words=st.sampled_from(PURPOSES), numbers=NUMBERS)
-def test_seeds_are_what_the_page_says(secret, words, numbers):
-    assert Secret(secret).seed(words, *numbers) == seed_by_the_page(secret, words, numbers) < 2**63
-    part = blake2b(b"".join(number.to_bytes(8, "little") for number in numbers), 16, key=secret, person=words.encode())
-    assert Secret(secret).part(words, *numbers).key == part
-
-
-@given(st.integers(0, 2**64 - 1))
-def test_a_number_makes_the_secret_that_the_page_says(number):
-    assert Secret.of(number).key == blake2b(number.to_bytes(8, "little"), 16, person=b"number")
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
 
 
 def test_the_page_lists_every_purpose_and_its_example_is_right():
@@ -78,22 +45,25 @@ def test_the_page_lists_every_purpose_and_its_example_is_right():
     digits, seed, told = re.search(
         r"`--seed ([0-9a-f]{32})`.*?block 3.*?(\d{15,}).*?agent 1.*?(\d{15,})", section, re.DOTALL
     ).groups()
-    assert Secret.parse(digits).seed("match", 3) == int(seed)
+    assert Secret.parse(digits).seed("match", 3) == int(seed) < 2**63
     assert Secret.parse(digits).seed("agent", 3, 1) == int(told)
+
+
+def test_other_commands_draw_from_a_part_and_a_number_makes_a_secret():
+    """These very values, for ever: else nothing that was played before could be played again."""
+    assert DRAWN.seed("groups", 1, 2, 3) == 2626483978231115388
+    assert DRAWN.part("grade", 1).digits == "e1d94e2fc4daa791ee73ae98a4b08a2b"
+    assert Secret.of(7).digits == "7fe7fbbf7ce6ce63a5ed1d4170934dbf"
 
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_plan_has_the_seeds_of_its_blocks(form):
     secret = Secret.of(9)
-    blocks = list(plan_of(form, 6, 3, 2, secret).stage(0, ()))
-    for number, block in enumerate(blocks):
+    for number, block in enumerate(plan_of(form, 6, 3, 2, secret).stage(0, ())):
+        assert {(match.block, match.seed) for match in block} == {(number, secret.seed("match", number))}
         for match in block:
-            assert match.block == number
-            assert match.seed == seed_by_the_page(secret.key, "match", [number])
-            assert match.agent_seeds == tuple(
-                seed_by_the_page(secret.key, "agent", [number, one]) for one in match.seating
-            )
-        lots = [seed_by_the_page(secret.key, "seating", [number, one]) for one in block[0].seating]
+            assert match.agent_seeds == tuple(secret.seed("agent", number, one) for one in match.seating)
+        lots = [secret.seed("seating", number, one) for one in block[0].seating]
         assert lots == sorted(lots)
 
 
@@ -119,21 +89,13 @@ def test_a_text_that_is_neither_is_one_line(text):
 
 
 def test_neither_a_secret_nor_a_match_shows_its_seeds_where_it_is_printed():
-    secret = Secret.of(None)
+    secret = DRAWN
     match = next(iter(round_robin(2, 2, 1, secret)))
     plan = plan_of("round-robin", 4, 2, 1, secret)
     for text in (repr(secret), str(secret), f"{secret}", repr(match), repr(plan)):
         assert secret.digits not in text
         assert repr(secret.key) not in text
         assert not re.search(r"\d{10}", text)
-
-
-def told_to_agents(plan: Plan) -> Iterator[tuple[int, int]]:
-    """An agent's seed, and the seed of the match that it is told in."""
-    for block in plan.stage(0, ()):
-        for match in block:
-            for seed in match.agent_seeds:
-                yield seed, match.seed
 
 
 def worked_out(told: int) -> set[int]:
@@ -150,24 +112,16 @@ def worked_out(told: int) -> set[int]:
     return found
 
 
-def test_an_agents_seed_leads_to_its_match_only_where_the_tournaments_was_a_small_number():
-    for seed, match in told_to_agents(round_robin(3, 2, 1, Secret.of(None))):
-        assert match not in worked_out(seed)
-    assert all(match in worked_out(seed) for seed, match in told_to_agents(round_robin(3, 2, 1, SMALL_NUMBERS - 1)))
+@pytest.mark.parametrize(
+    ("secret", "found"), [(DRAWN, False), (Secret.of(SMALL_NUMBERS - 1), True)], ids=["drawn", "small number"]
+)
+def test_an_agents_seed_leads_to_its_match_only_where_the_tournaments_was_a_small_number(secret, found):
+    for match in round_robin(3, 2, 1, secret):
+        for seed in match.agent_seeds:
+            assert (match.seed in worked_out(seed)) == found
 
 
-def test_an_agent_that_tries_predicts_no_place_unless_a_number_was_given(tmp_path, monkeypatch):
-    """The second tournament shows that it could: there it works out where the next targets will appear."""
-    monkeypatch.chdir(tmp_path)
-    for out, seed, found in (("drawn", [], "nothing found"), ("given", ["--seed", "11"], "predicted")):
-        words = ["tournament", str(GUESSES), "idle", "--rounds", "1", *QUICK[:-1], out, *seed]
-        assert CliRunner().invoke(main, words).exit_code == 0
-        told = re.findall(r"(predicted|nothing found)", (tmp_path / out / "logs" / "guesses.log").read_text())
-        assert told == [found] * 2
-
-
-def test_the_seed_is_told_in_the_end_and_repeats_all_of_it(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_seed_is_told_in_the_end_and_repeats_all_of_it():
     words = ["tournament", "random", "nearest", "--rounds", "1", *QUICK[:-1]]
     first = CliRunner().invoke(main, [*words, "a"])
     digits = json.loads(Path("a/standings.json").read_text())["seed"]
@@ -182,19 +136,16 @@ def test_the_seed_is_told_in_the_end_and_repeats_all_of_it(tmp_path, monkeypatch
     assert digits in Path("a.csv").read_text()
 
 
-def test_a_number_can_be_guessed_and_the_results_say_so(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_number_can_be_guessed_and_the_results_say_so():
     done = CliRunner().invoke(main, ["tournament", "random", "idle", "--rounds", "1", *QUICK, "--seed", "7"])
     digits = Secret.of(7).digits
     assert f"seed: {digits} (7, a number, which agents can guess)" in done.output
     assert "it was given as a number (7), which can be guessed" in Path("o/report.html").read_text()
     assert json.loads(Path("o/standings.json").read_text())["seed"] == digits
-    assert "agents can guess" in " ".join(CliRunner().invoke(main, ["tournament", "--help"]).output.split())
 
 
-def test_resume_keeps_the_secret(tmp_path, monkeypatch):
-    """Drawn, given as digits or as a number; and it does not say what it is to whoever gives another one."""
-    monkeypatch.chdir(tmp_path)
+def test_resume_keeps_the_secret():
+    """Drawn, given as digits or as a number; and a command with another one does not show it."""
     words = ["tournament", "random", "idle", *QUICK, "--rounds", "2"]
     assert CliRunner().invoke(main, words).exit_code == 0
     secret = Store.secret_in(Path("o"))
@@ -211,9 +162,6 @@ def test_resume_keeps_the_secret(tmp_path, monkeypatch):
     assert CliRunner().invoke(main, [*words, "--resume", "--seed", secret.digits]).exit_code == 0
 
 
-CONFIG = scenario("duel", time_limit_s=3)
-
-
 class Breaks(SerialExecutor):
     """As if a block's second match killed us."""
 
@@ -226,7 +174,7 @@ class Breaks(SerialExecutor):
 
 def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):
     """Not where it broke off within the block, nor from before, where its replays were written and it was not kept."""
-    entrants, secret = enter(["random", "idle"]), Secret.of(None)
+    entrants, secret = enter(["random", "idle"]), DRAWN
     plan, worker = round_robin(2, 2, 3, secret), Worker(CONFIG, entrants, record=True)
     first, second, _ = blocks_of(plan)
 
@@ -250,7 +198,7 @@ def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux says where a process's command line lies")
 def test_a_secret_on_the_command_line_is_no_longer_read_there():
-    digits = Secret.of(None).digits
+    digits = DRAWN.digits
     code = (
         "import sys\nfrom pathlib import Path\nfrom catch_arena.cli.app import secret_of\n"
         "print(secret_of(sys.argv[2]).digits, Path('/proc/self/cmdline').read_bytes())"
@@ -263,32 +211,3 @@ def test_a_secret_on_the_command_line_is_no_longer_read_there():
     assert digits not in line
     assert rf"--seed\x00{'x' * 32}\x00x\x00" in line
     blank_argument("not there")
-
-
-@pytest.mark.nightly
-@pytest.mark.skipif(INTERPRETED, reason="without the compiler it tries too few")
-def test_an_agent_that_tries_seeds_for_a_minute_predicts_no_place():
-    """From what it knows of the first place that it sees: small numbers, those around its own seed, and its double."""
-    spec = spec_from_file_location("measure_seeds", Path(__file__).parents[2] / "scripts" / "measure_seeds.py")
-    measure = module_from_spec(spec)
-    sys.modules["measure_seeds"] = measure
-    spec.loader.exec_module(measure)
-
-    def found(match: int, own: int) -> bool:
-        """By fractions that are known to 22 bits."""
-        with np.errstate(over="ignore"):  # the hash wraps
-            x, y, _ = spawn_pose(np.uint64(match), 1, measure.LOW, measure.HIGH, measure.HIGH)
-        seen = [(at - measure.LOW) / (measure.HIGH - measure.LOW) for at in (x, y)]
-        ends = time.process_time() + 60.0
-        begins = [0, max(0, own - (1 << 30)), max(0, 2 * own - (1 << 30))]
-        tried = 0
-        while time.process_time() < ends:
-            begin = begins[tried % 3] + (tried // 3 << 28)
-            if match in measure.seeds_with(np.uint64(begin), 1 << 28, *seen, 2.0**-22):
-                return True
-            tried += 1
-        return False
-
-    block = Secret.of(None)
-    assert not found(block.seed("match", 0), block.seed("agent", 0, 0))
-    assert found(123_456_789, agent_seed(123_456_789, 0))
