@@ -1,4 +1,4 @@
-"""What of isolation can be tested on this machine: its levels, and the runtimes that agents may be written for."""
+"""Levels of isolation, and runtimes for agents, that tests can use on this machine."""
 
 import shutil
 
@@ -9,9 +9,8 @@ LEVELS = ["processes"] if _MISSING else ["namespaces", "processes"]
 NAMESPACES = LEVELS[:-1]
 """For tests of that level alone."""
 
-COMPILERS = [name for name in ("cc", "gcc", "clang") if shutil.which(name)][:1]
 RUNTIMES = [name for name, program in (("node", "node"), ("java", "javac")) if shutil.which(program)]
 
 NOT_TESTED = [f"isolation in namespaces was not tested: {_MISSING}"] if _MISSING else []
-if absent := [*([] if COMPILERS else ["C"]), *(name for name in ("node", "java") if name not in RUNTIMES)]:
+if absent := [name for name in ("node", "java") if name not in RUNTIMES]:
     NOT_TESTED.append(f"agents were not tested in {', '.join(absent)}: not installed here")

@@ -1,4 +1,4 @@
-"""Which level of isolation holds, and what is said where namespaces cannot be had."""
+"""The level of isolation on this machine, and the line that names it or says why it does not work."""
 
 import os
 import stat
@@ -71,11 +71,6 @@ def test_a_kernel_without_user_namespaces_is_named(bubblewrap, tmp_path, monkeyp
     monkeypatch.setattr(namespaces, "_SYSCTL", tmp_path / "sys")
     with pytest.raises(ConfigError, match=f"No permissions to create new namespace; {hint}"):
         level_here("namespaces")
-
-
-def test_a_level_that_is_none_is_refused():
-    with pytest.raises(ConfigError, match="isolation must be one of namespaces, processes, got 'namespace'; did you"):
-        AgentLimits(isolation="namespace")
 
 
 def test_one_line_says_what_processes_do_not_stop_and_what_to_install(bubblewrap):

@@ -1,5 +1,0 @@
-"""Never gets as far as a class."""
-
-import time
-
-time.sleep(3600)
