@@ -1,13 +1,15 @@
-"""Who forfeits too often in a row is out, and who that is does not depend on when and where matches are played."""
+"""An agent that forfeits too often in a row is out, whenever and wherever matches are played."""
 
 import random
 from collections import Counter
 from concurrent.futures import Future
+from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tournament.agents import write_agent
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, NoContest
@@ -16,7 +18,7 @@ from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import MatchResult, MoveTimes, PlayedMatch, blocks_of
+from catch_arena.tournament.match import Match, MatchResult, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import balanced, gauntlet, round_robin
 from catch_arena.tournament.players import Fault
 from catch_arena.tournament.ranks import ranks_of
@@ -24,13 +26,6 @@ from catch_arena.tournament.store import Store, Tournament
 
 SEATS = 3
 CONFIG = scenario("standard", hunters=SEATS)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def no_pause():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(block_queue, "_PAUSE_S", 0.0)
-        yield
 
 
 class Field:
@@ -56,13 +51,9 @@ class Field:
 class Shuffled:
     """Ends its blocks in any order, loses some, and may be broken off; `wait` stands for the one of `block_queue`."""
 
-    def __init__(self, field, max_pending, seed, breaks_after=None):
-        self.field, self.max_pending, self.random, self.breaks_after = (
-            field,
-            max_pending,
-            random.Random(seed),
-            breaks_after,
-        )
+    def __init__(self, field, max_pending, seed, breaks_after=None, loses=0.1):
+        self.field, self.max_pending, self.random = field, max_pending, random.Random(seed)
+        self.breaks_after, self.loses = breaks_after, loses
         self.begun = {}
         self.lost = Counter()
         self.played = 0
@@ -80,7 +71,7 @@ class Shuffled:
         self.begun = {future: about for future, about in self.begun.items() if not future.cancelled()}
         for future in self.random.sample(futures, self.random.randint(1, len(futures))):
             block, out = self.begun.pop(future)
-            if self.random.random() < 0.1 and self.lost[block] < 2:
+            if self.random.random() < self.loses and self.lost[block] < 2:
                 self.lost[block] += 1
                 future.set_exception(NoContest("it is gone"))
             else:
@@ -91,24 +82,18 @@ class Shuffled:
     def result(self, future):
         return future.result()
 
-
-def one_after_the_other(field, plan, most):
-    """The records as the rule says it, read word by word: all blocks in order, all streaks counted anew each time."""
-    played = []
-    for number in range(1000):
-        blocks = list(plan.stage(number, iter(played)))
-        if not blocks:
-            return played
-        for block in blocks:
-            out = [place for place in range(len(field.entrants)) if most and has_streak(played, place, most)]
-            played += [field.play(match, set(out) & set(match.seating)) for match in block]
-    raise AssertionError
+    @contextmanager
+    def in_charge(self):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(block_queue, "wait", self.wait)
+            patch.setattr(block_queue, "_PAUSE_S", 0.0)
+            yield
 
 
-def has_streak(played, place, most):
-    """Whether it has ever forfeited so many in a row."""
-    codes = [one.result.forfeits[one.match.seating.index(place)] for one in played if place in one.match.seating]
-    return any(all(codes[end - most : end]) for end in range(most, len(codes) + 1))
+def played_by(executor, field, plan, most):
+    with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store, executor.in_charge():
+        play_plan(store, plan, executor, max_forfeits=most)
+        return list(store.played())
 
 
 @given(
@@ -124,40 +109,16 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
 ):
     field = Field(temper, seed)
     plan = make(len(temper), SEATS, 2, seed)
-    expected = one_after_the_other(field, plan, most)
-    monkeypatch = pytest.MonkeyPatch()
-    with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store, monkeypatch.context() as patch:
+    expected = played_by(Shuffled(field, 1, 0, loses=0.0), field, plan, most)
+    with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store:
         for life in range(100):
-            breaks_after = data.draw(st.integers(0, 40)) if life < 3 else None
-            executor = Shuffled(field, max_pending, seed + life, breaks_after)
-            patch.setattr(block_queue, "wait", executor.wait)
+            executor = Shuffled(field, max_pending, seed + life, data.draw(st.integers(0, 40)) if life < 3 else None)
             before = list(store.played())
             assert before == expected[: len(before)]
-            try:
+            with suppress(KeyboardInterrupt), executor.in_charge():
                 play_plan(store, plan, executor, max_forfeits=most)
-            except KeyboardInterrupt:
-                continue
-            break
+                break
         assert list(store.played()) == expected
-
-
-def test_what_was_begun_too_early_is_played_again():
-    """Else the test above would prove little. A match in three is forfeited, so that three in a row come late."""
-    field = Field([0.0, 0.0, 0.3, 0.3], 4)
-    plan = round_robin(4, SEATS, 10, seed=3)
-    again = 0
-    for seed in range(5):
-        executor = Shuffled(field, 28, seed)
-        with (
-            Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store,
-            pytest.MonkeyPatch.context() as patch,
-        ):
-            patch.setattr(block_queue, "wait", executor.wait)
-            play_plan(store, plan, executor, max_forfeits=3)
-            codes = Counter(code for one in store.played() for code in one.result.forfeits)
-        assert codes["FORFEIT_OUT"] > 10
-        again += executor.played - len(blocks_of(plan))
-    assert again > 0
 
 
 def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
@@ -172,36 +133,14 @@ def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
         return Shuffled.submit(executor, block, out)
 
     executor.submit = submit
-    with (
-        Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store,
-        pytest.MonkeyPatch.context() as patch,
-    ):
-        patch.setattr(block_queue, "wait", executor.wait)
-        play_plan(store, plan, executor, max_forfeits=10)
+    played_by(executor, field, plan, 10)
     blocks = {block for block, out in begun if not out}
     assert sum(map(len, blocks)) == 12  # whole blocks of three
 
 
-def played(codes):
-    """Matches of two, one after the other, in which the first entrant met these codes."""
-    matches = list(round_robin(2, 2, -(-len(codes) // 2), seed=0))
-    return [
-        PlayedMatch(
-            match,
-            MatchResult(
-                (0, 0),
-                (1, 1),
-                ({}, {}),
-                (0, 0),
-                (0, 0),
-                1,
-                "",
-                tuple(code if place == 0 else None for place in match.seating),
-                (),
-            ),
-        )
-        for match, code in zip(matches, codes, strict=False)
-    ]
+def test_less_than_no_forfeit_is_refused():
+    with pytest.raises(ConfigError, match="max_forfeits must be at least 1, or 0 for no limit, got -1"):
+        ForfeitStreaks(-1)
 
 
 @pytest.mark.parametrize(
@@ -216,38 +155,29 @@ def played(codes):
     ],
 )
 def test_a_streak_is_of_forfeits_of_any_kind_and_ends_with_a_match_that_was_played(codes, most, out):
-    kinds = {"C": "FORFEIT_CRASH", "T": "FORFEIT_TIMEOUT", ".": None}
     streaks = ForfeitStreaks(most)
-    assert streaks.add(played([kinds[code] for code in codes])) is out
-    (block, *_) = blocks_of(round_robin(2, 2, 1, seed=0))
+    kinds = {"C": "FORFEIT_CRASH", "T": "FORFEIT_TIMEOUT", ".": None}
+    played = [
+        SimpleNamespace(match=Match("m", 0, 0, (0, 1)), result=SimpleNamespace(forfeits=(kinds[code], None)))
+        for code in codes
+    ]
+    assert streaks.add(played) is out
     expected = Fault("FORFEIT_OUT", f"it had forfeited {most} matches in a row")
-    assert streaks.excluded_from(block) == ({0: expected} if out else {})
-
-
-def test_less_than_no_forfeit_is_refused():
-    with pytest.raises(ConfigError, match="max_forfeits must be at least 1, or 0 for no limit, got -1"):
-        ForfeitStreaks(-1)
+    assert streaks.excluded_from([Match("m", 0, 0, (0, 1))]) == ({0: expected} if out else {})
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
     """For real: it notes each of its starts."""
-    bad = tmp_path / "bad.py"
-    bad.write_text(
-        "from pathlib import Path\nclass Agent:\n    def reset(self, seed):\n"
-        "        with Path(__file__).with_name('starts').open('a') as file:\n            file.write('x')\n"
-        "    def act(self, view): 1 / 0\n"
-    )
-    entrants = enter([str(bad), "nearest", "idle"])
-    matches = round_robin(3, 2, 4, seed=0)
-    found = run(scenario("duel", time_limit_s=6), entrants, matches, jobs=jobs, max_forfeits=3)
-    theirs = [one for one in found if 0 in one.match.seating]
-    codes = [one.result.forfeits[one.match.seating.index(0)] for one in theirs]
+    starts = "with Path(__file__).with_name('starts').open('a') as file: file.write('x')"
+    bad = write_agent(tmp_path / "bad.py", "1 / 0", starts, "from pathlib import Path\n")
+    config, entrants = scenario("duel", time_limit_s=6), enter([bad, "nearest", "idle"])
+    found = run(config, entrants, round_robin(3, 2, 4, seed=0), jobs=jobs, max_forfeits=3)
+    theirs = [(one.result, one.match.seating.index(0)) for one in found if 0 in one.match.seating]
+    codes = [result.forfeits[seat] for result, seat in theirs]
     assert codes == ["FORFEIT_CRASH"] * 4 + ["FORFEIT_OUT"] * 12
     assert (tmp_path / "starts").read_text() == "x" * 4
-    out = theirs[-1]
-    seat = out.match.seating.index(0)
-    assert str(out.result.details[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
-    assert out.result.ranks[seat] == 2
-    assert (out.result.steps, out.result.thinking[1 - seat].moves) == (60, 60)
-    assert found == run(scenario("duel", time_limit_s=6), entrants, matches, max_forfeits=3)
+    result, seat = theirs[-1]
+    assert str(result.details[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
+    assert result.ranks[seat] == 2
+    assert (result.steps, result.thinking[1 - seat].moves) == (60, 60)

@@ -1,78 +1,55 @@
-"""A tournament whose process is killed (SIGKILL) goes on where it was, and ends as if nothing had happened."""
+"""A tournament that is killed (SIGKILL) continues, ends as if undisturbed, and leaves no process behind."""
 
 import hashlib
+import os
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from isolation_levels import LEVELS
+from tournament.agents import LEAVES_A_CHILD, write_agent
+from typer.testing import CliRunner
 
+from catch_arena.cli import main
+from catch_arena.descendants import family
 from catch_arena.errors import StoreError
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store
 
-AGENTS = ["nearest", "random", "contested", "crashes.py"]
-"""The last one is out after ten matches, which no resumption may forget."""
-WORDS = [
-    *AGENTS,
-    "--scenario",
-    "duel",
-    "--set",
-    "time_limit_s=3",
-    "--rounds",
-    "6",
-    "--seed",
-    "0",
-    "--record",
-    "--resume",
-    "--trusted",
-]
+WORDS = (
+    *("tournament", "nearest", "random", "contested", "crashes.py", "--scenario", "duel", "--set", "time_limit_s=3"),
+    *("--rounds", "6", "--seed", "0", "--record", "--resume", "--trusted", "--jobs", "1", "--out"),
+)
+"""The last agent is out after ten matches, which no resumption may forget."""
 MATCHES = 72
-SERVER = """
+KILLED = """
 import os, signal, sys
 from itertools import count
 from pathlib import Path
 from catch_arena.cli import main
-from catch_arena import parallel_env
-from catch_arena.tournament import entrants
-from catch_arena.tournament import standings_files
-from catch_arena.tournament.plans import schedule
-from catch_arena.cli import live_standings, tables
-from catch_arena.tournament.execution import runner
-from catch_arena.tournament.statistics import standings
 from catch_arena.tournament.store import Store
-from catch_arena.tournament.execution import worker
 
-def kill_at(place, name, number, when):
-    owner, calls = {"Store": Store, "Path": Path}[place], count(1)
-    function = getattr(owner, name)
-    def counted(*arguments, **options):
-        last = next(calls) == number
-        if last and when == "before":
-            os.kill(os.getpid(), signal.SIGKILL)
-        result = function(*arguments, **options)
-        if last:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return result
-    setattr(owner, name, counted)
+place, name, number, when, *words = sys.argv[1:]
+owner, calls = {"Store": Store, "Path": Path}[place], count(1)
+function = getattr(owner, name)
 
-parallel_env("duel").reset(seed=0)  # loads what is compiled
-print("ready", flush=True)
-for line in sys.stdin:
-    place, name, number, when, *words = line.split()
-    child = os.fork()
-    if not child:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        if place != "never":
-            kill_at(place, name, int(number), when)
-        main(words)
-    _, status = os.waitpid(child, 0)
-    print(os.waitstatus_to_exitcode(status), flush=True)
+def counted(*arguments, **options):
+    last = next(calls) == int(number)
+    if last and when == "before":
+        os.kill(os.getpid(), signal.SIGKILL)
+    result = function(*arguments, **options)
+    if last:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return result
+
+setattr(owner, name, counted)
+main(words)
 """
-NEVER = "never - 0 -"
 KILLS = (
     ("Store transaction 1 after", 0),
     ("Store plan 1 after", 0),
@@ -90,32 +67,6 @@ KILLS = (
 A block has two matches, so the third `_keep` is in the middle of a transaction. `Path.replace` ends each replay: the
 fourth that is not called leaves half of a block's replays, and a temporary file.
 """
-
-
-class Server:
-    """Runs the command line in fresh processes, forked from one that has imported everything already."""
-
-    def __init__(self, folder: Path):
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", SERVER], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        assert self.process.stdout.readline() == "ready\n"
-
-    def play(self, out: str, kill: str = NEVER) -> int:
-        """Play the tournament; its exit code, negative for a signal."""
-        words = ["tournament", *WORDS, "--jobs", "1", "--out", out]
-        self.process.stdin.write(f"{kill} {' '.join(words)}\n")
-        self.process.stdin.flush()
-        return int(self.process.stdout.readline())
-
-
-@pytest.fixture
-def server(tmp_path):
-    server = Server(tmp_path)
-    yield server
-    server.process.stdin.close()
-    server.process.wait()
-    server.process.stdout.close()
 
 
 def exported(folder: Path) -> bytes:
@@ -139,73 +90,62 @@ def kept(folder: Path) -> int:
     return len(played)
 
 
-@pytest.fixture
-def undisturbed(server, tmp_path):
-    """The export of the tournament that nothing disturbs."""
+def test_killed_again_and_again_it_ends_as_if_undisturbed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     shutil.copy(Path(__file__).parents[1] / "isolation" / "bad" / "crashes.py", tmp_path)
-    assert server.play("undisturbed") == 0
+    assert CliRunner().invoke(main, [*WORDS, "undisturbed"]).exit_code == 0
     expected = exported(tmp_path / "undisturbed")
     assert expected.count(b"\n") == MATCHES
     assert expected.count(b"FORFEIT_OUT") == MATCHES / 2 - 10
-    return expected
-
-
-def test_killed_again_and_again_it_ends_as_if_undisturbed(server, tmp_path, undisturbed):
     for kill, matches in KILLS:
-        assert (server.play("killed", kill), kept(tmp_path / "killed")) == (-signal.SIGKILL, matches), kill
-    assert server.play("killed") == 0
-    assert exported(tmp_path / "killed") == undisturbed
+        words = [sys.executable, "-c", KILLED, *kill.split(), *WORDS, "killed"]
+        killed = subprocess.run(words, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        assert (killed.returncode, kept(tmp_path / "killed")) == (-signal.SIGKILL, matches), kill
+    assert CliRunner().invoke(main, [*WORDS, "killed"]).exit_code == 0
+    assert exported(tmp_path / "killed") == expected
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("call", ["Store transaction", "Store keep", "Store _keep", "Path replace"])
-def test_killed_before_and_after_each_of_the_first_calls_it_ends_as_if_undisturbed(server, tmp_path, undisturbed, call):
-    before = 0
-    for kill in (f"{call} {number} {when}" for number in range(1, 5) for when in ("before", "after")):
-        assert server.play("killed", kill) == -signal.SIGKILL, kill
-        assert kept(tmp_path / "killed") >= before
-        before = kept(tmp_path / "killed")
-    assert server.play("killed") == 0
-    assert exported(tmp_path / "killed") == undisturbed
+PLAYS = """
+import sys
+from catch_arena import scenario
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.plans.schedule import round_robin
+limits = AgentLimits(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
+run(scenario("duel"), enter(["mine.py", "mine.py"]), round_robin(2, 2, 9, 0), jobs=2, limits=limits)
+"""
 
 
-def test_the_processes_of_a_killed_tournament_end_too(tmp_path):
-    """Its agents' processes tell their ids, some anew with a match; nobody is left to tell them to end."""
-    tells = tmp_path / "tells.py"
-    tells.write_text(
-        "import os\nfrom pathlib import Path\nclass Agent:\n"
-        "    def reset(self, seed): Path(__file__).with_name(f'{os.getpid()}.pid').touch()\n"
-        "    def act(self, view): return 0\n"
-    )
-
-    def told() -> set[Path]:
-        return {Path("/proc", path.stem) for path in tmp_path.glob("*.pid")}
-
-    command = [sys.executable, "-m", "catch_arena", "tournament", "tells.py", "idle"]
-    process = subprocess.Popen(
-        # in namespaces it could not write there, and would know other numbers
-        [
-            *command,
-            "--scenario",
-            "duel",
-            "--rounds",
-            "5000",
-            "--jobs",
-            "2",
-            "--out",
-            "o",
-            "--limit",
-            "isolation=processes",
-        ],
-        cwd=tmp_path,
-        stdout=subprocess.DEVNULL,
-    )
-    while len(told()) < 2 and process.poll() is None:
-        time.sleep(0.05)
-    process.kill()
-    process.wait()
-    assert len(told()) >= 2
+@pytest.mark.parametrize("level", LEVELS)
+def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
+    """Not its workers nor their agents, nor a grandchild in a session of its own, nor their folders."""
+    write_agent(tmp_path / "mine.py", "time.sleep(600)", LEAVES_A_CHILD, "import os, time\n")
+    (tmp_path / "temporary").mkdir()
+    environment = os.environ | {"TMPDIR": str(tmp_path / "temporary")}
+    process = subprocess.Popen([sys.executable, "-c", PLAYS, level], cwd=tmp_path, env=environment)
+    with process:
+        while sum(is_grandchild(pid) for pid in family(process.pid)) < 4 and process.poll() is None:
+            time.sleep(0.05)
+        relatives = family(process.pid)
+        assert len(relatives) >= 14  # two workers, with two programs each, their agents, and these children
+        process.kill()
     patience = time.monotonic() + 60
-    while any(one.exists() for one in told()) and time.monotonic() < patience:
-        time.sleep(0.05)
-    assert not [one for one in told() if one.exists()]
+    while (any(map(lives, relatives)) or any((tmp_path / "temporary").iterdir())) and time.monotonic() < patience:
+        time.sleep(0.02)
+    assert not [pid for pid in relatives if lives(pid)]
+    assert not any((tmp_path / "temporary").iterdir())
+
+
+def is_grandchild(pid: int) -> bool:
+    with suppress(FileNotFoundError, ProcessLookupError):
+        return b"98765" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    return False
+
+
+def lives(pid: int) -> bool:
+    """Return if a process runs; one that has ended and is not waited for yet does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()[0] not in {b"Z", b"X"}
+    except FileNotFoundError:
+        return False

@@ -1,4 +1,4 @@
-"""Matches played by a Ray of two workers come out as those played here."""
+"""Matches on Ray have the results of matches here, and every machine needs the same versions."""
 
 import shutil
 import subprocess

@@ -1,6 +1,4 @@
-"""Playing until the order is clear: whole rounds, a budget, and the same answer when it is broken off."""
-
-from itertools import pairwise
+"""Playing until the order is clear: whole rounds, a budget, and the same matches with a larger one."""
 
 import pytest
 
@@ -10,7 +8,6 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.plans.until_separated import UntilSeparated
-from catch_arena.tournament.statistics.separation import next_look
 
 SHORT = scenario("duel", time_limit_s=4)
 CLEAR = enter(["nearest", "random", "idle"])
@@ -36,21 +33,6 @@ def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
     assert not plays.last.clear
     assert set(plays.last.pair) == {"nearest", "nearest#2"}
     assert "cannot be told apart yet (p = " in str(plays.last)
-
-
-def test_each_batch_reaches_the_next_look():
-    """A round has three blocks."""
-    plays, played, stages = plan(EQUAL, 600), [], []
-    everything = run(SHORT, EQUAL, round_robin(3, 2, 20, 1))
-    while blocks := len(list(plays.stage(len(stages), played))):
-        stages.append(blocks)
-        played = everything[: 2 * sum(stages)]
-        if len(played) == len(everything):
-            break
-    looks = [sum(stages[: number + 1]) for number in range(len(stages))]
-    assert looks[0] == 9
-    for before, look in pairwise(looks[:-1]):
-        assert next_look(before) <= look < next_look(before) + 3
 
 
 def test_a_larger_budget_begins_with_the_same_matches_and_has_the_same_parameters():
