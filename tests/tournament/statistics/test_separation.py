@@ -1,4 +1,4 @@
-"""Groups, and when an order is clear."""
+"""Groups of agents that cannot be told apart, and when an order is clear: errors as rare as docs/ratings.md says."""
 
 import math
 import re
@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tournament.played_matches import made_up
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 from catch_arena.tournament.plans.schedule import balanced
-from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
@@ -25,12 +24,7 @@ THREE = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abc"]
 
 def played(blocks, rates, seed=0):
     random = np.random.default_rng(seed)
-    found = []
-    for block in range(blocks):
-        scores = tuple(random.poisson(rates).tolist())
-        result = MatchResult(scores, ranks_of(scores), ({},) * 3, (0,) * 3, (0,) * 3, 600, "", (None,) * 3, ())
-        found.append(PlayedMatch(Match(f"{block:06d}", block, block, (0, 1, 2)), result))
-    return found
+    return [made_up(block, (0, 1, 2), tuple(random.poisson(rates).tolist())) for block in range(blocks)]
 
 
 def test_holms_correction_by_hand():

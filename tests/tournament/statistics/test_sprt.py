@@ -1,4 +1,4 @@
-"""The sequential test."""
+"""The sequential test of `compare`, against Wald's test, and its errors as rare as promised."""
 
 import math
 import runpy

@@ -7,12 +7,11 @@ import math
 from dataclasses import replace
 
 import pytest
+from tournament.played_matches import made_up
 
 from catch_arena import scenario
-from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
-from catch_arena.tournament.match_loop import play
-from catch_arena.tournament.ranks import ranks_of
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.standings_files import summary_text, table_text
 from catch_arena.tournament.statistics.standings import standings
@@ -25,14 +24,11 @@ DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 
 def played(
     block: int, turn: int, seating: tuple[int, int], scores: tuple[int, int], lost: int = 0, code: str | None = None
 ) -> PlayedMatch:
-    verdicts = tuple(
-        {"GRANTED": score} | ({"LOST_CONTEST": lost, "OUT_OF_REACH": 1} if seat == 0 and lost else {})
-        for seat, score in enumerate(scores)
-    )
-    return PlayedMatch(
-        Match(f"r00001-g{block + 1:06d}-s{turn:02d}", block, 7 + block, seating),
-        MatchResult(scores, ranks_of(scores), verdicts, (1, lost), (lost, 0), 600, "ab", (code, None), ()),
-    )
+    first, second = ({"GRANTED": score} for score in scores)
+    if lost:
+        first |= {"LOST_CONTEST": lost, "OUT_OF_REACH": 1}
+    parts = {"verdicts": (first, second), "contests_won": (1, lost), "contests_lost": (lost, 0)}
+    return made_up(block, seating, scores, turn, forfeits=(code, None), **parts)
 
 
 FOUR = [
@@ -64,16 +60,6 @@ def test_contests_refusals_and_forfeits_by_hand():
     assert (first.forfeits, second.forfeits) == ({"FORFEIT_CRASH": 1}, {})
 
 
-def test_a_match_counts_who_won_its_contests():
-    """Of two hunters the one wins what the other loses."""
-    policies = [one.create() for one in enter(["nearest", "contested"])]
-    result = play(scenario("duel", time_limit_s=30), 4, policies, ["a", "b"])
-    lost = [verdicts.get("LOST_CONTEST", 0) for verdicts in result.verdicts]
-    assert list(result.contests_won) == lost[::-1]
-    assert list(result.contests_lost) == lost
-    assert sum(lost) > 0
-
-
 def test_contests_among_team_mates_are_counted_by_themselves():
     between = [played(0, 0, (0, 1), (4, 3), lost=1)]
     own = [replace(one, result=replace(one.result, lost_to_mates=(6, 2))) for one in between]
@@ -92,9 +78,7 @@ def test_the_middle_half_of_the_matches_by_hand():
 
 def test_nobody_wins_a_match_that_all_have_forfeited():
     """The one that lasted longer is above the other all the same."""
-    both = ("FORFEIT_CRASH", "FORFEIT_CRASH")
-    result = MatchResult((3, 0), (1, 2), ({}, {}), (0, 0), (0, 0), 9, "", both, ())
-    lost = [PlayedMatch(Match(f"{number}", number, 7, (0, 1)), result) for number in range(4)]
+    lost = [made_up(block, (0, 1), (3, 0), forfeits=("FORFEIT_CRASH",) * 2) for block in range(4)]
     first, second = standings([A, B], lost)
     assert (first.name, first.win_share.mean, second.win_share.mean) == ("a", 0.0, 0.0)
     assert first.rating.mean > second.rating.mean
@@ -127,13 +111,9 @@ def test_the_interval_shrinks_with_the_root_of_the_blocks():
     assert width(400) == pytest.approx(width(100) / 2, rel=0.05)
 
 
-def test_equal_scores_share_a_place():
-    assert [line.place for line in standings([A, B], [played(0, 0, (0, 1), (3, 3))])] == [1, 1]
-
-
-def test_an_entrant_that_did_not_play_is_not_in_the_table():
-    lines = standings([A, B, Entrant("c", "c.py", "target", "1" * 16)], FOUR)
-    assert [line.name for line in lines] == ["a", "b"]
+def test_equal_scores_share_a_place_and_who_did_not_play_is_not_in_the_table():
+    lines = standings([A, B, Entrant("c", "c.py", "target", "1" * 16)], [played(0, 0, (0, 1), (3, 3))])
+    assert [(line.place, line.name) for line in lines] == [(1, "a"), (1, "b")]
 
 
 def test_the_files_hold_what_the_standings_say():
