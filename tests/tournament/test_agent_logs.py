@@ -1,12 +1,13 @@
-"""What agents printed, and how they failed."""
+"""Log files: what each agent printed and how it failed, by match and seat, up to a size."""
 
 import pytest
+from tournament.played_matches import made_up
 
 from catch_arena.errors import OutputError
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.agent_logs import MOST_BYTES, AgentLogs
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, Match, MatchResult, PlayedMatch
+from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.parties import Parties
 
 SEATS = Parties.of(scenario("duel"))
@@ -15,8 +16,7 @@ ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]
 
 def played(number, printed, forfeit=None):
     codes = (None, forfeit and forfeit.code)
-    result = MatchResult((1, 0), (1, 2), ({}, {}), (0, 0), (0, 0), 9, "", codes, (), (None, forfeit), ("", printed))
-    return PlayedMatch(Match(f"m{number}", number, 0, (0, 1)), result)
+    return made_up(number, (0, 1), (1, 0), forfeits=codes, details=(None, forfeit), logs=("", printed))
 
 
 def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
@@ -28,47 +28,30 @@ def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
     logs.add(played(4, "bye\n", Forfeit("FORFEIT_INIT", 0, "reset took longer than 10 s")))
     assert [path.name for path in (tmp_path / "logs").iterdir()] == ["loud.log"]
     assert (tmp_path / "logs" / "loud.log").read_text().splitlines() == [
-        "== match m2, seat 1",
+        "== match r00001-g000003-s00, seat 1",
         "hello",
-        "== match m3, seat 1: FORFEIT_CRASH in step 4: act raised KeyError: 3",
-        "== match m4, seat 1: FORFEIT_INIT before the first step: reset took longer than 10 s",
+        "== match r00001-g000004-s00, seat 1: FORFEIT_CRASH in step 4: act raised KeyError: 3",
+        "== match r00001-g000005-s00, seat 1: FORFEIT_INIT before the first step: reset took longer than 10 s",
         "bye",
     ]
 
 
-@pytest.mark.parametrize(
-    ("arena", "said"),
-    [
-        ("pairs", ["== match m1, seats 0+1", "ann", "== match m1, seats 2+3", "bob"]),
-        ("tag", ["== match m1, seat 0", "ann", "== match m1, prey 0", "prey"]),
-    ],
-)
-def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, said):
+@pytest.mark.parametrize(("arena", "first", "last"), [("pairs", "seats 0+1", "seats 2+3"), ("tag", "seat 0", "prey 0")])
+def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, first, last):
     parties = Parties.of(scenario(arena))
     count = len(parties)
-    entrants = [Entrant("all", "all", "target", "")]
-    printed = {0: "ann", count - 1: said[-1]}
-    result = MatchResult(
-        (0,) * count,
-        (1,) * count,
-        ({},) * count,
-        (0,) * count,
-        (0,) * count,
-        9,
-        "",
-        (None,) * count,
-        (),
-        (None,) * count,
-        tuple(printed.get(party, "") for party in range(count)),
-    )
-    AgentLogs(tmp_path, entrants, parties).add(PlayedMatch(Match("m1", 1, 0, (0,) * count), result))
-    assert (tmp_path / "all.log").read_text().splitlines() == said
+    logs = ("ann", *[""] * (count - 2), "bob")
+    one = made_up(0, (0,) * count, (0,) * count, details=(None,) * count, logs=logs)
+    AgentLogs(tmp_path, ENTRANTS[1:], parties).add(one)
+    name = one.match.id
+    said = [f"== match {name}, {first}", "ann", f"== match {name}, {last}", "bob"]
+    assert (tmp_path / "loud.log").read_text().splitlines() == said
 
 
 def test_an_agent_whose_name_has_parts_has_a_file_too(tmp_path):
     logs = AgentLogs(tmp_path / "logs", [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")], SEATS)
     logs.add(played(1, "hello"))
-    assert (tmp_path / "logs" / "ann" / "agent.log").read_text() == "== match m1, seat 1\nhello\n"
+    assert (tmp_path / "logs" / "ann" / "agent.log").read_text() == "== match r00001-g000002-s00, seat 1\nhello\n"
 
 
 def test_a_file_does_not_grow_for_ever(tmp_path):

@@ -1,4 +1,4 @@
-"""A store that was damaged, or made by a stranger: each reader says so in one line, or reads what can be read."""
+"""A store that is damaged, or made by a stranger, gives one line in every command that reads it."""
 
 import shutil
 import sqlite3
@@ -109,6 +109,7 @@ FORGED = {
     "versions of another kind": "UPDATE versions SET value = '[]'",
     "a value that is no text": "UPDATE result SET digest = x'22fffe22'",
     "no table": "DROP TABLE result",
+    "a seed that is none": "UPDATE fact SET value = '\"-1\"' WHERE name = 'seed'",
 }
 
 
@@ -130,28 +131,18 @@ def test_the_line_names_the_file_the_table_and_the_row(whole, tmp_path):
     )
 
 
-def test_a_whole_one_is_read_by_all(whole, tmp_path):
-    assert read_by_all(whole, tmp_path / "copy") == [None] * len(READERS)
-
-
 def damaged_bytes(random, path):
-    """Some bytes are others, a piece is missing or doubled, or a page stands in the place of another."""
+    """Some bytes are others, the end is missing, or a page stands in the place of another."""
     content = bytearray(path.read_bytes())
-    kind = random.randrange(5)
+    kind = random.randrange(3)
     if kind == 0:
         for _ in range(random.choice((1, 5, 50, 500))):
             content[random.randrange(len(content))] = random.randrange(256)
     elif kind == 1:
         del content[random.randrange(len(content)) :]
-    elif kind == 2:
-        at = random.randrange(len(content))
-        del content[at : at + random.randrange(1, 5000)]
-    elif kind == 3:
+    else:
         one, other = (4096 * random.randrange(len(content) // 4096) for _ in range(2))
         content[one : one + 4096] = content[other : other + 4096]
-    else:
-        at, length = random.randrange(100, len(content)), random.randrange(1, 300)
-        content[at : at + length] = random.randbytes(length)
     path.write_bytes(content)
 
 
@@ -167,8 +158,7 @@ def test_whatever_is_wrong_in_its_bytes_is_one_line(whole, tmp_path):
     told = 0
     for number in range(60):
         folder = tmp_path / "damaged"
-        shutil.rmtree(folder, ignore_errors=True)
-        shutil.copytree(whole, folder)
+        changed(whole, folder, "SELECT 1")
         damaged_bytes(Random(f"damaged_bytes {number}"), folder / STORE)
         try:
             told += any(read_by_all(folder, tmp_path / "copy"))

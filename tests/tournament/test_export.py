@@ -1,4 +1,4 @@
-"""What `catch-arena export` writes."""
+"""`catch-arena export` writes all that is known of each match, the same bytes for the same plan."""
 
 import csv
 import json

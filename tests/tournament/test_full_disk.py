@@ -1,20 +1,15 @@
-"""A full disk: one line with the folder and its room, exit code 2, nothing half-written, and what was played stays."""
+"""A full disk: one line with the folder and its room, exit code 2, nothing half-written, and `--resume` continues."""
 
 import re
 import resource
-import shutil
-import sqlite3
 import subprocess
 from contextlib import contextmanager
-from types import SimpleNamespace
 
 import pytest
 from interrupts.commands import PROGRESS
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.errors import StoreError
-from catch_arena.tournament.store import Store
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--seed", "0", "--jobs", "1"]
@@ -63,30 +58,6 @@ def test_a_store_that_cannot_grow_says_how_much_is_free_and_needed_and_is_resume
     assert catch_arena(*TOURNAMENT, "--out", "o", "--resume").exit_code == 0
     assert catch_arena(*TOURNAMENT, "--out", "undisturbed").exit_code == 0
     assert exported(catch_arena, "o") == exported(catch_arena, "undisturbed")
-
-
-@pytest.mark.parametrize(
-    ("code", "free", "why"),
-    [
-        ("SQLITE_FULL", 10**9, "the disk is full"),
-        ("SQLITE_IOERR_WRITE", 20_480, "the disk is full"),
-        ("SQLITE_IOERR_WRITE", 10**9, "disk I/O error"),
-    ],
-)
-def test_a_store_without_room_speaks_of_a_full_disk_and_one_with_a_broken_disk_does_not(
-    tmp_path, monkeypatch, code, free, why
-):
-    """Near the end SQLite calls it an I/O error; here a disk is played by a program of its own."""
-    store = Store(tmp_path / "tournament.sqlite")
-    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
-    error = sqlite3.OperationalError("disk I/O error")
-    error.sqlite_errorname = code
-    with (
-        pytest.raises(StoreError, match=rf"tournament\.sqlite: cannot be written: {why}: [\d.]+ \w+ are free in .+"),
-        store._store_errors(),
-    ):
-        raise error
-    store.close()
 
 
 @pytest.fixture

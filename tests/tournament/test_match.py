@@ -13,28 +13,24 @@ from catch_arena.tournament.ranks import ranks_of
 SHORT = scenario("duel", time_limit_s=10)
 
 
-class Holds:
+class Plays:
+    """Holds for four steps, then answers by a function of its view."""
+
+    def __init__(self, answer=lambda _: 0):
+        self.answer, self.step = answer, 0
+
     def reset(self, seed):
         self.seed = seed
 
-    def act(self, view):  # noqa: ARG002 - the protocol's
-        return 0
-
-
-class Answers(Holds):
-    """Holds for four steps, then gives its answer."""
-
-    def __init__(self, answer):
-        self.answer, self.step = answer, 0
-
     def act(self, view):
         self.step += 1
-        return self.answer(view) if self.step == 5 else 0
+        return self.answer(view) if self.step >= 5 else 0
 
 
-def test_equal_scores_share_a_rank_and_use_up_those_after_it():
+def test_equal_scores_share_a_rank_and_who_forfeits_ranks_behind_by_how_long_it_lasted():
     assert ranks_of((5, 5, 3)) == (1, 1, 3)
     assert ranks_of((1, 4, 2, 4)) == (4, 1, 3, 1)
+    assert ranks_of((9, 0, 5, 7, 1), (3, None, 8, 3, None)) == (4, 2, 3, 4, 1)
 
 
 def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
@@ -44,17 +40,14 @@ def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
     assert digest(1) == digest(1) != digest(2)
 
 
-def test_agents_are_told_the_seeds_that_a_plan_has_for_them():
-    agents = [Holds(), Holds()]
-    play(SHORT, 77, agents, ["a", "b"], agent_seeds=(5, 2**63 - 1))
-    assert [agent.seed for agent in agents] == [5, 2**63 - 1]
-
-
-def test_without_a_plan_they_follow_from_the_match_and_the_seat():
+@pytest.mark.parametrize(
+    ("planned", "told"), [((5, 2**63 - 1), [5, 2**63 - 1]), ((), [6258151732429448147, 2098520664363859099])]
+)
+def test_agents_seeds_are_those_of_the_plan_or_follow_from_the_match_and_the_seat(planned, told):
     """These very numbers, for ever: else a match could not be played again."""
-    agents = [Holds(), Holds()]
-    play(SHORT, 77, agents, ["a", "b"])
-    assert [agent.seed for agent in agents] == [6258151732429448147, 2098520664363859099]
+    agents = [Plays(), Plays()]
+    play(SHORT, 77, agents, ["a", "b"], agent_seeds=planned)
+    assert [agent.seed for agent in agents] == told
 
 
 def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
@@ -79,7 +72,7 @@ def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
 )
 def test_a_misbehaving_agent_forfeits_in_its_step_and_the_other_plays_on(tmp_path, answer, code, message):
     good = enter(["nearest"])[0].create()
-    result = play(SHORT, 0, [good, Answers(answer)], ["good", "bad"], record=tmp_path / "m.replay")
+    result = play(SHORT, 0, [good, Plays(answer)], ["good", "bad"], record=tmp_path / "m.replay")
     assert result.forfeits == (None, code)
     assert (result.details[0], result.details[1].step) == (None, 5)
     assert re.fullmatch(message, result.details[1].reason)
@@ -89,33 +82,26 @@ def test_a_misbehaving_agent_forfeits_in_its_step_and_the_other_plays_on(tmp_pat
 
 
 def test_one_that_cannot_begin_forfeits_before_the_first_step():
-    class Fails(Holds):
+    class Fails(Plays):
         def reset(self, seed):
             raise SystemExit(seed)
 
-    result = play(SHORT, 0, [Fails(), Holds()], ["bad", "good"])
+    result = play(SHORT, 0, [Fails(), Plays()], ["bad", "good"])
     assert result.forfeits == ("FORFEIT_INIT", None)
     assert (result.details[0].step, result.details[0].observation, result.thinking[0].moves) == (0, None, 0)
 
 
-def test_those_who_forfeit_rank_behind_all_others_by_how_long_they_lasted():
-    assert ranks_of((9, 0, 5, 7, 1), (3, None, 8, 3, None)) == (4, 2, 3, 4, 1)
-
-
 def test_what_an_agent_does_to_its_view_changes_nothing():
-    class Vandal(Holds):
-        def act(self, view):
-            view.observation[:] = [0.0] * len(view.observation)
-            if len(view.mask):
-                view.mask[0] = 0
-            return 0
+    def vandal(view):
+        view.observation[:] = [0.0] * len(view.observation)
+        view.mask[0] = 0
+        return 0
 
-    def digest(policy):
-        return play(SHORT, 5, [policy, *[one.create() for one in enter(["nearest"])]], ["a", "b"]).digest
-
-    assert digest(Vandal()) == digest(Holds())
+    (nearest,) = enter(["nearest"])
+    one, other = (play(SHORT, 5, [policy, nearest.create()], ["a", "b"]).digest for policy in (Plays(vandal), Plays()))
+    assert one == other
 
 
 def test_a_match_needs_a_policy_for_each_seat():
     with pytest.raises(ConfigError, match="players must be 2"):
-        play(SHORT, 0, [Holds()], ["a"])
+        play(SHORT, 0, [Plays()], ["a"])

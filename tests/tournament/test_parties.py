@@ -1,15 +1,15 @@
-"""Teams and prey in matches and plans: who plays as one, what a seat's failure is, and who meets whom."""
+"""Teams and prey in matches and plans: forfeits, ranks, blocks, and the comparison of each side by itself."""
 
 from collections import Counter
 from itertools import combinations, product
 
 import pytest
+from tournament.agents import write_agent
 
 import catch_arena
 from catch_arena import Replay, scenario
-from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView
-from catch_arena.tournament.entrants import create_policy, enter
+from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
@@ -17,7 +17,7 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import FORMATS, plan_of, require_enough, round_robin
+from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.ranks import prey_ranks_of
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import standings_of_sides
@@ -46,9 +46,12 @@ class Prey:
 """
 
 
+RESETS_AND_ACTS = "    def reset(self, seed): pass\n    def act(self, view): return 0.0, 0.0\n"
+
+
 class Holds:
-    def __init__(self, fails_in=None):
-        self.fails_in, self.steps = fails_in, 0
+    def __init__(self, fails_in=None, control="target"):
+        self.fails_in, self.control, self.steps = fails_in, control, 0
 
     def reset(self, seed):
         self.seed = seed
@@ -57,15 +60,7 @@ class Holds:
         self.steps += 1
         if self.steps == self.fails_in:
             raise ValueError("it fails")
-        return (0.0, 0.0) if isinstance(view, PreyView) else 0
-
-
-class Stands(Holds):
-    control = "velocity"
-
-    def act(self, view):
-        super().act(view)
-        return 0.0, 0.0
+        return (0.0, 0.0) if isinstance(view, PreyView) or self.control == "velocity" else 0
 
 
 def test_parties_are_teams_or_hunters_and_then_prey():
@@ -126,8 +121,9 @@ def test_of_two_team_mates_that_fail_in_one_step_the_lower_seat_is_named():
 def test_r12_5_prey_is_ranked_among_prey_and_who_failed_behind_all_other():
     assert prey_ranks_of((3, 1, 3, 0), (False,) * 4) == (3, 2, 3, 1)
     assert prey_ranks_of((3, 0, 9, 2), (False, True, False, True)) == (1, 3, 2, 4)
-    hunters = [Stands() for _ in range(4)]
-    result = play(HERD, 1, [*hunters, Holds(), Holds(fails_in=1), Holds(), Holds()], list("abcdefgh"))
+    hunters = [Holds(control="velocity") for _ in range(4)]
+    prey = [Holds(fails_in=1 if number == 1 else None, control="velocity") for number in range(4)]
+    result = play(HERD, 1, [*hunters, *prey], list("abcdefgh"))
     assert result.forfeits == (None,) * 5 + ("FORFEIT_CRASH", None, None)
     assert result.ranks[5] == 4
     assert result.catches == ()
@@ -175,24 +171,19 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
     [
         ("class Prey:\n    def reset(self, seed): pass\n", "Prey must have a method act"),
         ("Prey = 3\n", "has no class Prey"),
+        (
+            'class Prey:\n    control = "target"\n' + RESETS_AND_ACTS,
+            "Prey.control must be velocity or be left out (R12.2)",
+        ),
     ],
 )
 def test_prey_that_cannot_play_forfeits_as_prey_alone(tmp_path, prey, message):
-    (tmp_path / "mine.py").write_text(f"{BOTH.partition('class Prey')[0]}{prey}")
-    (mine,) = enter([str(tmp_path / "mine.py")])
-    assert mine.fault is None
-    assert message in mine.prey_fault
-    others = enter(["nearest", "patrol", "intercept"])
-    assert play_entrants(TAG, 1, [mine, *others], None).forfeits == (None,) * 4
-    result = play_entrants(TAG, 1, [*others, mine], None)
+    mine = write_agent(tmp_path / "mine.py", before=prey)
+    others = ["nearest", "patrol", "intercept"]
+    assert play_entrants(TAG, 1, enter([mine, *others]), None).forfeits == (None,) * 4
+    result = play_entrants(TAG, 1, enter([*others, mine]), None)
     assert result.forfeits[3] == "FORFEIT_INIT"
     assert message in result.details[3].reason
-
-
-def test_prey_under_another_control_is_refused(tmp_path):
-    (tmp_path / "mine.py").write_text(BOTH.replace("class Prey:", 'class Prey:\n    control = "target"\n'))
-    with pytest.raises(Exception, match=r"Prey.control must be velocity or be left out \(R12.2\), got 'target'"):
-        create_policy(str(tmp_path / "mine.py"), "prey")
 
 
 def test_every_format_seats_each_player_of_a_block_equally_often_on_each_place():
@@ -218,28 +209,18 @@ def test_a_prey_that_is_alone_is_compared_with_one_that_met_the_same_hunters(tea
     parties = Parties.of(config)
     entrants = enter(["intercept", "patrol", "nearest", "corners", "random"][: parties.group])
     played = run(config, entrants, round_robin(len(entrants), parties.group, 1, 3, parties))
-    matches = {one.match.id: one for one in played}
-    assert len(matches) == parties.block_size
+    assert len(played) == parties.block_size
+    caught = {one.match.seating: one.result.scores[-1] for one in played}
+    hunters = {one.match.id: one.match.seating[:-1] for one in played}
     for joined in on_side(played, parties, "prey"):
-        one, other = (
-            next(
-                match
-                for match in played
-                if match.match.seating[-1] == index
-                and match.match.seating[:-1] == matches[joined.match.id].match.seating[:-1]
-            )
-            for index in joined.match.seating
-        )
-        assert joined.result.scores == (one.result.scores[-1], other.result.scores[-1])
-        first, second = joined.result.ranks
-        assert (first < second) == (one.result.scores[-1] < other.result.scores[-1])
-    for side, table in standings_of_sides(entrants, played, parties).items():
-        assert {line.name for line in table} == {entrant.on(side).name for entrant in entrants}, side
+        expected = [caught[(*hunters[joined.match.id], prey)] for prey in joined.match.seating]
+        assert list(joined.result.scores) == expected
+        assert (expected[0] < expected[1]) == (joined.result.ranks[0] < joined.result.ranks[1])
 
 
 def test_prey_is_rated_alike_whoever_its_hunter_is():
-    """`intercept` catches much, and nobody meets itself: that must not make its prey look better than the same prey of
-    another.
+    """`intercept` catches much, and no agent meets itself; its prey must not look better than the same prey of
+    another agent.
     """
     config = scenario("tag", time_limit_s=30)
     parties = Parties.of(config)
@@ -252,14 +233,3 @@ def test_prey_is_rated_alike_whoever_its_hunter_is():
     for pair in combinations(("intercept", "flee", "idle", "idle#2"), 2):
         low, high = sorted((by_name[name].rating for name in pair), key=lambda rating: rating.mean)
         assert low.mean == pytest.approx(high.mean, abs=1e-6)
-
-
-def test_agents_that_cannot_fill_a_block_are_told_so_in_a_line():
-    with pytest.raises(ConfigError, match="agents must be at least 2 to be the teams of pairs, got 1"):
-        require_enough(1, PAIRS, "pairs")
-    with pytest.raises(ConfigError, match="at least 4 to play the 3 hunters and the 1 prey of tag, got 3"):
-        require_enough(3, TAG, "tag")
-    with pytest.raises(
-        ConfigError, match=r"at least 5 to play .* the 1 prey of tag in a tournament, where .* takes turns .*, got 4"
-    ):
-        require_enough(4, TAG, "tag", tournament=True)

@@ -1,4 +1,4 @@
-"""Agents whose every text is hostile: a tournament ends, and each place where their text goes is unharmed."""
+"""Hostile text of agents harms no terminal, log, report, export or grade, and a tournament with it ends."""
 
 import csv
 import json
@@ -13,44 +13,26 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from tournament.agents import write_agent
 from typer.testing import CliRunner
 
 import catch_arena
 from catch_arena import scenario
 from catch_arena.cli import main
-from catch_arena.report import write_report
-from catch_arena.tournament.agent_logs import AgentLogs
 from catch_arena.tournament.entrants import Inspection, enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.match_loop import play
-from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.store import STORE, Store, Tournament
+from catch_arena.tournament.store import STORE
 
-ANY = st.text(st.characters(codec=None, exclude_categories=()), max_size=400)
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
 PATIENCE = ["--limit", "init_s=120", "--limit", "bank_s=120"]
 WORDS = [
-    "tournament",
-    "[red]x.py",
-    "=1+1.py",
-    "nearest",
-    "--rounds",
-    "1",
-    *QUICK,
-    *PATIENCE,
-    "--jobs",
-    "1",
-    "--record",
-    "--out",
-    "out",
+    *("tournament", "[red]x.py", "=1+1.py", "nearest", "--rounds", "1", *QUICK, *PATIENCE),
+    *("--jobs", "1", "--record", "--out", "out"),
 ]
 SHORT = scenario("duel", time_limit_s=1)
-PATIENT = AgentLimits(init_s=60, step_ms=60_000)
 HOSTILE = r"""
 import sys
 print("\x1b[31mred\x1b[0m \x07 \u202e abc [bold]x[/bold]")
@@ -61,35 +43,23 @@ class Agent:
         raise RuntimeError("\ud800 \x1b[2J \x00 \u202e <script>alert(1)</script> ]]> [red]")
 """
 SHOWN = r"act raised RuntimeError: \ud800 \x1b[2J \x00 \u202e <script>alert(1)</script> ]]> [red]"
-ANSWERS = r"""
-import os
 LINES = [
-    b'{"error":"\\ud800 \\u001b[2J \\u0000"}',
+    rb'{"error":"\ud800 \u001b[2J \u0000"}',
     b'{"error":{"a":[[[[1]]]]}}',
     b'{"error":' + b"[" * 900 + b"]" * 900 + b"}",
-    b'{"action":"\\ud800"}',
-    b'{"action":' + b"9" * 4000 + b"}",
+    rb'{"action":"\ud800"}',
     b'{"action":' + b"9" * 9000 + b"}",
-    b'{"action":' + b"[" * 900 + b"]" * 900 + b"}",
     b'{"action":' + b"[" * 30000 + b"}",
     b'{"action":NaN}',
     b'{"action":1e999}',
-    b'{"\\ud800":1}',
     b'{"a":' + b"[" * 940 + b"]" * 940 + b"}",
-    b'{"action":{"cmd_vel":["\\ud800",1],"catch":null}}',
-    *(b"\xff\xfe\x00", b"\x00", b'""', b"\x1b[2J", b"null", b"{}", b"", "\u202e".encode()),
+    rb'{"action":{"cmd_vel":["\ud800",1],"catch":null}}',
+    b"\xff\xfe\x00",
+    b"\x1b[2J",
+    b"null",
+    b"",
 ]
-class Agent:
-    def reset(self, seed):
-        pass
-    def act(self, view):
-        for file in range(3, 64):
-            try:
-                os.write(file, LINES[int(os.path.basename(__file__)[1:-3])] + b"\n")
-            except OSError:
-                pass
-        os._exit(0)
-"""
+"""What an agent may answer."""
 
 
 def run(folder, *words):
@@ -148,40 +118,24 @@ def test_its_report_is_text(played):
     assert str(folder) not in text
 
 
-def test_its_replays_are_explained_and_filmed(played):
+@pytest.mark.parametrize(
+    "words",
+    [["explain", "{}"], ["verify", "{}"], ["render", "{}", "-o", "m.gif", "--size", "320x320"], [*WORDS, "--resume"]],
+    ids=lambda words: words[0],
+)
+def test_its_replays_are_explained_and_filmed_and_it_goes_on(played, words):
     folder, _ = played
     replay = min((folder / "out/replays").glob("*.replay"))
-    for words in (
-        ["explain", str(replay)],
-        ["verify", str(replay)],
-        ["render", str(replay), "-o", "m.gif", "--size", "320x320"],
-    ):
-        ended = run(folder, *words)
-        assert ended.returncode == 0, ended.stderr.decode()
-
-
-def test_it_goes_on_where_it_was(played):
-    folder, _ = played
-    assert run(folder, *WORDS, "--resume").returncode == 0
+    ended = run(folder, *(word.replace("{}", str(replay)) for word in words))
+    assert ended.returncode == 0, ended.stderr.decode()
 
 
 def test_a_mark_is_xml_and_json_and_one_line_each(played):
     folder, _ = played
     spec = 'seed = 1\n[[test]]\nname = "a\\u001bb"\nscenario = "duel"\nopponents = ["idle"]\nmatches = 1\n'
     (folder / "spec.toml").write_text(spec)
-    ended = run(
-        folder,
-        "grade",
-        "[red]x.py",
-        "--spec",
-        "spec.toml",
-        "--junit",
-        "g.xml",
-        "--json",
-        "g.json",
-        "--force",
-        *PATIENCE,
-    )
+    outputs = ("--junit", "g.xml", "--json", "g.json", "--force")
+    ended = run(folder, "grade", "[red]x.py", "--spec", "spec.toml", *outputs, *PATIENCE)
     assert ended.returncode == 1, ended.stderr.decode()
     assert all(letter.isprintable() or letter == "\n" for letter in ended.stdout.decode())
     (case,) = ET.parse(folder / "g.xml").getroot().iter("testcase")  # noqa: S314 - ours
@@ -191,20 +145,20 @@ def test_a_mark_is_xml_and_json_and_one_line_each(played):
     assert SHOWN in failure
 
 
-def test_a_look_at_it_shows_the_escapes(played):
-    folder, _ = played
-    ended = run(folder, "check-agent", "[red]x.py", *QUICK, *PATIENCE)
-    assert ended.returncode == 1
-    assert SHOWN in ended.stdout.decode()
-    assert b"\x1b" not in ended.stdout + ended.stderr
-
-
-@pytest.mark.parametrize("trusted", [PATIENCE, ["--trusted"]], ids=["isolated", "trusted"])
-def test_one_match_shows_them(played, trusted):
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["check-agent", "[red]x.py", *PATIENCE], 1),
+        (["match", "quiet.py", "nearest", "-o", "m.replay", "--force", *PATIENCE], 0),
+        (["match", "quiet.py", "nearest", "-o", "m.replay", "--force", "--trusted"], 0),
+    ],
+    ids=["check-agent", "match", "trusted match"],
+)
+def test_a_look_at_it_and_one_match_show_the_escapes(played, words, status):
     folder, _ = played
     (folder / "quiet.py").write_text(HOSTILE.replace("print(", "str(").replace("sys.stdout.buffer.write", "len"))
-    ended = run(folder, "match", "quiet.py", "nearest", *QUICK, "-o", "m.replay", "--force", *trusted)
-    assert ended.returncode == 0, ended.stderr.decode()
+    ended = run(folder, *words, *QUICK)
+    assert ended.returncode == status, ended.stderr.decode()
     assert SHOWN in ended.stdout.decode()
     assert b"\x1b" not in ended.stdout + ended.stderr
 
@@ -230,43 +184,21 @@ def test_a_real_terminal_is_sent_none_of_its_commands(played):
         assert command not in sent
 
 
-@settings(max_examples=30, deadline=None)
-@given(ANY)
-def test_any_exception_reaches_every_sink(tmp_path_factory, raised):
-    class Raises:
-        def reset(self, seed):
-            pass
-
-        def act(self, view):
-            raise RuntimeError(raised, view.score)
-
-    folder = tmp_path_factory.mktemp("any")
-    entrants = enter(["idle", "nearest"])
-    match = Match("m1", 0, 1, (0, 1))
-    result = play(SHORT, 1, [Raises(), entrants[1].create()], ["idle", "nearest"])
-    assert result.details[0].reason.isprintable()
-    one = PlayedMatch(match, result)
-    with Store.begin(Tournament(SHORT, entrants, {"format": "x"}), folder) as store:
-        store.plan([(match,)])
-        store.keep([one])
-        (kept,) = store.played()
-        assert kept.result.details[0].reason == result.details[0].reason
-    AgentLogs(folder / "logs", entrants, Parties.of(SHORT)).add(one)
-    write_report(folder).read_text(encoding="utf-8")
-
-
 @pytest.fixture(scope="module")
 def sandbox():
-    with Sandbox(PATIENT) as made:
+    with Sandbox(AgentLimits(init_s=60, step_ms=60_000)) as made:
         yield made
 
 
-@pytest.mark.parametrize("number", range(21))
-def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, number):
+@pytest.mark.parametrize("line", LINES)
+def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, line):
     """It writes to the descriptor itself, behind the back of our side of the protocol."""
-    file = tmp_path / f"a{number}.py"
-    file.write_text(ANSWERS)
-    entrants = enter([str(file), "nearest"], inspector(sandbox))
+    answers = (
+        "for file in range(3, 64):\n    with suppress(OSError):\n"
+        f"        os.write(file, {line!r} + b'\\n')\nos._exit(0)"
+    )
+    path = write_agent(tmp_path / "answers.py", answers, before="import os\nfrom contextlib import suppress\n")
+    entrants = enter([path, "nearest"], inspector(sandbox))
     with start_players(entrants, sandbox) as players:
         result = play(SHORT, 3, players, ["x", "nearest"])
     assert result.forfeits[1] is None
@@ -275,7 +207,7 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
 
 
 def test_what_an_agent_says_of_itself_is_no_file_to_be_read(tmp_path):
-    """A folder, a device, what nobody may read, a pipe that nobody writes to: its digest is that of its spec then."""
+    """For a folder, a device, an unreadable file or an empty pipe, the digest is that of the spec."""
     os.mkfifo(tmp_path / "pipe")
     usual = enter(["no_such_module:Agent"], lambda _: Inspection())[0].digest
     for source in ("/", "/dev/zero", "\0", "\ud800", "", str(tmp_path / "pipe"), "x" * 9999, "/proc/self/mem"):
@@ -301,16 +233,6 @@ def test_a_name_that_cannot_be_shown_is_refused_in_one_line(tmp_path, name):
     assert "its name must be of characters that can be printed, at most 100 of them" in ended.stderr
     assert ended.stderr.replace("\n", "").isprintable()
     assert not (tmp_path / "o").exists()
-
-
-@pytest.mark.parametrize(
-    "words", [["report", "a", "\x1b[3m"], ["\x1b[3m"], ["report", "\x1b[3m"], ["verify", "\x1b[3m"]]
-)
-def test_what_a_mistake_quotes_is_shown_not_sent(tmp_path, words):
-    ended = run(tmp_path, *words)
-    assert ended.returncode == 2
-    assert b"\x1b" not in ended.stderr + ended.stdout
-    assert rb"\x1b" in ended.stderr
 
 
 def test_files_of_any_name_are_listed_without_harm(played):
