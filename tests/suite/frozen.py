@@ -1,4 +1,4 @@
-"""What a version of the suite is, and how it plays: written once for each version, and never again.
+"""Contents of the suite's version and its first matches: written once for each version, and never again.
 
 `PYTHONPATH=tests python tests/suite/frozen.py` writes tests/data/suite_v1.json. That is right while nobody has
 published numbers of this version; after that, what must be otherwise goes into the next one.
