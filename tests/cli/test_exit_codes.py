@@ -1,4 +1,4 @@
-"""One style of errors, and one table of exit codes, for every command."""
+"""Errors of usage have one style, and docs/command_line.md lists every exit code once."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Commands on systems without what Windows lacks: simulated, by taking the modules and calls away."""
+"""Commands work, or say why not, on systems like Windows: simulated by removing modules and calls."""
 
 import subprocess
 import sys

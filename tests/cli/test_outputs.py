@@ -1,4 +1,4 @@
-"""A command that writes a file replaces none without --force."""
+"""A command that writes a file replaces none without --force, and its name ends as its format does."""
 
 import os
 import pkgutil
@@ -11,33 +11,24 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from catch_arena import Replay
 from catch_arena.cli import main
-from catch_arena.cli.outputs import given_or_free, reservations
 from catch_arena.tournament.isolation import playing
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 SMALL = ["--size", "320x320", "--fps", "10"]
 
 
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture(scope="module")
 def played(tmp_path_factory):
     """A folder with a tournament, its replays, a match in which something happens, and a spec."""
     folder = tmp_path_factory.mktemp("played")
-    words = [
-        "tournament",
-        "nearest",
-        "contested",
-        "--rounds",
-        "1",
-        *QUICK,
-        "--jobs",
-        "1",
-        "--record",
-        "--out",
-        str(folder / "o"),
-    ]
-    assert CliRunner().invoke(main, words).exit_code == 0
+    words = ["tournament", "nearest", "contested", "--rounds", "1", *QUICK, "--jobs", "1", "--record"]
+    assert CliRunner().invoke(main, [*words, "--out", str(folder / "o")]).exit_code == 0
     words = ["match", "nearest", "contested", "-s", "duel", "--set", "time_limit_s=20", "--seed", "1"]
     assert CliRunner().invoke(main, [*words, "-o", str(folder / "eventful" / "m.replay")]).exit_code == 0
     (folder / "spec.toml").write_text(
@@ -46,12 +37,17 @@ def played(tmp_path_factory):
     return folder
 
 
+def words_of(words, played):
+    replay = played / "o/replays/r00001-g000001-s00.replay"
+    return [word.replace("{r}", str(replay)).replace("{o}", str(played / "o")) for word in words]
+
+
 WRITERS = {
     "mine.replay": ["match", "nearest", "idle", *QUICK, "-o", "mine.replay"],
-    "v.mp4": ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.mp4", *SMALL],
-    "v.gif": ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.gif", *SMALL],
+    "v.mp4": ["render", "{r}", "-o", "v.mp4", *SMALL],
+    "v.gif": ["render", "{r}", "-o", "v.gif", *SMALL],
     "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--fps", "5"],
-    "s.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2", "-o", "s.png"],
+    "s.png": ["sheet", "{r}", "--count", "2", "-o", "s.png"],
     "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
     "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
@@ -61,9 +57,8 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, monkeypatch, name):
-    monkeypatch.chdir(tmp_path)
-    words = [word.replace("{o}", str(played / "o")) for word in WRITERS[name]]
+def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, name):
+    words = words_of(WRITERS[name], played)
     Path(name).write_text("mine")
     refused = CliRunner().invoke(main, words)
     assert refused.exit_code == 2
@@ -77,16 +72,15 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, monk
 
 UNNAMED = {
     "match.replay": ["match", "nearest", "idle", *QUICK],
-    "sheet.png": ["sheet", "{o}/replays/r00001-g000001-s00.replay", "--count", "2"],
+    "sheet.png": ["sheet", "{r}", "--count", "2"],
     "highlights.mp4": ["highlights", "{o}/../eventful", "--count", "1", *SMALL],
 }
 
 
 @pytest.mark.parametrize("name", UNNAMED)
-def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, tmp_path, monkeypatch, name):
+def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, name):
     """And says which; with --force it is the usual one again."""
-    monkeypatch.chdir(tmp_path)
-    words = [word.replace("{o}", str(played / "o")) for word in UNNAMED[name]]
+    words = words_of(UNNAMED[name], played)
     Path(name).write_text("mine")
     second = Path(name).with_stem(f"{Path(name).stem}-2")
     done = CliRunner().invoke(main, words)
@@ -99,13 +93,11 @@ def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, 
     assert second.read_bytes() == written
 
 
-def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, tmp_path, monkeypatch):
+def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, monkeypatch):
     """Without PyAV."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "av", None)
     Path("v.gif.mp4").write_text("mine")
-    replay = played / "o" / "replays" / "r00001-g000001-s00.replay"
-    refused = CliRunner().invoke(main, ["render", str(replay), "-o", "v.gif", *SMALL])
+    refused = CliRunner().invoke(main, words_of(WRITERS["v.gif"], played))
     assert refused.stderr.startswith("error: v.gif.mp4: is there already: ")
 
 
@@ -139,9 +131,8 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
 
 @pytest.mark.parametrize("name", WRITERS)
 @pytest.mark.parametrize("empty", ["", "."])
-def test_an_empty_name_is_refused(played, tmp_path, monkeypatch, name, empty):
-    monkeypatch.chdir(tmp_path)
-    words = [empty if word == name else word.replace("{o}", str(played / "o")) for word in WRITERS[name]]
+def test_an_empty_name_is_refused(played, tmp_path, name, empty):
+    words = [empty if word == name else word for word in words_of(WRITERS[name], played)]
     option = {"-o": "--output"}.get(before := words[words.index(empty) - 1], before)
     done = CliRunner().invoke(main, words)
     assert (done.exit_code, done.output) == (2, f"error: {option} must name a file, got '' or '.'\n")
@@ -150,16 +141,17 @@ def test_an_empty_name_is_refused(played, tmp_path, monkeypatch, name, empty):
 
 def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
     """Its standings and its report hold nothing else, so that nothing is lost."""
-    report = played / "o" / "report.html"
+    report, other = played / "o" / "report.html", played / "other.html"
     before = report.read_bytes()
     report.write_text("old")
-    assert CliRunner().invoke(main, ["report", str(played / "o")]).exit_code == 0
-    assert report.read_bytes() == before
+    for words, path in (([], report), (["-o", str(other)], other)):
+        done = CliRunner().invoke(main, ["report", str(played / "o"), *words])
+        assert (done.exit_code, done.stdout) == (0, f"report: {path}\n")
+        assert path.read_bytes() == before
 
 
-def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(tmp_path, monkeypatch):
+def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given():
     """A folder without a store has nothing that was made from one, so that it would be lost."""
-    monkeypatch.chdir(tmp_path)
     words = ["tournament", "nearest", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--record", "--out", "other"]
     names = ["report.html", "standings.csv", "standings.json", "replays/mine.replay"]
     Path("other/replays").mkdir(parents=True)
@@ -194,78 +186,32 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given(t
         (["-o", "m.csv", "--format", "csv"], b"match,block,seed,"),
     ],
 )
-def test_an_export_has_the_format_that_its_name_says(played, tmp_path, monkeypatch, words, start):
-    monkeypatch.chdir(tmp_path)
+def test_an_export_has_the_format_that_its_name_says(played, words, start):
     assert CliRunner().invoke(main, ["export", str(played / "o"), *words]).exit_code == 0
     assert Path(words[1]).read_bytes().startswith(start)
 
 
-def test_an_export_whose_name_and_format_contradict_is_refused(played, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_an_export_whose_name_and_format_contradict_is_refused(played):
     refused = CliRunner().invoke(main, ["export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl"])
     assert refused.exit_code == 2
     assert refused.stderr == ("error: --format must be as the file's name ends or be left out, got jsonl for hh.csv\n")
     assert not Path("hh.csv").exists()
 
 
-def test_a_free_name_has_the_next_number_and_is_reserved(tmp_path):
-    """What nothing was written to is free again."""
-    usual = str(tmp_path / "match.replay")
-    with reservations():
-        first, second = given_or_free(None, usual, force=False), given_or_free(None, usual, force=False)
-        assert [first.name, second.name] == ["match.replay", "match-2.replay"]
-        second.write_bytes(b"written")
-    assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
-    with reservations():
-        assert given_or_free(None, usual, force=False) == given_or_free(None, usual, force=True) == first
-    assert [path.name for path in tmp_path.iterdir()] == ["match-2.replay"]
-
-
-def test_matches_at_the_same_time_write_files_of_their_own(tmp_path, monkeypatch):
-    """A second one begins and ends while the first one plays."""
-    monkeypatch.chdir(tmp_path)
-    seeds, play, lines = ["1", "2"], playing.play_entrants, []
-
-    def begin():
-        done = CliRunner().invoke(main, ["match", "nearest", "idle", *QUICK, "--seed", seeds.pop()])
-        lines.append(done.stdout.splitlines()[-1])
-
-    def slow(*arguments, **options):
-        if seeds:
-            begin()
-        return play(*arguments, **options)
-
-    monkeypatch.setattr(playing, "play_entrants", slow)
-    begin()
-    assert lines == ["replay: match-2.replay", "replay: match.replay"]
-    assert [Replay.load(name).seed for name in ("match.replay", "match-2.replay")] == [2, 1]
-
-
 @pytest.mark.parametrize(
-    ("words", "work"),
+    ("name", "work"),
     [
-        (
-            ["match", "nearest", "idle", *QUICK, "-o", "m.replay"],
-            "catch_arena.tournament.isolation.playing.play_entrants",
-        ),
-        (
-            ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.mp4", *SMALL],
-            "catch_arena.render.video.render_replay",
-        ),
-        (
-            ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "g.json"],
-            "catch_arena.tournament.grading.grade_agent",
-        ),
-        (["export", "{o}", "-o", "e.csv"], "catch_arena.tournament.export.export"),
+        ("mine.replay", "catch_arena.tournament.isolation.playing.play_entrants"),
+        ("v.mp4", "catch_arena.render.video.render_replay"),
+        ("grades.json", "catch_arena.tournament.grading.grade_agent"),
+        ("e.csv", "catch_arena.tournament.export.export"),
     ],
-    ids=lambda words: words[0] if isinstance(words, list) else "",
 )
 def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_the_first(
-    played, tmp_path, monkeypatch, words, work
+    played, tmp_path, monkeypatch, name, work
 ):
     """It begins and ends while the first one works, and says so before it works itself."""
-    monkeypatch.chdir(tmp_path)
-    words = [word.replace("{o}", str(played / "o")) for word in words]
+    words = words_of(WRITERS[name], played)
     do, seconds = pkgutil.resolve_name(work), []
 
     def meanwhile(*arguments, **options):
@@ -274,7 +220,6 @@ def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_th
 
     monkeypatch.setattr(work, meanwhile)
     first = CliRunner().invoke(main, words)
-    name = words[words.index("-o" if "-o" in words else "--json") + 1]
     assert first.exit_code in {0, 1}
     assert [second.exit_code for second in seconds] == [2]
     assert seconds[0].stderr == f"error: {name}: is there already: give --force to replace it, or another name\n"
@@ -283,7 +228,6 @@ def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_th
 
 
 def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
 
     def interrupted(*_, **__):
         assert Path("m.replay").exists()
@@ -300,36 +244,20 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
         (["match", "nearest", "idle", *QUICK, "-o", "m.mp4"], ".replay, got .mp4: `catch-arena render` writes that"),
         (["match", "nearest", "idle", *QUICK, "-o", "m.mkv"], "must end in .replay, got .mkv"),
         (["match", "nearest", "idle", *QUICK, "-o", "m"], "must end in .replay, got no ending"),
-        (["match", "nearest", "idle", *QUICK, "-o", "m.CSV"], ".replay, got .csv: `catch-arena export` writes that"),
         (["watch", "nearest", "--record", "m.gif"], ".replay, got .gif: `catch-arena render` writes that"),
-        (
-            ["render", "{o}/replays/r00001-g000001-s00.replay", "-o", "v.png"],
-            ".mp4, .webm, .gif or .webp, got .png: `catch-arena sheet` writes that",
-        ),
+        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png: `catch-arena sheet` writes that"),
         (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html: `catch-arena report` writes that"),
-        (
-            ["highlights", "{o}/replays", "-o", "g.json"],
-            ".webp, got .json: --json of grade, suite or explain writes that",
-        ),
-        (["sheet", "{o}/replays/r00001-g000001-s00.replay", "-o", "s.webm"], ".png, got .webm: `catch-arena render`"),
+        (["highlights", "{o}/replays", "-o", "g.json"], ".json: --json of grade, suite or explain writes that"),
+        (["sheet", "{r}", "-o", "s.webm"], ".png, got .webm: `catch-arena render`"),
         (["export", "{o}", "-o", "e.replay"], ".json, got .replay: `catch-arena match` writes that"),
-        (["export", "{o}", "-o", "e.xlsx"], ".json, got .xlsx"),
-        (["report", "{o}", "-o", "r.pdf"], "must end in .html, got .pdf"),
-        (["report", "{o}", "-o", "r.csv"], ".html, got .csv: `catch-arena export` writes that"),
-        (
-            ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"],
-            ".xml, got .json: --json of grade, suite or explain",
-        ),
+        (["report", "{o}", "-o", "r.CSV"], ".html, got .csv: `catch-arena export` writes that"),
+        (["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"], ".xml, got .json: --json of grade"),
         (["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "g.toml"], "must end in .json, got .toml"),
-        (["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "g.xml"], ".json, got .xml: "),
         (["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.json"], ".xml, got .json: "),
     ],
 )
-def test_the_name_of_another_format_is_refused_with_the_command_that_writes_it(
-    played, tmp_path, monkeypatch, words, why
-):
-    monkeypatch.chdir(tmp_path)
-    refused = CliRunner().invoke(main, [word.replace("{o}", str(played / "o")) for word in words])
+def test_the_name_of_another_format_is_refused_with_the_command_that_writes_it(played, tmp_path, words, why):
+    refused = CliRunner().invoke(main, words_of(words, played))
     assert (refused.exit_code, refused.stdout) == (2, "")
     assert len(refused.stderr.splitlines()) == 1
     assert f"error: {words[-1]}: the name must end in " in refused.stderr
@@ -348,10 +276,3 @@ def test_seeds_are_for_their_owner_alone(played, tmp_path):
     finally:
         os.umask(umask)
     assert [stat.S_IMODE(path.stat().st_mode) for path in (grades, seeds)] == [0o640, 0o600]
-
-
-def test_a_report_can_be_written_elsewhere(played, tmp_path):
-    own, other = played / "o" / "report.html", tmp_path / "other.html"
-    done = CliRunner().invoke(main, ["report", str(played / "o"), "-o", str(other)])
-    assert (done.exit_code, done.stdout) == (0, f"report: {other}\n")
-    assert other.read_bytes() == own.read_bytes()

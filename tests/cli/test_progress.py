@@ -1,4 +1,4 @@
-"""Commands that take more than seconds show how far they are: here without a terminal, with no pause between lines."""
+"""Commands that take more than seconds print how far they are, here without a terminal."""
 
 import re
 

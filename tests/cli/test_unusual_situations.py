@@ -3,7 +3,6 @@ traceback, and its output is where it was asked for.
 """
 
 import csv
-import locale
 import os
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from catch_arena import Replay
-from catch_arena.tournament.entrants import load_file
 
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--trusted"]
 MODULE = """
@@ -62,36 +60,16 @@ def test_a_trusted_agent_moves_and_silences_nothing(tmp_path, change):
     assert Replay.load(tmp_path / "m.replay").names == ("dé", "idle")
 
 
-@pytest.mark.parametrize("change", ["folder", "closed"])
-def test_an_arbiter_moves_and_silences_nothing(tmp_path, change):
-    (tmp_path / "mine.py").write_text(MODULE.format(change=CHANGES[change], late="pass"))
-    done = run(tmp_path, "conformance", "mine.py:arbiter", "--only", "reach.299999", "--junit", "cases.xml")
-    assert (done.returncode, done.stderr) == (1, "")
-    assert done.stdout.endswith("JUnit XML: cases.xml\n")
-    assert (tmp_path / "cases.xml").stat().st_size > 0
-
-
-def test_after_an_import_the_process_is_as_it_was(tmp_path):
-    changes = [CHANGES[name] for name in ("folder", "umask", "depth of calls", "path")]
-    changes.append("locale.setlocale(locale.LC_ALL, 'C')")
-    streams = "sys.stdin = sys.stdout = sys.stderr = None"
-    (tmp_path / "mine.py").write_text("\n".join(["import locale, os, sys", *changes, streams, "1 / 0"]))
-
-    def state():
-        umask = os.umask(0o077)
-        os.umask(umask)
-        streams = sys.stdin, sys.stdout, sys.stderr
-        return Path.cwd(), umask, locale.setlocale(locale.LC_ALL), sys.path[:], sys.getrecursionlimit(), streams
-
-    language = locale.setlocale(locale.LC_ALL)
-    try:
-        locale.setlocale(locale.LC_ALL, "C.UTF-8")
-        before = state()
-        with pytest.raises(Exception, match="ZeroDivisionError"):
-            load_file(tmp_path / "mine.py")
-        assert state() == before
-    finally:
-        locale.setlocale(locale.LC_ALL, language)
+SPEC = """
+seed = 1
+matches = 1
+[[test]]
+name = "t"
+scenario = "duel"
+opponents = ["nearest"]
+settings = { time_limit_s = 3 }
+min_mean_score = 100.0
+"""
 
 
 @pytest.mark.parametrize(
@@ -99,38 +77,18 @@ def test_after_an_import_the_process_is_as_it_was(tmp_path):
     [
         (["match", "nearest", "idle", *QUICK, "-o", "m.replay"], 0, "m.replay"),
         (["grade", "idle", "--spec", "spec.toml", "--json", "g.json"], 1, "g.json"),
-        (["scenarios"], 0, "spec.toml"),
+        (["scenarios"], 0, None),
+        (["match", "--help"], 0, None),
+        ([], 2, None),
+        (["check-agent", "mine.py", "--scenario", "duel", "--trusted"], 0, None),
+        (["conformance", "mine.py:arbiter", "--only", "reach.299999"], 1, None),
+        (["tournament", "mine.py", "idle", *QUICK, "--rounds", "1", "--jobs", "2"], 0, "out/tournament/standings.csv"),
     ],
-    ids=["match", "grade", "a table"],
+    ids=lambda words: " ".join(words[:2]) if isinstance(words, list) else "",
 )
 def test_a_command_whose_reader_has_gone_works_to_its_end(tmp_path, words, status, written):
-    """As in `catch-arena grade ... | head -1`: it used to end with 1, which is the answer no, and to write nothing."""
-    (tmp_path / "spec.toml").write_text(
-        'seed = 1\nmatches = 1\n[[test]]\nname = "t"\nscenario = "duel"\nopponents = ["nearest"]\n'
-        "settings = { time_limit_s = 3 }\nmin_mean_score = 100.0\n"
-    )
-    reader, writer = os.pipe()
-    os.close(reader)
-    with os.fdopen(writer, "w") as gone:
-        done = run(tmp_path, *words, stdout=gone)
-    assert (done.returncode, done.stderr) == (status, "")
-    assert (tmp_path / written).stat().st_size
-
-
-@pytest.mark.parametrize(
-    ("words", "status"),
-    [
-        (["--help"], 0),
-        (["match", "--help"], 0),
-        ([], 2),
-        (["check-agent", "mine.py", "--scenario", "duel", "--trusted"], 0),
-        (["conformance", "mine.py:arbiter", "--only", "reach.299999"], 1),
-        (["tournament", "mine.py", "idle", *QUICK, "--rounds", "1", "--jobs", "2"], 0),
-    ],
-    ids=lambda words: " ".join(words[:2]) if isinstance(words, list) else None,
-)
-def test_helps_and_prints_of_agents_outlive_their_reader_too(tmp_path, words, status):
-    """An agent that printed to a closed pipe used to forfeit."""
+    """As in `catch-arena grade ... | head -1`; an agent that prints to the closed pipe does not forfeit."""
+    (tmp_path / "spec.toml").write_text(SPEC)
     (tmp_path / "mine.py").write_text(MODULE.format(change="print('one')", late="print('two', flush=True)"))
     reader, writer = os.pipe()
     os.close(reader)
@@ -138,8 +96,10 @@ def test_helps_and_prints_of_agents_outlive_their_reader_too(tmp_path, words, st
         done = run(tmp_path, *words, stdout=gone)
     assert done.returncode == status
     assert "error" not in done.stderr
+    if written is not None:
+        assert (tmp_path / written).stat().st_size
     if words[:1] == ["tournament"]:
-        with (tmp_path / "out" / "tournament" / "standings.csv").open(newline="") as standings:
+        with (tmp_path / written).open(newline="") as standings:
             assert [row["forfeits"] for row in csv.DictReader(standings)] == ["0", "0"]
 
 
@@ -170,15 +130,9 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
     ("words", "why"),
     [
         (["match", "loop.py", "idle"], "loop.py: is a link that leads to itself"),
-        (
-            ["match", "idle", "idle", "-o", "loop.replay"],
-            "loop.replay: cannot be written: Too many levels of ",
-        ),
-        (["match", "idle", "idle", "-o", "loop/x.replay"], "loop: cannot be written: is a link that leads to itself"),
+        (["match", "idle", "idle", "-o", "loop.replay"], "loop.replay: cannot be written: Too many levels of "),
         (["tournament", "idle", "idle", "--out", "loop"], "loop: cannot be written: is a link that leads to itself"),
-        (["suite", "idle", "--out", "loop"], "loop: cannot be written: is a link that leads to itself"),
         (["report", "loop"], "loop: is a link that leads to itself"),
-        (["export", "loop", "-o", "x.csv"], "loop: is a link that leads to itself"),
         (["mosaic", "loop", "-o", "x.mp4"], "loop: is no folder"),
         (["match", "idle", "idle", "-o", 300 * "x" + ".replay"], "x.replay: cannot be written: File name too long"),
         (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),

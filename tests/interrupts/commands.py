@@ -1,4 +1,4 @@
-"""Commands that are interrupted as a terminal does it: a signal goes to the whole process group."""
+"""Commands for tests that interrupt them as a terminal does: a signal goes to the whole process group."""
 
 import os
 import re

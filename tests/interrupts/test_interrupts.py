@@ -1,6 +1,5 @@
-"""What a command may be doing when an interrupt comes, one by one: small programs in place of the command."""
+"""Ctrl-C, SIGTERM and a closed terminal end a command with one line, whatever it is doing at that moment."""
 
-import ast
 import os
 import pty
 import re
@@ -28,41 +27,48 @@ def started(folder, code: str) -> Command:
     return command
 
 
-def ended(folder, code: str, pauses=(0.01, 0.05), number=signal.SIGINT) -> tuple[int, str]:
-    """The status and the last words of a command that is interrupted there, three times unless told."""
-    command = started(folder, code)
-    command.interrupt(pauses, number)
-    end = command.ended()
+def interrupted(folder, code: str, *pauses: float, number: int = signal.SIGINT) -> tuple[int, str, str]:
+    """The status, the output and the errors of a command that is interrupted once, and again after each pause [s]."""
+    program = started(folder, code)
+    program.interrupt(pauses, number)
+    end = program.ended()
     assert end.left == []
-    return end.status, end.errors
+    return end.status, end.said, end.errors
 
 
 def command(*lines: str) -> str:
-    """Return the code of a command that prints that it has begun, at once if these lines do not, and does this."""
+    """Return the code of a command that runs these lines, and prints that it has begun unless these lines do."""
     return "\n    ".join(["def command():", *([] if BEGUN in "".join(lines) else [BEGUN]), *lines])
 
 
 UNWINDS = command("try:", f"    {LOOP}", "finally:", "    print('tidied up', flush=True)")
 
 
-def test_an_interrupt_unwinds_what_is_under_way(tmp_path):
-    program = started(tmp_path, UNWINDS)
-    program.interrupt()
-    end = program.ended()
-    assert (end.status, end.said, end.errors) == (130, "tidied up\n", LINE)
-
-
-def test_a_request_to_end_is_answered_like_an_interrupt(tmp_path):
-    assert ended(tmp_path, UNWINDS, number=signal.SIGTERM) == (143, "catch-arena: terminated\n")
-
-
-def test_so_is_a_terminal_that_is_closed(tmp_path):
-    """Where we are deaf to that ourselves, as under nohup, the program would be, too."""
-    former = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+@pytest.mark.parametrize(
+    ("number", "status", "line"),
+    [
+        (signal.SIGINT, 130, LINE),
+        (signal.SIGTERM, 143, "catch-arena: terminated\n"),
+        (signal.SIGHUP, 129, "catch-arena: hung up\n"),
+    ],
+)
+def test_a_signal_unwinds_what_is_under_way(tmp_path, number, status, line):
+    former = signal.signal(number, signal.SIG_DFL)  # what is deaf to one, as under nohup, starts programs that are
     try:
-        assert ended(tmp_path, UNWINDS, number=signal.SIGHUP) == (129, "catch-arena: hung up\n")
+        assert interrupted(tmp_path, UNWINDS, number=number) == (status, "tidied up\n", line)
     finally:
-        signal.signal(signal.SIGHUP, former)
+        signal.signal(number, former)
+
+
+BREAKS_A_THREAD = (
+    "ends = threading.Event()",
+    "threading.Thread(target=lambda: ends.wait() and 1 / 0).start()",
+    "try:",
+    f"    {LOOP}",
+    "finally:",
+    "    ends.set()",
+    "    time.sleep(0.2)",
+)
 
 
 @pytest.mark.parametrize(
@@ -75,24 +81,16 @@ def test_so_is_a_terminal_that_is_closed(tmp_path):
         ("lock = threading.Lock()", "lock.acquire()", "lock.acquire()"),
         ("threading.Thread(target=threading.Event().wait).start()",),
         ("import atexit", "atexit.register(threading.Event().wait)"),
+        BREAKS_A_THREAD,
+        ("interrupts.also_say(lambda: 1 / 0)", LOOP),
     ],
-    ids=["swallows", "hangs_at_the_end", "another_error", "a_destructor", "a_lock", "a_thread", "at_exit"],
+    ids=[
+        *("swallows", "hangs_at_the_end", "another_error", "a_destructor", "a_lock", "a_thread", "at_exit"),
+        *("a_broken_thread", "a_broken_line"),
+    ],
 )
 def test_whatever_becomes_of_the_interrupt_the_command_ends_with_one_line(tmp_path, lines):
-    assert ended(tmp_path, command(*lines)) == (130, LINE)
-
-
-def test_threads_that_the_end_breaks_say_nothing(tmp_path):
-    breaks = (
-        "ends = threading.Event()",
-        "threading.Thread(target=lambda: ends.wait() and 1 / 0).start()",
-        "try:",
-        f"    {LOOP}",
-        "finally:",
-        "    ends.set()",
-        "    time.sleep(0.2)",
-    )
-    assert ended(tmp_path, command(*breaks)) == (130, LINE)
+    assert interrupted(tmp_path, command(*lines), 0.01, 0.05) == (130, "", LINE)
 
 
 def test_all_that_descend_from_it_end_with_it(tmp_path):
@@ -113,28 +111,22 @@ def test_all_that_descend_from_it_end_with_it(tmp_path):
 
 
 def test_the_line_says_more_where_there_is_more_to_say(tmp_path):
-    assert ended(tmp_path, command("interrupts.also_say(lambda: 'not all is lost')", LOOP)) == (
-        130,
-        "catch-arena: interrupted: not all is lost\n",
-    )
-    assert ended(tmp_path, command("interrupts.also_say(lambda: 1 / 0)", LOOP)) == (130, LINE)
+    says = command("interrupts.also_say(lambda: 'not all is lost')", LOOP)
+    assert interrupted(tmp_path, says) == (130, "", "catch-arena: interrupted: not all is lost\n")
 
 
 def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
     waits = f"interrupts.wait(lambda: {BEGUN})"
-    assert ended(tmp_path, command(waits)) == (0, "")
-    assert ended(tmp_path, command(f"interrupts.wait(lambda: ({BEGUN}, time.sleep(9)))")) == (0, "")  # it is being told
-    assert ended(tmp_path, command(waits, "threading.Event().wait()")) == (0, "")
+    is_told = f"interrupts.wait(lambda: ({BEGUN}, time.sleep(9)))"
+    for lines in ([waits], [is_told], [waits, "threading.Event().wait()"]):
+        assert interrupted(tmp_path, command(*lines), 0.01, 0.05) == (0, "", "")
 
 
 def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
     """Either is the normal end; what comes after it is done too, and an interrupt there is one as ever."""
     after = "print('after', flush=True)"
-    program = started(tmp_path, command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after))
-    program.interrupt()
-    end = program.ended()
-    assert (end.status, end.said, end.errors) == (0, "after\n", "")
-
+    lingers = command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after)
+    assert interrupted(tmp_path, lingers) == (0, "after\n", "")
     program = started(tmp_path, command("interrupts.linger(lambda: None)", after, "time.sleep(60)"))
     assert program.process.stdout.readline() == "after\n"
     program.interrupt()
@@ -160,10 +152,7 @@ SAVES_WHEN_IT_IS_INTERRUPTED = (
     ids=["at_the_end", "under_way"],
 )
 def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
-    program = started(tmp_path, command(*lines))
-    program.interrupt()
-    end = program.ended()
-    assert (end.status, end.said, end.errors) == (130, "saved\n", LINE)
+    assert interrupted(tmp_path, command(*lines)) == (130, "saved\n", LINE)
 
 
 def test_a_second_interrupt_ends_what_hangs_after_it_has_saved(tmp_path):
@@ -188,11 +177,9 @@ def test_what_was_started_deaf_to_interrupts_stays_so(tmp_path, number):
     """As a shell starts what runs in its background, and nohup what outlives its terminal."""
     former = signal.signal(number, signal.SIG_IGN)
     try:
-        program = started(tmp_path, command("time.sleep(0.5)"))
+        assert interrupted(tmp_path, command("time.sleep(0.5)"), number=number) == (0, "", "")
     finally:
         signal.signal(number, former)
-    program.interrupt(number=number)
-    assert program.ended().status == 0
 
 
 def test_a_hidden_cursor_comes_back(tmp_path):
@@ -208,19 +195,6 @@ def test_a_hidden_cursor_comes_back(tmp_path):
     os.close(ours)
 
 
-def test_nothing_is_imported_before_signals_are_heard():
-    """A signal during an import would be a traceback; what registers the scenarios is a few lines."""
-    code = (
-        f"import sys; sys.path.insert(0, {str(ROOT)!r}); import atexit, os; before = set(sys.modules)\n"
-        "import catch_arena.__main__; print(sorted(set(sys.modules) - before))"
-    )
-    done = subprocess.run([sys.executable, "-S", "-c", code], check=True, capture_output=True, text=True)
-    imported = [name for name in ast.literal_eval(done.stdout) if name.startswith("catch_arena")]
-    assert imported == [
-        f"catch_arena{name}" for name in ("", ".__main__", ".envs", ".envs.registration", ".interrupts")
-    ]
-
-
 def test_an_interrupt_while_the_commands_are_imported(tmp_path):
     code = (
         "import sys, time\nfrom catch_arena import __main__\nclass Slow:\n    def find_spec(self, name, *_):\n"
@@ -232,15 +206,6 @@ def test_an_interrupt_while_the_commands_are_imported(tmp_path):
     program.interrupt([0.01])
     end = program.ended()
     assert (end.status, end.errors, end.said) == (130, LINE, "")
-
-
-def test_the_demo_ends_in_the_same_way(tmp_path):
-    command = Command(tmp_path, ["--out", "o"], (sys.executable, str(ROOT / "scripts" / "demo.py")))
-    command.wait_until_it_listens()
-    assert "$ catch-arena tournament patrol" in command.process.stdout.readline() + command.process.stdout.readline()
-    command.interrupt([0.1, 0.1])
-    end = command.ended()
-    assert (end.status, end.errors.splitlines()[-1:], end.left) == (130, [LINE.strip()], [])
 
 
 def test_little_is_imported_before_the_command_hears_ctrl_c():
