@@ -22,8 +22,9 @@ from typing import Any
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Call, open_bus
+from catch_arena.ros.middleware.bus import Bus, Call
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
+from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.service import ArenaService
 
 DOMAIN = 77
@@ -54,9 +55,9 @@ class Driver:
         self.drive = {}
         for hunter in (f"hunter_{seat}" for seat in range(hunters)):
             self.drive[hunter] = bus.publisher(f"/{hunter}/cmd_vel", TWIST)
-            bus.subscribe(f"/{hunter}/pose", TYPES.pose, lambda pose, _, hunter=hunter: self._hear(hunter, pose))
-        bus.subscribe("/alive_turtles", TYPES.turtle_array, lambda turtles, _: setattr(self, "turtles", turtles))
-        bus.subscribe("/clock", CLOCK, lambda told, _: self._tick(told.clock.sec * 1000 + told.clock.nanosec // 10**6))
+            bus.subscribe(f"/{hunter}/pose", TYPES.pose, lambda pose, hunter=hunter: self._hear(hunter, pose))
+        bus.subscribe("/alive_turtles", TYPES.turtle_array, lambda turtles: setattr(self, "turtles", turtles))
+        bus.subscribe("/clock", CLOCK, lambda told: self._tick(told.clock.sec * 1000 + told.clock.nanosec // 10**6))
         self.ask = bus.client("/hunter_0/catch_turtle", TYPES.catch_turtle)
 
     def act(self) -> str:

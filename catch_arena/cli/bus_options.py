@@ -68,8 +68,8 @@ def interfaces_of(package: str, turtlesim: str) -> "Interfaces":
     Raises:
         ConfigError: for a name that no package can have.
     """
-    from catch_arena.ros.middleware.bus import checked_package
     from catch_arena.ros.middleware.interfaces import Interfaces
+    from catch_arena.ros.middleware.opening import checked_package
 
     return Interfaces(checked_package("--interfaces", package), checked_package("--turtlesim", turtlesim))
 
@@ -94,7 +94,7 @@ class BusOptions(NamedTuple):
         Raises:
             BusError: where it cannot be reached.
         """
-        from catch_arena.ros.middleware.bus import described, open_bus
+        from catch_arena.ros.middleware.opening import described, open_bus
 
         joined = open_bus(
             self.backend, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True)

@@ -179,7 +179,7 @@ def controller(
     The agents nearest and first are true and false of the exercise's catch_closest_turtle_first; with one of them this
     is a parameter of the node.
     """
-    from catch_arena.ros.middleware.bus import is_service
+    from catch_arena.ros.middleware.opening import is_service
     from catch_arena.ros.middleware.parameters import CLOSEST_FIRST, controller_parameters
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
     from catch_arena.ros.nodes.rate import Rate
@@ -295,7 +295,7 @@ def doctor(
     The exit code is 1 if there is a problem, else 0. Start your node first, and no `ros serve`.
     """
     from catch_arena.ros.doctor import examine
-    from catch_arena.ros.middleware.bus import open_bus
+    from catch_arena.ros.middleware.opening import open_bus
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     joined = open_bus(bus, node="catch_arena_doctor", domain=domain, url=url, log=_warn)

@@ -27,7 +27,7 @@ def node_under_test(word: str, bus: BusOptions) -> "Iterator[NodeUnderTest]":
         ConfigError: for a name that no service has.
         BusError: where the bus cannot be reached.
     """
-    from catch_arena.ros.middleware.bus import is_service
+    from catch_arena.ros.middleware.opening import is_service
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
     service = word.removeprefix(_SERVICE)

@@ -7,8 +7,8 @@ import sys
 import time
 
 from catch_arena.messages import CatchTurtleResponse, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, Name
+from catch_arena.ros.middleware.opening import open_bus
 
 TYPES = Interfaces()
 
@@ -17,8 +17,8 @@ def main(domain):
     bus = open_bus("cyclonedds", domain=domain, log=lambda line: sys.stderr.write(f"{line}\n"))
     out = bus.publisher("/out", TYPES.turtle_array)
 
-    def tell(message, peer):
-        out(TurtleArray((Turtle(repr(message)[:1000], 0.0, 0.0, float(peer is not None)),)))
+    def tell(message):
+        out(TurtleArray((Turtle(repr(message)[:1000], 0.0, 0.0, 0.0),)))
 
     bus.subscribe("/twist", TWIST, tell)
     bus.subscribe("/turtles", TYPES.turtle_array, tell)

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from catch_arena.ros.middleware.bus import Call, Request, WithoutGraph
+from catch_arena.ros.middleware.bus import Bus, Call, Request
 
 
 class Hub:
@@ -14,26 +14,26 @@ class Hub:
         self.sent = {}
         self.publishers = {}
 
-    def bus(self, peer=None):
-        return LocalBus(self, peer)
+    def bus(self, name):
+        return LocalBus(self, name)
 
 
-class LocalBus(WithoutGraph):
-    """See `catch_arena.ros.middleware.bus.Bus`; `peer` is who sends."""
+class LocalBus(Bus):
+    """See `catch_arena.ros.middleware.bus.Bus`; `name` is its node's."""
 
     backend = "cyclonedds"
 
-    def __init__(self, hub, peer):
-        self.hub, self.peer, self._queue = hub, peer, []
+    def __init__(self, hub, name):
+        self.hub, self.name, self._queue = hub, name, []
 
     def publisher(self, topic, kind):
         del kind
-        self.hub.publishers.setdefault(topic, set()).add(self.peer)
+        self.hub.publishers.setdefault(topic, set()).add(self.name)
 
         def publish(message):
             self.hub.sent.setdefault(topic, []).append(message)
             for bus, on_message in self.hub.heard.get(topic, ()):
-                bus._queue.append(lambda on_message=on_message: on_message(message, self.peer))
+                bus._queue.append(lambda on_message=on_message: on_message(message))
 
         return publish
 
@@ -55,18 +55,18 @@ class LocalBus(WithoutGraph):
             found = Call()
             bus, on_request = self.hub.served[service]
             answer = lambda response: setattr(found, "response", response)  # noqa: E731 - one line says it
-            bus._queue.append(lambda: on_request(Request(request, self.peer, answer)))
+            bus._queue.append(lambda: on_request(Request(request, answer)))
             return found
 
         return SimpleNamespace(call=call, ready=service in self.hub.served)
 
     def publishers_of(self, topic):
-        return frozenset(self.hub.publishers.get(topic, ()))
+        return len(self.hub.publishers.get(topic, ()))
 
     def gone(self):
         """Its process has ended."""
-        for peers in self.hub.publishers.values():
-            peers.discard(self.peer)
+        for names in self.hub.publishers.values():
+            names.discard(self.name)
 
     def spin(self, timeout_s=0.0):
         del timeout_s

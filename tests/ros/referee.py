@@ -9,8 +9,8 @@ import sys
 import time
 
 from catch_arena.messages import CatchTurtleResponse, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
+from catch_arena.ros.middleware.opening import open_bus
 
 TYPES = Interfaces()
 
@@ -32,10 +32,10 @@ class Referee:
     def tick(self):
         self.bus.spin(0.004)
 
-    def on_pose(self, pose, _):
+    def on_pose(self, pose):
         self.place = pose.x, pose.y
 
-    def on_list(self, message, _):
+    def on_list(self, message):
         self.turtles = {name: (x, y) for name, x, y, _ in message.turtles}
 
     def on_request(self, request):

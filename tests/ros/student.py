@@ -1,4 +1,4 @@
-"""The exercise's turtle_controller, as a student without our package would write it: it knows the wire, and no more.
+"""The exercise's turtle_controller, as a student without our package would write it: it knows DDS, and no more.
 
 Arguments: domain, turtle, service, seconds. Prints how many catches it was told of.
 """
@@ -8,7 +8,7 @@ import signal
 import sys
 import time
 
-from ros import cdr, wire
+from ros import wire
 
 
 class Controller:
@@ -17,32 +17,27 @@ class Controller:
     def __init__(self, domain, turtle, service):
         node = wire.Node(domain)
         self.poses = node.reader(f"rt/{turtle}/pose", wire.POSE)
-        self.alive = node.reader("rt/alive_turtles", wire.turtles())
+        self.alive = node.reader("rt/alive_turtles", wire.TURTLES)
         self.cmd_vel = node.writer(f"rt/{turtle}/cmd_vel", wire.TWIST)
-        self.requests, self.responses = node.client(service, wire.catch_turtle())
+        self.requests, self.responses = node.client(service, wire.CATCH_TURTLE)
         self.pose, self.turtles, self.number, self.caught = None, [], 0, 0
 
     def hear(self):
-        for data in self.poses.take():
-            reader = cdr.Reader(data)
-            self.pose = [reader.number("f") for _ in range(5)]
-        for data in self.alive.take():
-            self.turtles = cdr.read_turtles(data)
-        for data in self.responses.take():
-            reader = cdr.Reader(data)
-            if reader.number("Q") == self.requests.handle:
-                reader.number("q")
-                self.caught += reader.number("?")
+        for pose in self.poses.take():
+            self.pose = pose
+        for message in self.alive.take():
+            self.turtles = message.turtles
+        self.caught += sum(one.success for one in self.responses.take() if one.client == self.requests.handle)
 
     def drive(self):
-        x, y, theta = self.pose[:3]
-        name, there_x, there_y, _ = min(self.turtles, key=lambda one: math.hypot(one[1] - x, one[2] - y))
-        distance = math.hypot(there_x - x, there_y - y)
-        turn = math.remainder(math.atan2(there_y - y, there_x - x) - theta, math.tau)
-        self.cmd_vel.write(cdr.twist((2 * distance, 0, 0), (0, 0, 6 * turn)))
+        x, y, theta = self.pose.x, self.pose.y, self.pose.theta
+        near = min(self.turtles, key=lambda one: math.hypot(one.x - x, one.y - y))
+        distance = math.hypot(near.x - x, near.y - y)
+        turn = math.remainder(math.atan2(near.y - y, near.x - x) - theta, math.tau)
+        self.cmd_vel.write(*wire.twist(2.0 * distance, 6.0 * turn))
         if distance < 0.3:
             self.number += 1
-            self.requests.write(cdr.begin(self.requests.handle, self.number).text(name).whole())
+            self.requests.write(self.requests.handle, self.number, near.name)
 
 
 if __name__ == "__main__":

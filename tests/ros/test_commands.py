@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware import bus
+from catch_arena.ros.middleware import opening
 from catch_arena.ros.nodes.rate import Rate
 
 
@@ -121,7 +121,7 @@ def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypa
 
 def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
     """For the back-end that was asked for, and where there is none at all."""
-    monkeypatch.setattr(bus, "_is_installed", lambda _: False)
+    monkeypatch.setattr(opening, "_is_installed", lambda _: False)
     for arguments in (("serve",), ("serve", "--bus", "cyclonedds"), ("controller", "--bus", "rosbridge")):
         status, output = run(*arguments)
         assert (status, "pip install '.[ros]' in the clone of Catch Arena" in output) == (2, True), output
@@ -131,7 +131,7 @@ def test_an_error_about_types_is_followed_by_what_to_do(monkeypatch):
     def refuse(*_, **__):
         raise BusError("mine/srv/Catch_Request holds no field", "correct the file")
 
-    monkeypatch.setattr(bus, "open_bus", refuse)
+    monkeypatch.setattr(opening, "open_bus", refuse)
     assert run("doctor") == (2, "error: mine/srv/Catch_Request holds no field\nhint: correct the file\n")
 
 

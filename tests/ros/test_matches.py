@@ -94,14 +94,14 @@ def is_over(bridge):
 
 
 def test_two_students_fight_and_an_agent_plays_along():
-    """One asks at the service that all share, one at its own; what each was told of is its score."""
+    """Each asks at its own service; what each was told of is its score."""
     seats = ("--seat", "0=ros:ann", "--seat", "1=ros:bob", "--seat", "2=nearest")
     with ExitStack() as stack:
         domain = stack.enter_context(own_domain())
         arena = stack.enter_context(started(None, "ros", "serve", "--domain", domain, *seats, *ARENA))
         students = [
             stack.enter_context(started("student.py", domain, f"hunter_{seat}", service, 150))
-            for seat, service in enumerate(("/catch_turtle", "/hunter_1/catch_turtle"))
+            for seat, service in enumerate(("/hunter_0/catch_turtle", "/hunter_1/catch_turtle"))
         ]
         out, err, status = finished(arena)
         for student in students:

@@ -1,10 +1,11 @@
 """What other nodes of a graph do, and the line for each; and what the doctor makes of it."""
 
 import pytest
+from ros.local import Hub, LocalBus
 
 from catch_arena.errors import BusError
 from catch_arena.ros.doctor import examine
-from catch_arena.ros.middleware.bus import Endpoint, WithoutGraph
+from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.nodes.neighbours import Neighbours, run_line
 
@@ -106,11 +107,12 @@ def test_each_of_several_seats_has_a_command_of_its_own():
     )
 
 
-class Bus(WithoutGraph):
+class Bus(LocalBus):
     backend = "rclpy"
     about = "rmw_fastrtps_cpp"
 
     def __init__(self, graph, fault=None):
+        super().__init__(Hub(), "doctor")
         self.endpoints, self.fault = graph, fault
 
     def graph(self):
@@ -120,9 +122,6 @@ class Bus(WithoutGraph):
         if self.fault:
             raise BusError(*self.fault)
         return given
-
-    def spin(self, timeout_s=0.0):
-        pass
 
 
 def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypatch):

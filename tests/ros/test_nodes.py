@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import open_bus
+from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.ros.node_tests.cases import can_be_asked
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.testing import select_cases

@@ -39,7 +39,6 @@ def given(*words):
         (("-p", f"turtle_spawner:{FREQUENCY}:=2.0"), [2.0, "target_turtle_"]),
         (("-p", f'{PREFIX}:="a2"'), [0.5, "a2"]),
         (("-p", f"{PREFIX}:='yes'"), [0.5, "yes"]),
-        (("-p", f"{PREFIX}:=null"), [0.5, "null"]),
         (("-p", f"{PREFIX}:=yEs"), [0.5, "yEs"]),
     ],
 )
@@ -50,7 +49,7 @@ def test_values_are_read_as_ros_reads_them(words, values):
 
 @pytest.mark.parametrize("value", [True, False])
 def test_the_words_for_true_and_false_are_those_of_rcl(tmp_path, value):
-    """22 of them, and no others: YAML 1.1's in three ways of writing each."""
+    """YAML 1.1's, in three ways of writing each."""
     words = {True: "Y y yes Yes YES true True TRUE on On ON", False: "N n no No NO false False FALSE off Off OFF"}
     for word in words[value].split():
         file = written(tmp_path, f"/**:\n  ros__parameters:\n    {CLOSEST}: {word}\n")
@@ -80,7 +79,6 @@ def test_the_node_may_have_another_name(rule):
         (("-p", f"{FREQUENCY}:="), f"{FREQUENCY} must be a double, as 2.0, got None"),
         (("-p", f"{FREQUENCY}:=010"), f"{FREQUENCY} must be a double, as 2.0, got 8"),
         (("-p", f"{FREQUENCY}:=0x1F"), f"{FREQUENCY} must be a double, as 2.0, got 31"),
-        (("-p", f"{FREQUENCY}:=1_0.5"), f"{FREQUENCY} must be a double, as 2.0, got '1_0.5'"),
         (("-p", f"{FREQUENCY}:=fast"), f"{FREQUENCY} must be a double, as 2.0, got 'fast'"),
         (("-p", f"{FREQUENCY}:=[2.0]"), f"{FREQUENCY} must be a double, as 2.0, got [2.0]"),
         (("-p", f"{FREQUENCY}:=.nan"), f"{FREQUENCY}: spawn_frequency_hz must be a finite number"),
@@ -149,7 +147,6 @@ def test_a_file_as_ros2_param_dump_writes_it_is_read(tmp_path, mark):
         ("turtle_spawner:\n  ros__parameters: [1]\n", "turtle_spawner.ros__parameters must be names with values"),
         (f"/**:\n  ros__parameters:\n    {FREQUENCY}: 2\n", f"{FREQUENCY} must be a double, as 2.0, got 2"),
         ("a: [\n", "must be YAML: "),
-        ("? [a]\n: 1\n", "must be YAML: "),
         ("\x00", "must be YAML: "),
     ],
 )

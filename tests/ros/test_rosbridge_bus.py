@@ -13,8 +13,9 @@ from websockets.sync.client import connect
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import rosbridge_bus
-from catch_arena.ros.middleware.bus import SPIN_S, open_bus
+from catch_arena.ros.middleware.bus import SPIN_S
 from catch_arena.ros.middleware.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
+from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.ros.middleware.rosbridge_bus import from_json, to_json
 
 TYPES = Interfaces()
@@ -77,7 +78,7 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
     ours, _ = joined
     heard, asked = [], []
     publish = ours.publisher("/alive_turtles", TYPES.turtle_array)
-    ours.subscribe("/turtle1/cmd_vel", TWIST, lambda message, peer: heard.append((message, peer)))
+    ours.subscribe("/turtle1/cmd_vel", TWIST, heard.append)
     ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
     until(joined, lambda: len(bridge[0].frames) == 3)
     with connect(bridge[1]) as socket:
@@ -87,7 +88,7 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
         send(socket, op="call_service", id="my call", service="/catch_turtle", args={"name": "tom"})
         until(joined, lambda: heard and asked)
 
-        assert heard == [(TwistMessage.of(1.0, -2.5), None)]
+        assert heard == [TwistMessage.of(1.0, -2.5)]
         assert asked[0].message == CatchTurtleRequest("tom")
 
         asked[0].answer(CatchTurtleResponse(True))
@@ -116,7 +117,7 @@ def test_it_goes_on_when_the_server_is_back(bridge, joined):
     bridge[0].raw(published("/a", 1.0))
     bridge[0].raw(published("/b", 1.0))
     until(joined, lambda: heard)
-    assert heard == [("/b", (TwistMessage.of(1.0, 2.0), None))]
+    assert heard == [("/b", (TwistMessage.of(1.0, 2.0),))]
 
 
 @pytest.mark.parametrize("url", ["ws://127.0.0.1:1", "nonsense", "ws://127.0.0.1:99999"])
@@ -153,7 +154,7 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
     """What follows is heard; a request that is none is answered as failed."""
     ours, said = joined
     heard, asked = [], []
-    ours.subscribe("/t", TWIST, lambda message, _: heard.append(message))
+    ours.subscribe("/t", TWIST, heard.append)
     ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
     until(joined, lambda: len(bridge[0].frames) == 2)
     for message in (None, 3, {}, {"linear": 1, "angular": {}}, {"linear": {"x": "1", "y": 0, "z": 0}, "angular": {}}):
@@ -182,7 +183,7 @@ def test_a_flood_leaves_the_newest(bridge, joined, monkeypatch):
     """As many as a queue of ROS's holds, so that reading them takes little time."""
     ours, _ = joined
     heard = []
-    ours.subscribe("/t", TWIST, lambda message, _: heard.append(message.linear.x))
+    ours.subscribe("/t", TWIST, lambda message: heard.append(message.linear.x))
     until(joined, lambda: bridge[0].frames)
     for number in range(2000):
         bridge[0].raw(published("/t", float(number)))
@@ -246,7 +247,7 @@ def test_a_spin_ends_in_time_and_has_heard_everybody(bridge, joined, monkeypatch
     ours, _ = joined
     heard, clock = [], [0.0]
 
-    def slow(message, _):
+    def slow(message):
         heard.append(message.linear.x)
         clock.append(clock[-1] + SPIN_S / 3)
 

@@ -8,8 +8,8 @@ import sys
 import time
 
 from catch_arena.messages import Pose
-from catch_arena.ros.middleware.bus import open_bus
 from catch_arena.ros.middleware.interfaces import TWIST, Empty, Interfaces, Name
+from catch_arena.ros.middleware.opening import open_bus
 
 TYPES = Interfaces()
 SIDE = 11.088889122009277
@@ -26,7 +26,7 @@ class Turtlesim:
         bus.serve("/spawn", TYPES.spawn, self.on_spawn)
         bus.serve("/kill", TYPES.kill, self.on_kill)
 
-    def on_twist(self, twist, _):
+    def on_twist(self, twist):
         self.there["turtle1"] = Pose(*self.there["turtle1"][:3], twist.linear.x, twist.angular.z)
 
     def on_spawn(self, request):

@@ -5,7 +5,6 @@ its response begin with the client's id and a number; nodes with Fast DDS put bo
 """
 
 import time
-from collections import deque
 from collections.abc import Callable
 from itertools import count
 from typing import Any, Final, NamedTuple
@@ -21,31 +20,22 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Log, OnceLog, OnMessage, Peer, Request, WithoutGraph
+from catch_arena.ros.middleware.bus import DEPTH, SERVICE_DEPTH, SPIN_S, Bus, Call, Log, OnceLog, Request
 from catch_arena.ros.middleware.dds_domain import code_of, join
-from catch_arena.ros.middleware.dds_peers import FAST_DDS, FastDdsWatch, Peers, is_fast_dds
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
+from catch_arena.ros.middleware.fast_dds import FAST_DDS, FastDdsWatch, is_fast_dds
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
-from catch_arena.ros.middleware.names import Backend
 from catch_arena.ros.middleware.typestore import type_hash
 from catch_arena.text import one_line
 
-_SERVICE_DEPTH: Final = 64
-"""Requests and responses that are kept until they are sent or answered."""
-_REQUESTS: Final = 16
-"""Requests of one sender at one service that are kept between two spins."""
-_HISTORY: Final = 512
-"""Samples of all senders together that a reader keeps between two spins: a flood of 20,000 a second brings 320 in a
-tick, and must not push out what others send.
-"""
 _ANY: Final[int] = Views.Any | Instances.Any | Samples.Any
 _REPLY_WAIT_S: Final = 0.1
 """A response waits so long for its client's reader, which may become known later than the request."""
 
-OnSample = Callable[[Any, Peer | None], None]
+OnSample = Callable[[Any], object]
 
 
-class DdsBus(WithoutGraph):
+class DdsBus(Bus):
     """See `catch_arena.ros.middleware.bus.Bus`.
 
     Args:
@@ -56,81 +46,69 @@ class DdsBus(WithoutGraph):
         BusError: if it cannot be joined.
     """
 
+    backend = "cyclonedds"
+
     def __init__(self, domain: int, *, log: Log) -> None:
         user = Policy.Userdata(b"enclave=/;")  # ROS recognises participants of its own by it
         self._participant = join(domain, Qos(user))
         self._log_once = OnceLog(log)
         self._waiting = WaitSet(self._participant)
-        self._readers: list[_Reader] = []
-        self._topics: dict[str, _Reader] = {}
+        self._readers: dict[str, _Reader] = {}
+        """By their topics of DDS."""
         self._late: list[_Reply] = []
         self._ids = count(1)
         self._watch = FastDdsWatch(self._participant, log)
 
-    @property
-    def backend(self) -> Backend:
-        """Name of the back-end."""
-        return "cyclonedds"
-
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
-        writer = self._writer(f"rt{_absolute(topic)}", kind, _announced(kind))
+        writer = self._writer(f"rt{topic}", kind, _announced(kind))
         return lambda message: self._write(writer, to_sample(kind, message))
 
-    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
+    def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
         """Subscribe to a topic."""
 
-        def on_sample(sample: Any, peer: Peer | None) -> None:
-            on_message(from_attributes(kind, sample), peer)
+        def on_sample(sample: Any) -> None:
+            on_message(from_attributes(kind, sample))
 
-        self._topics[topic] = self._reader(f"rt{_absolute(topic)}", kind, DEPTH, on_sample, _announced(kind))
+        self._reader(f"rt{topic}", kind, on_sample, _announced(kind))
 
     def unsubscribe(self, topic: str) -> None:
         """End a subscription; DDS's reader ends with its last reference."""
-        gone = self._topics.pop(topic)
-        gone.queues.clear()
-        self._readers.remove(gone)
-        self._waiting.detach(gone.fresh)
+        self._waiting.detach(self._readers.pop(f"rt{topic}").fresh)
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
-        name = _absolute(service)
         user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
-        writer = self._writer(f"rr{name}Reply", kind.response, user, header=True)
-        clients = Peers(writer)
+        writer = self._writer(f"rr{service}Reply", kind.response, user, header=True)
 
-        def on_sample(sample: Any, peer: Peer | None) -> None:
+        def on_sample(sample: Any) -> None:
             def answer(response: Any) -> None:
                 answered = to_sample(kind.response, response, client=sample.client, number=sample.number)
-                self._reply(_Reply(writer, clients, peer, answered, time.monotonic() + _REPLY_WAIT_S))
+                self._reply(_Reply(writer, reader, answered, time.monotonic() + _REPLY_WAIT_S))
 
-            on_request(Request(from_attributes(kind.request, sample), peer, answer))
+            on_request(Request(from_attributes(kind.request, sample), answer))
 
-        self._reader(f"rq{name}Request", kind.request, _REQUESTS, on_sample, user, header=True)
+        reader = self._reader(f"rq{service}Request", kind.request, on_sample, user, header=True)
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_DdsClient":
         """Return a client of a service."""
         del on_failure  # DDS does not tell
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
-        name = _absolute(service)
-        writer = self._writer(f"rq{name}Request", kind.request, user, header=True)
+        writer = self._writer(f"rq{service}Request", kind.request, user, header=True)
         client = _DdsClient(service, kind, writer, self._write)
-        reader = self._reader(f"rr{name}Reply", kind.response, _SERVICE_DEPTH, client.on_sample, user, header=True)
-        client.answering = reader.peers
+        client.answers = self._reader(f"rr{service}Reply", kind.response, client.on_sample, user, header=True)
         return client
 
-    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
-        """Return who publishes on a topic that was subscribed to."""
-        return self._topics[topic].peers.present()
+    def publishers_of(self, topic: str) -> int:
+        """Return the number of publishers of a topic that was subscribed to."""
+        return _met(self._readers[f"rt{topic}"].reader)
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Handle what has come, one sample of each sender in each round."""
-        if timeout_s > 0.0 and not any(queue for reader in self._readers for queue in reader.queues.values()):
+        """Handle what has come, one sample of each topic and service in each round."""
+        if timeout_s > 0.0:
             self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
         end = time.monotonic() + SPIN_S
-        for reader in self._readers:
-            reader.take()
-        while sum(reader.hand_out() for reader in tuple(self._readers)) and time.monotonic() <= end:
+        while sum(self._hand_out(one) for one in tuple(self._readers.values())) and time.monotonic() <= end:
             pass
         late, self._late = self._late, []
         for reply in late:
@@ -141,14 +119,29 @@ class DdsBus(WithoutGraph):
         """Leave the bus."""
         self._watch.close()
         self._readers.clear()
-        self._topics.clear()
         self._late.clear()
         del self._waiting, self._participant
 
+    def _hand_out(self, one: "_Reader") -> int:
+        """Handle the oldest sample of a reader, and return their number: 0 or 1."""
+        taken = ddspy_take(one.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's own take cannot leave one out
+        if isinstance(taken, int):
+            raise DDSException(taken, f"on {ros_name(one.reader.topic.name)}")
+        for data, info in taken:
+            if not info.valid_data:
+                continue
+            try:
+                sample = one.reader.topic.data_type.deserialize(data)
+            except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
+                self._warn_once(f"a message on {ros_name(one.reader.topic.name)} cannot be read", type(error).__name__)
+            else:
+                one.on_sample(sample)
+        return len(taken)
+
     def _reply(self, reply: "_Reply") -> None:
-        """Send a response if its client's reader is known or has been waited for long enough; else keep it."""
-        is_early = time.monotonic() < reply.due_s and len(self._late) < _SERVICE_DEPTH
-        if is_early and reply.peer not in reply.clients.present():
+        """Send a response; if not every client's reader is known, keep it until it has waited for long enough."""
+        is_early = time.monotonic() < reply.due_s and len(self._late) < SERVICE_DEPTH
+        if is_early and _met(reply.writer) < _met(reply.requests.reader):  # a client has one of each
             self._late.append(reply)
         else:
             self._write(reply.writer, reply.sample)
@@ -169,19 +162,19 @@ class DdsBus(WithoutGraph):
         head = self._participant.guid.bytes[:12]
         return ".".join(f"{byte:x}" for byte in head + next(self._ids).to_bytes(4, "big"))
 
-    def _writer(self, topic: str, kind: MessageType, *policies: Any, header: bool = False) -> DataWriter[Any]:
-        qos = _qos(DEPTH if not header else _SERVICE_DEPTH, Policy.WriterDataLifecycle(autodispose=False), *policies)
+    def _writer(self, topic: str, kind: MessageType, user: Any, *, header: bool = False) -> DataWriter[Any]:
+        qos = _qos(Policy.WriterDataLifecycle(autodispose=False), user, header=header)
         made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
         return made
 
     def _reader(
-        self, topic: str, kind: MessageType, depth: int, on_sample: OnSample, *policies: Any, header: bool = False
+        self, topic: str, kind: MessageType, on_sample: OnSample, user: Any, *, header: bool = False
     ) -> "_Reader":
         reader: DataReader[Any] = DataReader(
-            self._participant, self._topic(topic, kind, header=header), qos=_qos(_HISTORY, *policies)
+            self._participant, self._topic(topic, kind, header=header), qos=_qos(user, header=header)
         )
-        made = _Reader(reader, depth, on_sample, self._warn_once)
-        self._readers.append(made)
+        made = _Reader(reader, ReadCondition(reader, Views.Any | Instances.Any | Samples.NotRead), on_sample)
+        self._readers[topic] = made
         self._waiting.attach(made.fresh)
         return made
 
@@ -191,57 +184,21 @@ class DdsBus(WithoutGraph):
         return Topic(self._participant, topic, idl_struct(kind, header=header))
 
 
-class _Reader:
-    """One reader, with a queue for each sender.
+class _Reader(NamedTuple):
+    """One reader, and what to do with its samples."""
 
-    Args:
-        reader: DDS's.
-        depth: of each queue, which loses its oldest.
-        on_sample: takes a sample, and who sent it.
-        warn: takes what is wrong, and why.
-    """
-
-    def __init__(
-        self, reader: DataReader[Any], depth: int, on_sample: OnSample, warn: Callable[[str, str], None]
-    ) -> None:
-        self.fresh = ReadCondition(reader, Views.Any | Instances.Any | Samples.NotRead)
-        self.peers = Peers(reader)
-        self.queues: dict[Peer | None, deque[bytes]] = {}
-        """Samples that have come, as bytes, by their sender."""
-        self._reader, self._depth, self._on_sample, self._warn = reader, depth, on_sample, warn
-        self._name = ros_name(reader.topic.name)
-
-    def take(self) -> None:
-        """Take all samples as bytes: decoding takes longer, and most of a flood is lost before it."""
-        taken = ddspy_take(self._reader._ref, _ANY, _HISTORY)  # noqa: SLF001 - the package's own take decodes too
-        if isinstance(taken, int):
-            raise DDSException(taken, f"on {self._name}")
-        for data, info in taken:
-            if info.valid_data:
-                peer = self.peers.of(info.publication_handle)
-                self.queues.setdefault(peer, deque(maxlen=self._depth)).append(data)
-
-    def hand_out(self) -> int:
-        """Handle the oldest sample of each sender, and return their number."""
-        waiting = [(peer, queue) for peer, queue in self.queues.items() if queue]
-        for peer, queue in waiting:
-            try:
-                sample = self._reader.topic.data_type.deserialize(queue.popleft())
-            except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
-                self._warn(f"a message on {self._name} cannot be read", type(error).__name__)
-            else:
-                self._on_sample(sample, peer)
-        return len(waiting)
+    reader: DataReader[Any]
+    fresh: ReadCondition
+    """True while it has samples."""
+    on_sample: OnSample
 
 
 class _Reply(NamedTuple):
     """A response that is to go to one client."""
 
     writer: DataWriter[Any]
-    clients: Peers
-    """The processes that read responses."""
-    peer: Peer | None
-    """The client's process."""
+    requests: _Reader
+    """The reader of its service's requests."""
     sample: Any
     due_s: float
     """The time at which it is sent in any case."""
@@ -250,8 +207,7 @@ class _Reply(NamedTuple):
 class _DdsClient:
     """See `catch_arena.ros.middleware.bus.Client`."""
 
-    answering: Peers
-    """The processes that send responses."""
+    answers: _Reader
 
     def __init__(
         self,
@@ -261,7 +217,6 @@ class _DdsClient:
         write: Callable[[DataWriter[Any], Any], None],
     ) -> None:
         self._service, self._kind, self._writer, self._write = service, kind, writer, write
-        self._servers = Peers(writer)
         self._own = writer.get_instance_handle() & 2**64 - 1
         self._numbers = count(1)
         self._calls: dict[int, Call] = {}
@@ -269,33 +224,45 @@ class _DdsClient:
     @property
     def ready(self) -> bool:
         """True if a node serves it."""
-        servers = self._servers.present()
-        if any(map(is_fast_dds, servers)):  # it never answers, and may run out of memory over the request
-            raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
-        return bool(servers & self.answering.present())
+        if not (_met(self._writer) and _met(self.answers.reader)):
+            return False
+        for handle in self._writer.get_matched_subscriptions():
+            server = self._writer.get_matched_subscription_data(handle)
+            if server is not None and is_fast_dds(str(server.participant_key)):
+                # It never answers, and may run out of memory over the request.
+                raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
+        return True
 
     def call(self, request: Any) -> Call:
         """Send a request."""
         number = next(self._numbers)
         self._calls[number] = call = Call()
-        if len(self._calls) > _SERVICE_DEPTH:  # the oldest is not waited for any more
+        if len(self._calls) > SERVICE_DEPTH:  # the oldest is not waited for any more
             del self._calls[next(iter(self._calls))]
         self._write(self._writer, to_sample(self._kind.request, request, client=self._own, number=number))
         return call
 
-    def on_sample(self, sample: Any, peer: Peer | None) -> None:
+    def on_sample(self, sample: Any) -> None:
         """Handle a response on the topic that all clients of the service share."""
-        del peer
         if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
             call.response = from_attributes(self._kind.response, sample)
 
 
-def _qos(depth: int, *policies: Any) -> Qos:
-    """Return ROS's usual quality of service, which its clients and services have too."""
+def _met(end: "DataReader[Any] | DataWriter[Any]") -> int:
+    """Return the number of writers that a reader has met, or of readers that a writer has met."""
+    if isinstance(end, DataReader):
+        status: Any = end.get_subscription_matched_status
+    else:
+        status = end.get_publication_matched_status
+    return int(status().current_count)
+
+
+def _qos(*policies: Any, header: bool) -> Qos:
+    """Return ROS's usual quality of service; requests and responses, which have a header, have deeper queues."""
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
-        Policy.History.KeepLast(depth),
+        Policy.History.KeepLast(SERVICE_DEPTH if header else DEPTH),
         Policy.DataRepresentation(use_cdrv0_representation=True),
         *policies,
     )
@@ -304,7 +271,3 @@ def _qos(depth: int, *policies: Any) -> Qos:
 def _announced(kind: MessageType) -> Any:
     """Return the policy that announces a type's hash: nodes of Iron and later warn of each topic without one."""
     return Policy.Userdata(f"typehash={type_hash(kind)};".encode())
-
-
-def _absolute(name: str) -> str:
-    return name if name.startswith("/") else f"/{name}"

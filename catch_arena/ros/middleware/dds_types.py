@@ -6,15 +6,11 @@ from typing import Any, Final
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.idl.annotations import final
 
-from catch_arena.ros.middleware.interfaces import PRIMITIVES, MessageType, values_by_field
+from catch_arena.ros.middleware.interfaces import MessageType, values_by_field
 
 _MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
 """The byte that ROS puts into a type without fields."""
 _DUMMY: Final = {_MISSING_MEMBER: 0}
-_PRIMITIVES: Final[dict[str, Any]] = {word: getattr(types, word, None) for word in PRIMITIVES} | {
-    "bool": bool,
-    "string": str,
-}
 _sequence: Final[Any] = types.sequence
 
 
@@ -39,11 +35,16 @@ def idl_struct(kind: MessageType, *, header: bool = False) -> Any:
     """
     fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
     for name, word, is_sequence in kind.fields:
-        one: Any = _PRIMITIVES[word] if isinstance(word, str) else idl_struct(word)
+        one: Any = _idl_type(word) if isinstance(word, str) else idl_struct(word)
         fields[name] = _sequence[one] if is_sequence else one
     if not kind.fields:
         fields[_MISSING_MEMBER] = types.uint8
     return final(make_idl_struct(kind.name.rpartition("/")[2], dds_name(kind), fields))
+
+
+def _idl_type(word: str) -> Any:
+    """Return the package's type of a bool, a string or a number."""
+    return {"bool": bool, "string": str}.get(word) or getattr(types, word)
 
 
 def to_sample(kind: MessageType, message: Any, **header: int) -> Any:

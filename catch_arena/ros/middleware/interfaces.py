@@ -1,22 +1,23 @@
 """R8.1: messages and services on a ROS 2 bus, as ROS's own definitions, and the tuples that stand for them here.
 
-A definition is the text of a .msg or .srv file. Each back-end makes its own types from it, so that a field and its
-width stand in one place.
+A definition is the text of a .msg or .srv file. It follows from the tuple, and each back-end makes its own types from
+it, so that a field and its width stand in one place.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 from catch_arena import messages
 from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
-PRIMITIVES: Final = frozenset(
-    ("bool", "string", "float32", "float64", "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64")
-)
 OWN_PACKAGE: Final = "catch_arena_interfaces"
 """Ours: ros2/catch_arena_interfaces."""
+
+Int32 = Annotated[int, "int32"]
+UInt32 = Annotated[int, "uint32"]
+"""Whole numbers by ROS's words for them; a float is a float64 if a definition does not say otherwise."""
 
 
 class Field(NamedTuple):
@@ -28,8 +29,9 @@ class Field(NamedTuple):
     Dots lead into messages: turtle.name.
     """
     type: "str | MessageType"
-    """One of PRIMITIVES, or another message."""
+    """ROS's word for a bool, a string or a number, or another message."""
     is_sequence: bool
+    """Only of messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +87,8 @@ class TwistMessage(NamedTuple):
 class Time(NamedTuple):
     """builtin_interfaces/msg/Time."""
 
-    sec: int
-    nanosec: int
+    sec: Int32
+    nanosec: UInt32
 
 
 class Clock(NamedTuple):
@@ -119,7 +121,7 @@ class RulingMessage(NamedTuple):
 
     time: float
     """The arena's, when the step began in which it was judged [s]."""
-    step: int
+    step: UInt32
     hunter: str
     target: str
     """The name that was asked for, cut to 255 characters."""
@@ -140,25 +142,37 @@ class StandingMessage(NamedTuple):
     """The arena's [s]."""
     hunter: str
     player: str
-    score: int
-    rank: int
+    score: UInt32
+    rank: UInt32
     over: bool
     """Whether the match has ended."""
 
 
-def message_type(name: str, make: Callable[..., Any], *lines: "str | tuple[MessageType, str]") -> MessageType:
-    """Return a message from the lines of its definition; a line with another message is (message, name)."""
+def message_type(name: str, make: Callable[..., Any], *parts: MessageType, floats: str = "float64") -> MessageType:
+    """Return the message that a NamedTuple stands for.
+
+    Args:
+        name: as ROS writes it.
+        make: the NamedTuple.
+        parts: the messages in it.
+        floats: ROS's word for its floats.
+    """
+    words: dict[Any, Any] = {bool: "bool", str: "string", float: floats} | {part.make: part for part in parts}
     fields = []
-    for line in lines:
-        kind, field = line.split() if isinstance(line, str) else line
-        is_sequence = field.endswith("[]")
-        fields.append(Field(field.removesuffix("[]"), kind, is_sequence))
+    for field, hint in get_type_hints(make, include_extras=True).items():
+        is_sequence = get_origin(hint) is tuple
+        one = get_args(hint)[0] if is_sequence else hint
+        word = get_args(one)[1] if get_origin(one) is Annotated else words[one]
+        fields.append(Field(field, word, is_sequence))
     return MessageType(name, make, tuple(fields))
 
 
-def service_type(name: str, request: tuple[Any, ...], response: tuple[Any, ...]) -> ServiceType:
-    """Return a service from its halves: of each the class, and the lines of its definition."""
-    return ServiceType(name, message_type(f"{name}_Request", *request), message_type(f"{name}_Response", *response))
+def service_type(
+    name: str, request: Callable[..., Any], response: Callable[..., Any], floats: str = "float64"
+) -> ServiceType:
+    """Return the service that two NamedTuples stand for."""
+    asked = message_type(f"{name}_Request", request, floats=floats)
+    return ServiceType(name, asked, message_type(f"{name}_Response", response, floats=floats))
 
 
 def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageType, Any], Any]) -> dict[str, Any]:
@@ -172,7 +186,7 @@ def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageT
     values: dict[str, Any] = {}
     for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
         if isinstance(word, str):
-            values[name] = list(value) if is_sequence and not isinstance(value, bytes) else value
+            values[name] = value
         else:
             values[name] = [convert(word, one) for one in value] if is_sequence else convert(word, value)
     return values
@@ -185,41 +199,17 @@ def from_attributes(kind: MessageType, source: Any) -> Any:
         value: Any = attrgetter(name)(source) if name else 0.0
         if not isinstance(word, str):
             value = tuple(from_attributes(word, one) for one in value) if is_sequence else from_attributes(word, value)
-        elif is_sequence:
-            value = tuple(value)
         values.append(value)
     return kind.make(*values)
 
 
-VECTOR3: Final = message_type("geometry_msgs/msg/Vector3", Vector3, "float64 x", "float64 y", "float64 z")
-TWIST: Final = message_type("geometry_msgs/msg/Twist", TwistMessage, (VECTOR3, "linear"), (VECTOR3, "angular"))
-TIME: Final = message_type("builtin_interfaces/msg/Time", Time, "int32 sec", "uint32 nanosec")
-CLOCK: Final = message_type("rosgraph_msgs/msg/Clock", Clock, (TIME, "clock"))
-EMPTY: Final = service_type("std_srvs/srv/Empty", (Empty,), (Empty,))
-RULING: Final = message_type(
-    f"{OWN_PACKAGE}/msg/Ruling",
-    RulingMessage,
-    "float64 time",
-    "uint32 step",
-    "string hunter",
-    "string target",
-    "string verdict",
-    "bool success",
-    "float64 distance",
-    "string winner",
-    "string clause",
-    "string reason",
-)
-STANDING: Final = message_type(
-    f"{OWN_PACKAGE}/msg/Standing",
-    StandingMessage,
-    "float64 time",
-    "string hunter",
-    "string player",
-    "uint32 score",
-    "uint32 rank",
-    "bool over",
-)
+VECTOR3: Final = message_type("geometry_msgs/msg/Vector3", Vector3)
+TWIST: Final = message_type("geometry_msgs/msg/Twist", TwistMessage, VECTOR3)
+TIME: Final = message_type("builtin_interfaces/msg/Time", Time)
+CLOCK: Final = message_type("rosgraph_msgs/msg/Clock", Clock, TIME)
+EMPTY: Final = service_type("std_srvs/srv/Empty", Empty, Empty)
+RULING: Final = message_type(f"{OWN_PACKAGE}/msg/Ruling", RulingMessage)
+STANDING: Final = message_type(f"{OWN_PACKAGE}/msg/Standing", StandingMessage)
 
 
 class Interfaces:
@@ -232,30 +222,14 @@ class Interfaces:
 
     def __init__(self, package: str = INTERFACES, turtlesim: str = TURTLESIM) -> None:
         self.package, self.turtlesim = package, turtlesim
-        self.turtle = message_type(
-            f"{package}/msg/Turtle", messages.Turtle, "string name", "float64 x", "float64 y", "float64 theta"
-        )
-        self.turtle_array = message_type(f"{package}/msg/TurtleArray", messages.TurtleArray, (self.turtle, "turtles[]"))
+        self.turtle = message_type(f"{package}/msg/Turtle", messages.Turtle)
+        self.turtle_array = message_type(f"{package}/msg/TurtleArray", messages.TurtleArray, self.turtle)
         self.catch_turtle = service_type(
-            f"{package}/srv/CatchTurtle",
-            (messages.CatchTurtleRequest, "string name"),
-            (messages.CatchTurtleResponse, "bool success"),
+            f"{package}/srv/CatchTurtle", messages.CatchTurtleRequest, messages.CatchTurtleResponse
         )
-        self.pose = message_type(
-            f"{turtlesim}/msg/Pose",
-            messages.Pose,
-            "float32 x",
-            "float32 y",
-            "float32 theta",
-            "float32 linear_velocity",
-            "float32 angular_velocity",
-        )
-        self.spawn = service_type(
-            f"{turtlesim}/srv/Spawn",
-            (SpawnRequest, "float32 x", "float32 y", "float32 theta", "string name"),
-            (Name, "string name"),
-        )
-        self.kill = service_type(f"{turtlesim}/srv/Kill", (Name, "string name"), (Empty,))
+        self.pose = message_type(f"{turtlesim}/msg/Pose", messages.Pose, floats="float32")
+        self.spawn = service_type(f"{turtlesim}/srv/Spawn", SpawnRequest, Name, floats="float32")
+        self.kill = service_type(f"{turtlesim}/srv/Kill", Name, Empty)
 
     def of_turtlesim(self, package: str) -> "Interfaces":
         """Return the same with turtlesim's types of another package."""

@@ -57,25 +57,44 @@ Parameters = dict[str, Parameter]
 """The parameters of one node, by name."""
 
 
-def spawner_parameters(spawn_frequency: float, name_prefix: str) -> Parameters:
+def spawner_parameters(
+    spawn_frequency: float, name_prefix: str, *, check_prefix: Callable[[str], object] | None = None, fixed: str = ""
+) -> Parameters:
     """Return the parameters of turtle_spawner: targets a second, and the first part of their names.
+
+    Args:
+        spawn_frequency: the first value.
+        name_prefix: the other one.
+        check_prefix: raises ConfigError for a prefix that is not allowed; None allows those of turtlesim's turtles.
+        fixed: why they cannot be changed while the node runs; without it only the prefix cannot.
 
     Raises:
         ConfigError: for a value that one cannot have.
     """
-    fixed = "the targets that are there have it in their names"
-    return _of_spawner(spawn_frequency, name_prefix, _check_turtle_name, fixed_prefix=fixed)
+    frequency = Parameter(
+        SPAWN_FREQUENCY,
+        spawn_frequency,
+        "targets a second; 0 and less is one every 5 s",
+        lambda value: ArenaConfig(spawn_frequency_hz=value),
+        fixed,
+    )
+    prefix = Parameter(
+        NAME_PREFIX,
+        name_prefix,
+        "the first part of the targets' names",
+        check_prefix or _check_turtle_name,
+        fixed or "the targets that are there have it in their names",
+    )
+    return {one.name: one for one in (frequency, prefix)}
 
 
 def arena_parameters(config: ArenaConfig) -> Parameters:
     """Return the parameters of turtle_spawner, whose part the arena plays in a match."""
-    fixed = "a match keeps its settings; ros serve takes it with --ros-args -p when it starts"
-    return _of_spawner(
+    return spawner_parameters(
         float(config.spawn_frequency_hz),
         config.name_prefix,
-        lambda prefix: ArenaConfig(name_prefix=prefix),
-        fixed_prefix=fixed,
-        fixed_frequency=fixed,
+        check_prefix=lambda prefix: ArenaConfig(name_prefix=prefix),
+        fixed="a match keeps its settings; ros serve takes it with --ros-args -p when it starts",
     )
 
 
@@ -85,24 +104,6 @@ def controller_parameters(closest_first: bool | None) -> Parameters:
         return {}
     described = "whether it drives to the closest target, or to the oldest one"
     return {CLOSEST_FIRST: Parameter(CLOSEST_FIRST, closest_first, described)}
-
-
-def _of_spawner(
-    frequency: float, prefix: str, check: Callable[[str], object], *, fixed_prefix: str, fixed_frequency: str = ""
-) -> Parameters:
-    return {
-        one.name: one
-        for one in (
-            Parameter(
-                SPAWN_FREQUENCY,
-                frequency,
-                "targets a second; 0 and less is one every 5 s",
-                lambda value: ArenaConfig(spawn_frequency_hz=value),
-                fixed_frequency,
-            ),
-            Parameter(NAME_PREFIX, prefix, "the first part of the targets' names", check, fixed_prefix),
-        )
-    }
 
 
 def _check_turtle_name(prefix: str) -> None:

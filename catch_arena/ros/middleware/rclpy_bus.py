@@ -8,10 +8,10 @@ from operator import attrgetter
 from typing import Any, Final
 
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Call, Endpoint, EndpointKind, Log, OnMessage, Peer, Request
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Bus, Call, Endpoint, EndpointKind, Log, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType, from_attributes
-from catch_arena.ros.middleware.names import INTERFACES, Backend
+from catch_arena.ros.middleware.names import INTERFACES
 from catch_arena.ros.middleware.parameters import Parameters
 from catch_arena.ros.middleware.ros_types import fitting_packages, package_types, ros_class, turtlesim_package
 from catch_arena.text import one_line
@@ -20,25 +20,27 @@ _LOOK_S: Final = 2.0
 """If several packages have the types, nodes that use one of them are looked for so long."""
 
 
-class RclpyBus:
-    """See `catch_arena.ros.middleware.bus.Bus`. rclpy does not tell who sent a message.
+class RclpyBus(Bus):
+    """See `catch_arena.ros.middleware.bus.Bus`.
 
     Args:
         node: its name.
         domain: from 0 to 232.
-        log: takes one line whenever there is something that people should know.
 
     Raises:
         BusError: if rclpy cannot be loaded.
     """
 
-    def __init__(self, node: str, domain: int, *, log: Log) -> None:
+    backend = "rclpy"
+
+    def __init__(self, node: str, domain: int) -> None:
         try:
             rclpy = import_module("rclpy")
             groups, executors = import_module("rclpy.callback_groups"), import_module("rclpy.executors")
             self._future = import_module("rclpy.task").Future
         except ImportError as error:  # its C parts need libraries that are found when ROS is sourced
             raise BusError(f"rclpy cannot be loaded ({error}): source ROS first") from None
+        self.about = str(rclpy.get_rmw_implementation_identifier())
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = rclpy.create_node(node, context=self._context)
@@ -46,7 +48,6 @@ class RclpyBus:
         """Group of all callbacks: in ROS's usual one an unanswered request keeps all else waiting."""
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._log = log
         self._subscriptions: dict[str, Any] = {}
         self._types: Interfaces | None = None
         self._heard = 0
@@ -54,16 +55,6 @@ class RclpyBus:
         self._spinning = False
         self._answered = 0
         """Number of answers that were given and have not left yet."""
-
-    @property
-    def backend(self) -> Backend:
-        """Name of the back-end."""
-        return "rclpy"
-
-    @property
-    def about(self) -> str:
-        """Name of the middleware below."""
-        return str(import_module("rclpy").get_rmw_implementation_identifier())
 
     def interfaces(self, given: Interfaces) -> Interfaces:
         """Return the types of the nodes that are there, else of the one package that has them."""
@@ -156,12 +147,12 @@ class RclpyBus:
 
         return publish
 
-    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
+    def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
         """Subscribe to a topic."""
 
         def hear(message: Any) -> None:
             self._heard += 1
-            on_message(from_attributes(kind, message), None)
+            on_message(from_attributes(kind, message))
 
         self._subscriptions[topic] = self._node.create_subscription(
             ros_class(kind.name), topic, hear, DEPTH, callback_group=self._group
@@ -186,7 +177,7 @@ class RclpyBus:
                 self._answered += 1
                 answered.set_result(value)
 
-            on_request(Request(from_attributes(kind.request, request), None, answer))
+            on_request(Request(from_attributes(kind.request, request), answer))
             value = await answered
             self._owed -= 1
             self._answered -= 1
@@ -220,11 +211,9 @@ class RclpyBus:
 
         self._node.add_on_set_parameters_callback(change)
 
-    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
-        """Return who publishes on a topic; several nodes may have one name."""
-        found = self._node.get_publishers_info_by_topic(topic)
-        names = [_full_name(one.node_namespace, one.node_name) for one in found]
-        return frozenset(f"{name} ({names[:place].count(name) + 1})" for place, name in enumerate(names))
+    def publishers_of(self, topic: str) -> int:
+        """Return the number of publishers of a topic."""
+        return int(self._node.count_publishers(topic))
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle what has come.
@@ -290,7 +279,7 @@ def to_ros(kind: MessageType, message: Any, target: Any) -> Any:
         outer, _, inner = name.rpartition(".")
         holder = attrgetter(outer)(target) if outer else target
         if isinstance(word, str):
-            setattr(holder, inner, list(value) if is_sequence else value)
+            setattr(holder, inner, value)
         elif is_sequence:
             setattr(holder, inner, [to_ros(word, one, ros_class(word.name)()) for one in value])
         else:

@@ -13,20 +13,8 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import (
-    DEPTH,
-    LONGEST,
-    SPIN_S,
-    Call,
-    Log,
-    OnceLog,
-    OnMessage,
-    Peer,
-    Request,
-    WithoutGraph,
-)
+from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S, Bus, Call, Log, OnceLog, Request
 from catch_arena.ros.middleware.interfaces import Field, MessageType, ServiceType, values_by_field
-from catch_arena.ros.middleware.names import Backend
 from catch_arena.text import one_line
 
 _OPEN_S: Final = 5.0
@@ -39,8 +27,6 @@ _CALL_S: Final = 0.005
 """While a call is under way, all connections are read this often."""
 _LONGEST_FRAME: Final = 32 * 2**20
 """Bytes; a longer one ends the connection. rosbridge cuts at 10 MB, and a quote in it takes two bytes then."""
-_REQUESTS: Final = 64
-"""Requests, and calls under way, of which the oldest is given up."""
 _OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
 """rosbridge's own. Its response, or the error of a server without it, says that all before it was read."""
 
@@ -55,7 +41,7 @@ class _OpenCall(NamedTuple):
     on_failure: Log
 
 
-class RosbridgeBus(WithoutGraph):
+class RosbridgeBus(Bus):
     """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, `spin` connects again when it is back.
 
     Args:
@@ -65,6 +51,8 @@ class RosbridgeBus(WithoutGraph):
     Raises:
         BusError: if no server answers.
     """
+
+    backend = "rosbridge"
 
     def __init__(self, url: str, *, log: Log) -> None:
         self._url, self._log = url, log
@@ -85,21 +73,16 @@ class RosbridgeBus(WithoutGraph):
                 "with ros2 launch rosbridge_server rosbridge_websocket_launch.xml"
             ) from None
 
-    @property
-    def backend(self) -> Backend:
-        """Name of the back-end."""
-        return "rosbridge"
-
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
         self._announce({"op": "advertise", "topic": topic, "type": kind.name})
         return lambda message: self._send({"op": "publish", "topic": topic, "msg": to_json(kind, message)})
 
-    def subscribe(self, topic: str, kind: MessageType, on_message: OnMessage) -> None:
-        """Subscribe to a topic; rosbridge does not tell who sends."""
+    def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
+        """Subscribe to a topic."""
 
         def handle(frame: dict[str, Any]) -> None:
-            on_message(from_json(kind, frame.get("msg")), None)
+            on_message(from_json(kind, frame.get("msg")))
 
         self._handle(("publish", topic), DEPTH, handle)
         # Without a queue_length: its queue's thread in rosbridge never ends if it is left with something in it.
@@ -126,19 +109,14 @@ class RosbridgeBus(WithoutGraph):
             except ValueError as error:
                 self._send({**respond, "values": str(error), "result": False})
                 raise
-            on_request(Request(request, None, answer))
+            on_request(Request(request, answer))
 
-        self._handle(("call_service", service), _REQUESTS, handle)
+        self._handle(("call_service", service), SERVICE_DEPTH, handle)
         self._announce({"op": "advertise_service", "service": service, "type": kind.name})
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_BridgeClient":
         """Return a client of a service."""
         return _BridgeClient(lambda request: self._call(service, kind, request, on_failure or self._warn_once))
-
-    def publishers_of(self, topic: str) -> frozenset[Peer] | None:
-        """Return None: rosbridge does not tell."""
-        del topic
-        return None
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle what has come."""
@@ -251,7 +229,7 @@ class RosbridgeBus(WithoutGraph):
             connection = _connection_to(self._url, _AGAIN_S)
             self._calls[name] = _OpenCall(connection, service, kind.response, call, on_failure)
             connection.send(json.dumps(frame))
-        if len(self._calls) > _REQUESTS:
+        if len(self._calls) > SERVICE_DEPTH:
             self._calls.pop(next(iter(self._calls))).connection.close()
         return call
 

@@ -1,9 +1,8 @@
 """Our types as the library rosbags has them, and their hashes."""
 
 from functools import cache
-from typing import Any
 
-from rosbags.interfaces import Nodetype
+from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
 
 from catch_arena.ros.middleware.interfaces import MessageType
@@ -11,17 +10,11 @@ from catch_arena.ros.middleware.interfaces import MessageType
 
 def register(store: Typestore, kind: MessageType) -> None:
     """Add a type, and those in it, to a type store that does not have them."""
-    if kind.name in store.fielddefs:
-        return
-    lines: list[Any] = []
-    for name, word, is_sequence in kind.fields:
-        if isinstance(word, str):
-            node: Any = (Nodetype.BASE, (word, 0))
-        else:
-            register(store, word)
-            node = (Nodetype.NAME, word.name)
-        lines.append((name, (Nodetype.SEQUENCE, (node, 0)) if is_sequence else node))  # 0: of any length
-    store.register({kind.name: ([], lines)})
+    for field in kind.fields:
+        if isinstance(field.type, MessageType):
+            register(store, field.type)
+    if kind.name not in store.fielddefs:
+        store.register(get_types_from_msg(kind.definition, kind.name))
 
 
 @cache

@@ -7,7 +7,7 @@ from typing import Final
 from catch_arena.core.physics import DT
 from catch_arena.errors import BusError, MissingServiceError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Log, Peer, Request
+from catch_arena.ros.middleware.bus import Bus, Log, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, KILL, SPAWN, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
@@ -135,8 +135,7 @@ class NodeUnderTest:
         while (left := end - time.monotonic()) > 0.0:
             self._bus.spin(left)
 
-    def _on_list(self, message: TurtleArray, peer: Peer | None) -> None:
-        del peer
+    def _on_list(self, message: TurtleArray) -> None:
         if self._alive is None:  # else it is ours
             self._heard = message
 

@@ -38,17 +38,17 @@ class Advice:
         """Log a warning once, as `log_once` does."""
         self.log_once(f"warning: {line}", about)
 
-    def note(self, hunter: str, ruling: Ruling, own_requests: Collection[str]) -> None:
+    def note(self, hunter: str, ruling: Ruling, asked: Collection[str]) -> None:
         """Note the ruling on a node's request.
 
         Args:
             hunter: the hunter that asked.
             ruling: the ruling.
-            own_requests: the targets that the hunter's own node asked for in this step.
+            asked: the targets that were asked for it in this step.
         """
         if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
             self._too_far[hunter].append(ruling.distance_um)
-        elif ruling.verdict is Verdict.DUPLICATE and len(own_requests) > 1:
+        elif ruling.verdict is Verdict.DUPLICATE and len(asked) > 1:
             hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
             self.log_once(f"{hunter} asked for several targets at once; {hint}", f"{hunter} several")
         elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:

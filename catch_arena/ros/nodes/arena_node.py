@@ -28,7 +28,7 @@ from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.ros.nodes.advice import Advice
 from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.neighbours import Neighbours, run_line
-from catch_arena.ros.nodes.seats import RosSeat, seat_of
+from catch_arena.ros.nodes.seats import RosSeat
 from catch_arena.service import ArenaService, response
 from catch_arena.text import one_line
 from catch_arena.tournament.ranks import ranks_of
@@ -39,8 +39,8 @@ _SECOND: Final = 1000 // TICK_MS
 _OFTEN: Final = 6
 """In ticks: period in which moving targets are published, and nodes that have gone are found."""
 _MOST_JUDGED: Final = 4
-"""R8.4: number of one hunter's requests in one step that are judged, of its driver and of others each. Only the first
-can be granted, and all clients of a shared service get all answers, in a queue of ten.
+"""R8.4: number of one hunter's requests in one step that are judged. Only the first can be granted, and all clients of
+a shared service get all answers, in a queue of ten.
 """
 _HELD: Final = 10
 """In ticks: a new node gets its pose for this long before the list of targets, because many solutions need its pose."""
@@ -52,8 +52,6 @@ _REFUSED: Final = CatchTurtleResponse(success=False)
 class _Pending(NamedTuple):
     """A catch request that waits for the next step."""
 
-    foreign: bool
-    """Whether it comes from another node than the hunter's driver, if the bus knows senders."""
     hunter: str
     request: Request
 
@@ -107,7 +105,7 @@ class ArenaNode:
             self._cmd_vels[only.hunter].append(_EXERCISE_CMD_VEL)
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
         elif self.seats:  # turtle1 is no hunter
-            bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _twist, _peer: self._explain_remapping())
+            bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _: self._explain_remapping())
         self._watched = [topic for seat in self.seats for topic in poses[seat.hunter]]
         """Topics whose new listeners are new nodes."""
         self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
@@ -118,8 +116,7 @@ class ArenaNode:
         for seat in self.seats:
             for topic in self._cmd_vels[seat.hunter]:
                 bus.subscribe(topic, TWIST, seat.on_twist)
-            own = graph_names.catch_turtle_of(seat.hunter)
-            bus.serve(own, interfaces.catch_turtle, partial(self._on_own_catch_turtle, seat))
+            bus.serve(graph_names.catch_turtle_of(seat.hunter), interfaces.catch_turtle, partial(self._ask, seat))
         bus.serve(graph_names.CATCH_TURTLE, interfaces.catch_turtle, self._on_catch_turtle)
         bus.serve(graph_names.SPAWN, interfaces.spawn, self._on_spawn)
         bus.serve(graph_names.KILL, interfaces.kill, self._on_kill)
@@ -156,7 +153,7 @@ class ArenaNode:
             for seat in self.seats
         }
         goals: dict[str, str] = {}
-        asked, self._pending = sorted(self._pending, key=lambda one: one.foreign), []
+        asked, self._pending = self._pending, []
         requests = [(one.hunter, CatchTurtleRequest(one.request.message.name)) for one in asked]
         if self._agents is not None and not self._service.over:
             actions = self._agents.act(before.time_ms)
@@ -164,12 +161,9 @@ class ArenaNode:
             goals = actions.goals
             requests += actions.requests
         rulings = self._service.step(commands, requests, goals)
-        own: dict[str, set[str]] = {seat.hunter: set() for seat in self.seats}
-        for one in asked:
-            own[one.hunter] |= set() if one.foreign else {one.request.message.name}
         for one, ruling in zip(asked, rulings, strict=False):
             one.request.answer(response(ruling))
-            self.advice.note(one.hunter, ruling, own[one.hunter])
+            self.advice.note(one.hunter, ruling, {name for hunter, (name,) in requests if hunter == one.hunter})
         world = self._service.world
         asking = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
@@ -270,35 +264,34 @@ class ArenaNode:
         self._explained = True
         self.advice.explain_remapping([seat.hunter for seat in self.missing or self.seats])
 
-    def _publishers(self, seat: RosSeat) -> frozenset[str] | None:
+    def _publishers(self, seat: RosSeat) -> int | None:
         found = [self._bus.publishers_of(topic) for topic in self._cmd_vels[seat.hunter]]
-        known = [peers for peers in found if peers is not None]
-        return frozenset().union(*known) if known else None
+        known = [number for number in found if number is not None]
+        return sum(known) if known else None
 
     # services
 
-    def _on_own_catch_turtle(self, seat: RosSeat, request: Request) -> None:
-        """Take a request at a hunter's own service."""
-        drives = [] if request.peer is None else [one for one in self.seats if one.driver == request.peer]
-        if drives and seat not in drives:
-            self.advice.warn_once(f"the node that drives {drives[0].hunter} asks for {seat.hunter}: it is not heard")
-        self._ask(seat if seat in drives or not drives else None, request)
-
     def _on_catch_turtle(self, request: Request) -> None:
-        """Take a request at the service that all hunters share."""
-        self._ask(seat_of(request.peer, self.seats, self.advice.warn_once), request)
+        """Take a request at the service that all hunters share: a bus does not tell who asks."""
+        if len(self.seats) == 1:
+            self._ask(self.seats[0], request)
+        else:
+            if self.seats:
+                self.advice.warn_once(
+                    "a node asks at /catch_turtle, where several seats are for nodes: it must ask at "
+                    "/hunter_0/catch_turtle and its like, as with --ros-args -r /catch_turtle:=/hunter_0/catch_turtle"
+                )
+            request.answer(_REFUSED)
 
-    def _ask(self, seat: RosSeat | None, request: Request) -> None:
-        """R8.4: keep a request for the next step, or refuse it immediately if it is no hunter's or one too many."""
-        if seat is not None and seat.only_drives:
+    def _ask(self, seat: RosSeat, request: Request) -> None:
+        """R8.4: keep a request for the next step, or refuse it immediately if it is one too many."""
+        if seat.only_drives:
             self.advice.warn_once(
                 f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard"
             )
-        elif seat is not None:
-            foreign = None not in (request.peer, seat.driver) and request.peer != seat.driver
-            if sum(one[:2] == (foreign, seat.hunter) for one in self._pending) < _MOST_JUDGED:
-                self._pending.append(_Pending(foreign, seat.hunter, request))
-                return
+        elif sum(one.hunter == seat.hunter for one in self._pending) < _MOST_JUDGED:
+            self._pending.append(_Pending(seat.hunter, request))
+            return
         request.answer(_REFUSED)
 
     def _on_spawn(self, request: Request) -> None:
@@ -328,7 +321,7 @@ class ArenaNode:
             if len(self.seats) == 1:
                 self.advice.warn_once(f"{kill} of a target is judged as a request to catch it")
                 wanted = CatchTurtleRequest(name)
-                self._ask(self.seats[0], Request(wanted, request.peer, lambda _: request.answer(Empty())))
+                self._ask(self.seats[0], Request(wanted, lambda _: request.answer(Empty())))
                 return
             self.advice.warn_once(f"{kill} of a target is refused: ask {graph_names.CATCH_TURTLE} for it")
         else:

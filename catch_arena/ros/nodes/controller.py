@@ -16,7 +16,7 @@ from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
 from catch_arena.policy import Limits
-from catch_arena.ros.middleware.bus import Bus, Call, Log, OnceLog, Peer
+from catch_arena.ros.middleware.bus import Bus, Call, Log, OnceLog
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, catch_turtle_of, cmd_vel_of, pose_of
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.ros.middleware.parameters import Parameter
@@ -122,15 +122,13 @@ class Controller:
         """Stop the turtle."""
         self._cmd_vel(TwistMessage.of(0.0, 0.0))
 
-    def _on_pose(self, pose: Pose, peer: Peer | None) -> None:
-        del peer
+    def _on_pose(self, pose: Pose) -> None:
         if all(map(math.isfinite, pose)):
             if self._pose is None:
                 self._log(f"{self._turtle} is there")
             self._pose, self._pose_s = pose, time.monotonic()
 
-    def _on_turtles(self, turtles: TurtleArray, peer: Peer | None) -> None:
-        del peer
+    def _on_turtles(self, turtles: TurtleArray) -> None:
         self._targets = list(turtles.turtles)
 
     def _place(self, pose: Pose) -> dict[str, str]:

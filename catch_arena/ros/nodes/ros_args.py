@@ -4,6 +4,7 @@
 """
 
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -18,12 +19,6 @@ _NODE: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,254}")
 _PARAMETER, _FILE, _REMAP = "-p", "--params-file", "-r"
 _WORDS: Final = {"-p": _PARAMETER, "--param": _PARAMETER, "--params-file": _FILE, "-r": _REMAP, "--remap": _REMAP}
 _SECTION: Final = "ros__parameters"
-_TRUE, _FALSE = (
-    {form for word in words for form in (word, word.capitalize(), word.upper())}
-    for words in (("y", "yes", "true", "on"), ("n", "no", "false", "off"))
-)
-_WHOLE: Final = re.compile("[+-]?((?P<hexadecimal>0[xX][0-9a-fA-F]+)|(?P<octal>0[0-7]+)|0|[1-9][0-9]*)")
-_INFINITE_OR_NAN: Final = re.compile(r"[+-]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
 
 def take_ros_args(words: Sequence[str], node: str, parameters: Parameters, log: Log) -> str:
@@ -118,38 +113,17 @@ def _mapping(value: object, where: str) -> Mapping[Any, Any]:
 
 
 def _load(text: str, where: str) -> Any:
-    """Return YAML as ROS reads it; None for nothing."""
+    """Return the value of YAML 1.1, as ROS reads it: yes and on are true. None for nothing."""
     try:
         from ruamel.yaml import YAML
         from ruamel.yaml.error import YAMLError
     except ImportError:
         raise BusError(f"--ros-args needs ruamel.yaml, which is not installed: {install_hint('ros')}") from None
+    yaml = YAML(typ="safe", pure=True)
+    yaml.version = (1, 1)
     try:
-        return _value(YAML(typ="safe", pure=True).compose(text))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of 1e1, which is a double in ROS too
+            return yaml.load(text)
     except (YAMLError, TypeError, ValueError, RecursionError) as error:
         raise ConfigError(f"{where} must be YAML: {one_line(str(error))}") from None
-
-
-def _value(node: Any) -> Any:
-    """Return the value of a node of YAML: ROS has rules of its own for words without quotes."""
-    if node is None:
-        return None
-    if node.id == "mapping":
-        return {key.value: _value(value) for key, value in node.value}
-    if node.id == "sequence":
-        return [_value(item) for item in node.value]
-    return node.value if node.style in ("'", '"') else _word(node.value)
-
-
-def _word(word: str) -> bool | int | float | str | None:
-    """Return true or false, a whole number, a double, or else a text, as rcl_yaml_param_parser does."""
-    if word in _TRUE or word in _FALSE:
-        return word in _TRUE
-    if whole := _WHOLE.fullmatch(word):
-        return int(word, 16 if whole["hexadecimal"] else 8 if whole["octal"] else 10)
-    if _INFINITE_OR_NAN.fullmatch(word):
-        return float(word.replace(".", ""))
-    try:
-        return word if "_" in word else float(word)
-    except ValueError:
-        return word or None

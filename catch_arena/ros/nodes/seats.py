@@ -1,12 +1,11 @@
-"""Hunters that ROS nodes drive: who drives which, and what each does while its node is silent."""
+"""Hunters that ROS nodes drive, and what each does while its node is silent."""
 
 import math
-from collections.abc import Callable
 from typing import Final
 
 from catch_arena.core.physics import WATCHDOG_MS
 from catch_arena.messages import Twist
-from catch_arena.ros.middleware.bus import Log, Peer
+from catch_arena.ros.middleware.bus import Log, OnceLog
 from catch_arena.ros.middleware.interfaces import TwistMessage
 
 STANDING_STILL: Final = Twist(0.0, 0.0)
@@ -15,7 +14,7 @@ _FASTEST: Final = 1e9
 
 
 class RosSeat:
-    """One hunter. It belongs to the node that drives it, until that has been silent for as long as a Twist holds.
+    """One hunter. Its node drives it until that has been silent for as long as a Twist holds.
 
     Args:
         hunter: its name.
@@ -25,49 +24,36 @@ class RosSeat:
 
     def __init__(self, hunter: str, log: Log, *, only_drives: bool = False) -> None:
         self.hunter, self.only_drives = hunter, only_drives
-        self.driver: Peer | None = None
-        """Who drives it, where the middleware tells."""
         self.driven = False
-        """Whether somebody does."""
-        self._log = log
+        """Whether a node drives it."""
+        self._log, self._log_once = log, OnceLog(log)
         self._twist = STANDING_STILL
         self._fresh = False
         self._missed = True
         """Whether it is news that a node drives it."""
-        self._was_there = self._drove = False
-        """Whether a node that could drive it was on the bus, and whether one ever did."""
+        self._was_there = self._drove = self._left = False
+        """Whether a node that could drive it was on the bus, whether one ever did, and whether it has left."""
         self._given_ms = -WATCHDOG_MS
-        self._logged: set[str] = set()
 
-    def on_twist(self, message: TwistMessage, peer: Peer | None) -> None:
-        """A Twist; the last one before a step counts."""
-        if self.driven and peer != self.driver:
-            self._log_once(
-                "two",
-                f"warning: {self.hunter}: a second node drives it; it is not heard while the first one sends",
-            )
-            return
+    def on_twist(self, message: TwistMessage) -> None:
+        """Take a Twist; the last one before a step counts."""
         speed, turn_rate = message.linear.x, message.angular.z
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
-            self._log_once("finite", f"warning: {self.hunter}: a Twist that is not finite is left out")
+            self._log_once(f"warning: {self.hunter}: a Twist that is not finite is left out")
             return
         if message.linear.y != 0.0:
-            self._log_once(
-                "sideways", f"warning: {self.hunter}: its node sends linear.y, which is not obeyed: turn instead"
-            )
-        if not self.driven:
-            if self._missed:
-                self._log(f"{self.hunter}: its node {'is back' if 'gone' in self._logged else 'is there'}")
-            self._logged.discard("two")
-        self.driver, self.driven, self._drove = peer, True, True
+            self._log_once(f"warning: {self.hunter}: its node sends linear.y, which is not obeyed: turn instead")
+        if not self.driven and self._missed:
+            self._log(f"{self.hunter}: its node {'is back' if self._left else 'is there'}")
+        self.driven = self._drove = True
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
         self._fresh = True
 
     def command(self, now_ms: int, tick_ms: int, *, targets: bool = True) -> Twist:
-        """R2.4: the last Twist, repeated in each step, and zero at the first tick more than a second after it came.
+        """R2.4: return the last Twist in each step, and zero at the first tick more than a second after it came.
 
         Args:
-            now_ms: when the step begins; a Twist that was heard since the step before is given then.
+            now_ms: when the step begins; a Twist that came since the step before is given then.
             tick_ms: when the step's tick is.
             targets: whether there is a target to drive to: without one, to be silent is no news.
         """
@@ -80,63 +66,35 @@ class RosSeat:
             return STANDING_STILL
         return self._twist
 
-    def look_for(self, publishers: frozenset[Peer] | None) -> None:
-        """Whether its driver is still on the bus, and, where the middleware does not tell who sends, the only one."""
+    def look_for(self, publishers: int | None) -> None:
+        """Notice that its node has left the bus, or that there is more than one.
+
+        Args:
+            publishers: the number of nodes that can drive it; None if the bus does not tell.
+        """
         if publishers is None:
             return
-        if self.driven and self.driver is None and len(publishers) > 1:
+        if self.driven and publishers > 1:
             self._log_once(
-                "two",
-                f"warning: {self.hunter}: {len(publishers)} nodes may drive it, and this bus does not tell which of "
+                f"warning: {self.hunter}: {publishers} nodes may drive it, and this bus does not tell which of "
                 "them sends: all are heard",
+                "two",
             )
         gone = self._was_there and not publishers
-        if self.driven and (self.driver not in publishers if self.driver is not None else not publishers):
-            self._leave("has gone")
-        elif gone and not self._drove:
+        if gone and not self._drove:
             self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
-        elif gone and not self._missed:  # it was silent, and that was no news
+        elif not publishers and (self.driven or (gone and not self._missed)):  # or it was silent, and that was no news
             self._leave("has gone")
         self._was_there = bool(publishers)
 
     def stop(self) -> None:
-        """It stands still until the next Twist."""
+        """Stand still until the next Twist."""
         self._twist, self._fresh = STANDING_STILL, False
         self._given_ms = -WATCHDOG_MS
 
     def _leave(self, how: str, *, tell: bool = True) -> None:
-        self.driven, self.driver, self._missed = False, None, tell
+        self.driven, self._missed = False, tell
         self.stop()
-        if not tell:
-            return
-        self._logged.add("gone")
-        self._log(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")
-
-    def _log_once(self, what: str, line: str) -> None:
-        if what not in self._logged:
-            self._logged.add(what)
-            self._log(line)
-
-
-def seat_of(peer: Peer | None, seats: list[RosSeat], warn: Callable[[str], object]) -> RosSeat | None:
-    """Whose request it is that came to the service which all share: that of the hunter that its sender drives.
-
-    Args:
-        peer: who asks, where the middleware tells.
-        seats: those that nodes drive.
-        warn: takes one line that says why it is nobody's.
-    """
-    if len(seats) == 1:
-        return seats[0]
-    if peer is None:
-        warn(
-            "this bus does not tell who asks at /catch_turtle: ask at /hunter_0/catch_turtle and its like, as with "
-            "--ros-args -r /catch_turtle:=/hunter_0/catch_turtle"
-        )
-        return None
-    driven = [seat for seat in seats if seat.driver == peer]
-    if len(driven) == 1:
-        return driven[0]
-    which = "several hunters" if driven else "no hunter"
-    warn(f"a node that drives {which} asks at /catch_turtle: /hunter_0/catch_turtle and its like say who asks")
-    return None
+        if tell:
+            self._left = True
+            self._log(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")

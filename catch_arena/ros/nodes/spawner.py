@@ -13,7 +13,7 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Call, Log, Peer, Request
+from catch_arena.ros.middleware.bus import Bus, Call, Log, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, KILL, SPAWN, catch_turtle_of, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
 from catch_arena.ros.middleware.parameters import Parameter
@@ -113,8 +113,7 @@ class Spawner:
         if self._ticks % _SECOND == 0:
             self._publish_alive()
 
-    def _on_pose(self, turtle: str, pose: Pose, peer: Peer | None) -> None:
-        del peer
+    def _on_pose(self, turtle: str, pose: Pose) -> None:
         if all(map(math.isfinite, pose)):
             self._poses[turtle] = pose
             self._last_pose[turtle] = self._ticks

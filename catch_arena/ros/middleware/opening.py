@@ -1,0 +1,137 @@
+"""Choice of a back-end, and joining the bus by it."""
+
+import os
+import re
+import sys
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Final
+
+from catch_arena.errors import BusError, ConfigError, install_hint
+from catch_arena.ros.middleware.bus import Bus, Log
+from catch_arena.ros.middleware.interfaces import Interfaces
+from catch_arena.ros.middleware.names import BACKENDS, BRIDGE_URL, INTERFACES, Backend
+from catch_arena.text import one_line
+
+_HIGHEST_DOMAIN: Final = 232
+"""The ports of the domains above it do not exist."""
+_MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
+_INSTALL: Final = install_hint("ros")
+_SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+def open_bus(
+    backend: Backend | None = None,
+    *,
+    node: str = "catch_arena",
+    domain: int | None = None,
+    url: str | None = None,
+    log: Log = print,
+) -> Bus:
+    """Join a ROS 2 bus.
+
+    Args:
+        backend: None takes the first of BACKENDS that works here.
+        node: the node's name, over rclpy.
+        domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. A rosbridge server has its own.
+        url: rosbridge's server; None is BRIDGE_URL.
+        log: takes one line whenever there is something that people should know.
+
+    Raises:
+        ConfigError: for a domain that does not exist, or a domain or a url that this back-end does not use.
+        BusError: if what it needs is not installed, or if the bus cannot be reached.
+    """
+    number = _checked_domain(domain)
+    if backend is None:
+        backend = _first_that_works(log)
+    elif not _is_installed(backend):
+        raise BusError(_missing(backend))
+    if backend == "rosbridge" and domain is not None:
+        raise ConfigError(
+            f"--domain {domain} must be left out with --bus rosbridge: the server has a domain of its own"
+        )
+    if backend != "rosbridge" and url is not None:
+        raise ConfigError(
+            f"--url {url} must come with --bus rosbridge, whose server listens there, got --bus {backend}"
+        )
+    if backend == "cyclonedds":
+        from catch_arena.ros.middleware.dds_bus import DdsBus
+
+        return DdsBus(number, log=log)
+    if backend == "rosbridge":
+        from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
+
+        return RosbridgeBus(BRIDGE_URL if url is None else url, log=log)
+    from catch_arena.ros.middleware.rclpy_bus import RclpyBus
+
+    return RclpyBus(node, number)
+
+
+def described(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
+    """Return one line on how nodes reach this bus, and with which types."""
+    where = "" if bus.backend == "rosbridge" else f", domain {_checked_domain(domain)}"
+    below = f", {bus.about}" if bus.about else ""
+    python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    return f"bus: {bus.backend}{where}{below}, {python}, interfaces of {interfaces.package}"
+
+
+def is_service(name: str) -> bool:
+    """Return whether a service can have that name: /catch_turtle."""
+    return _SERVICE.fullmatch(name) is not None
+
+
+def checked_package(option: str, name: str) -> str:
+    """Return the name of a ROS package.
+
+    Raises:
+        ConfigError: for anything else.
+    """
+    if not _NAME.fullmatch(name):
+        raise ConfigError(f"{option} must be the name of a ROS package, as {INTERFACES}, got {name!r}")
+    return name
+
+
+def _checked_domain(domain: int | None) -> int:
+    word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0" if domain is None else str(domain)
+    if not (word.isascii() and word.isdecimal()) or int(word) > _HIGHEST_DOMAIN:
+        name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
+        raise ConfigError(f"{name} must be a whole number from 0 to {_HIGHEST_DOMAIN}, got {word}")
+    return int(word)
+
+
+def _first_that_works(log: Log) -> Backend:
+    backend = next((one for one in BACKENDS if _is_installed(one)), None)
+    if backend is None:
+        raise BusError(f"a ROS 2 bus needs rclpy, cyclonedds or websockets: {_INSTALL}")
+    if backend != "rclpy" and "ROS_DISTRO" in os.environ:
+        log(
+            f"warning: ROS is sourced, but rclpy cannot be imported ({_import_fault()}), so {backend} is used: "
+            "make the virtual environment with ROS's own Python: python3 -m venv --system-site-packages"
+        )
+    return backend
+
+
+def _is_installed(backend: Backend) -> bool:
+    if backend == "rclpy":  # it may be there and not be sourced, or be built for another Python
+        return not _import_fault()
+    module = _MODULES[backend]
+    return module in sys.modules or find_spec(module) is not None
+
+
+def _import_fault() -> str:
+    try:
+        import_module("rclpy.node")
+    except ImportError as error:
+        return one_line(str(error))
+    return ""
+
+
+def _missing(backend: Backend) -> str:
+    if backend == "rclpy":
+        return (
+            "rclpy is not there: source ROS first (source /opt/ros/jazzy/setup.bash), with the Python it was built for"
+        )
+    where = "" if backend == "rosbridge" else " (no wheels for Linux on ARM: use --bus rosbridge)"
+    return f"{backend} needs {_MODULES[backend]}, which is not installed: {_INSTALL}{where}"
