@@ -25,7 +25,7 @@ from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
-from catch_arena.text import name_fault
+from catch_arena.text import in_short, name_fault
 
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
@@ -193,7 +193,7 @@ def controller(
     called = take_ros_args(ros_args or (), "turtle_controller", parameters, _warn)
     closest_first = parameters[CLOSEST_FIRST] if agent in _EXERCISE else None
     config = arena("capstone", settings)
-    turtle = checked_turtle(turtle)
+    turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
     types = given_bus.types()
@@ -251,7 +251,7 @@ def spawner(
     from catch_arena.seeding import arena_seed
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
-    turtles = tuple(checked_turtle(name) for name in turtle or ("turtle1",))
+    turtles = tuple(checked_turtle("--turtle", name) for name in turtle or ("turtle1",))
     for name in turtles:
         if turtles.count(name) > 1:
             raise ConfigError(f"--turtle {name} must be given once")
@@ -259,7 +259,7 @@ def spawner(
     called = take_ros_args(ros_args or (), "turtle_spawner", parameters, _warn)
     frequency = parameters[SPAWN_FREQUENCY]
     config = arena("capstone", [f"reach_m={reach}"]).replace(
-        spawn_frequency_hz=frequency.value, name_prefix=parameters[NAME_PREFIX].value
+        spawn_frequency_hz=frequency.value, name_prefix=checked_turtle(NAME_PREFIX, str(parameters[NAME_PREFIX].value))
     )
     types = given_bus.types()
     with given_bus.joined(called, parameters) as joined:
@@ -310,14 +310,14 @@ def doctor(
     say("no problem found")
 
 
-def checked_turtle(name: str) -> str:
-    """The name of a turtle, which stands in names of topics.
+def checked_turtle(what: str, name: str) -> str:
+    """Return the name of a turtle, or how it begins: turtlesim makes topics of it, and ends at a bad name.
 
     Raises:
         ConfigError: for anything else.
     """
     if not _TURTLE.fullmatch(name):
-        raise ConfigError(f"--turtle must be letters, digits and underscores, as turtle1, got {name!r}")
+        raise ConfigError(f"{what} must be letters, digits and underscores, as turtle1, got {in_short(name)}")
     return name
 
 

@@ -47,7 +47,10 @@ def run(*arguments):
         (("spawner", "--turtle", "/turtle1"), "--turtle must be letters, digits and underscores, as turtle1"),
         (("spawner", "--spawn-frequency", "nan"), "spawn_frequency_hz must"),
         (("spawner", "--reach", "-1"), "reach_m must"),
-        (("spawner", "--name-prefix", "2nd"), "turtles' names must be letters, digits and underscores"),
+        (
+            ("spawner", "--name-prefix", "2nd"),
+            "turtle_name_prefix must be letters, digits and underscores, as turtle1, got '2nd'",
+        ),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=2"), "spawn_frequency must be a double, as 2.0, got 2"),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--domain", "300"), "from 0 to 232, got 300"),
         (("spawner", "--domain", "300", "--ros-args"), "from 0 to 232, got 300"),

@@ -84,7 +84,6 @@ def test_the_node_may_have_another_name(rule):
         (("-p", f"{FREQUENCY}:=.nan"), f"{FREQUENCY}: spawn_frequency_hz must be a finite number"),
         (("-p", f"{FREQUENCY}:=" + "[" * 1000), f"--ros-args -p {FREQUENCY} must be YAML: "),
         (("-p", f"{PREFIX}:=no"), f"{PREFIX} must be a string, got False"),
-        (("-p", f"{PREFIX}:=bad name!"), f"{PREFIX}: turtles' names must be letters, digits and underscores"),
         (("-p", "spawn_freq:=2.0"), f"there is no parameter 'spawn_freq': did you mean {FREQUENCY}?"),
         (("-p", f"{CLOSEST}:=true"), f"there is no parameter '{CLOSEST}': "),
         (("-p", f"other:{FREQUENCY}:=2.0"), f"--ros-args -p other:{FREQUENCY}:=2.0 is of the node other"),

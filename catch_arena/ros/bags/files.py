@@ -11,21 +11,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from rosbags.interfaces import (
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder, unwritable
 from catch_arena.ros.bags.service_events import event_definition, event_type, register_idl
-from catch_arena.ros.middleware.bus import DEPTH
 from catch_arena.ros.middleware.interfaces import MessageType
 from catch_arena.ros.middleware.typestore import register
 
@@ -34,19 +25,6 @@ Storage = Literal["mcap", "sqlite3"]
 _METADATA_VERSION: Final = 8
 """The last version that Humble reads; 9 writes the quality of service in a way that Humble does not read."""
 _METADATA: Final = "metadata.yaml"
-_FOREVER: Final = QosTime(9223372036, 854775807)
-_QOS: Final = Qos(
-    QosHistory.KEEP_LAST,
-    DEPTH,
-    QosReliability.RELIABLE,
-    QosDurability.VOLATILE,
-    _FOREVER,
-    _FOREVER,
-    QosLiveliness.AUTOMATIC,
-    _FOREVER,
-    avoid_ros_namespace_conventions=False,
-)
-"""ROS's default quality of service, which turtlesim and the exercise use."""
 
 
 class BagWriter:
@@ -62,9 +40,7 @@ class BagWriter:
     def announce(self, topic: str, kind: MessageType) -> None:
         """Add a topic of messages."""
         register(self._store, kind)
-        self._connections[topic] = self._writer.add_connection(
-            topic, kind.name, typestore=self._store, offered_qos_profiles=[_QOS]
-        )
+        self._connections[topic] = self._writer.add_connection(topic, kind.name, typestore=self._store)
 
     def announce_calls(self, topic: str, package: str) -> None:
         """Add a topic with the calls of a package's catch service."""
@@ -74,7 +50,6 @@ class BagWriter:
             event_type(package),
             msgdef=event_definition(package),
             rihs01=self._store.hash_rihs01(event_type(package)),
-            offered_qos_profiles=[_QOS],
         )
 
     def make(self, kind: str, *fields: Any) -> Any:

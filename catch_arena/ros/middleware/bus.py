@@ -35,6 +35,10 @@ class OnceLog:
             self._logged.add(about or line)
             self._log(line)
 
+    def warn(self, line: str, about: str = "") -> None:
+        """Log a warning, in the same way."""
+        self(f"warning: {line}", about or line)
+
 
 @dataclass(frozen=True, slots=True)
 class Request:

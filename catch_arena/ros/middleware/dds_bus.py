@@ -51,7 +51,7 @@ class DdsBus(Bus):
     def __init__(self, domain: int, *, log: Log) -> None:
         user = Policy.Userdata(b"enclave=/;")  # ROS recognises participants of its own by it
         self._participant = join(domain, Qos(user))
-        self._log_once = OnceLog(log)
+        self._log = OnceLog(log)
         self._waiting = WaitSet(self._participant)
         self._readers: dict[str, _Reader] = {}
         """By their topics of DDS."""
@@ -133,7 +133,8 @@ class DdsBus(Bus):
             try:
                 sample = one.reader.topic.data_type.deserialize(data)
             except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
-                self._warn_once(f"a message on {ros_name(one.reader.topic.name)} cannot be read", type(error).__name__)
+                what = f"a message on {ros_name(one.reader.topic.name)} cannot be read"
+                self._log.warn(f"{what} ({type(error).__name__})", what)
             else:
                 one.on_sample(sample)
         return len(taken)
@@ -152,10 +153,8 @@ class DdsBus(Bus):
             writer.write(sample)
         except Exception as error:  # noqa: BLE001 - the package raises nothing narrower for what is too long
             why = code_of(error) if isinstance(error, DDSException) else one_line(str(error.__cause__ or error))
-            self._warn_once(f"a message on {ros_name(writer.topic.name)} cannot be sent", why)
-
-    def _warn_once(self, what: str, why: str) -> None:
-        self._log_once(f"warning: {what} ({why})", what)
+            what = f"a message on {ros_name(writer.topic.name)} cannot be sent"
+            self._log.warn(f"{what} ({why})", what)
 
     def _next_id(self) -> str:
         """Return the id by which a service's reader and writer are known to belong together."""

@@ -65,27 +65,27 @@ class RclpyBus(Bus):
     def _find_types(self, given: Interfaces) -> Interfaces:
         if given.package != INTERFACES:
             return package_types(given.package, given)
-        found, fault = {}, None
-        try:
-            found = fitting_packages(given)
-        except BusError as error:
-            fault = error
-        end = time.monotonic() + (_LOOK_S if len(found) > 1 else 0.0)
-        while True:
-            used = {one.name: one.type for one in self.graph()}
-            turtles, catch = used.get(ALIVE_TURTLES, ""), used.get(CATCH_TURTLE, "")
-            if turtles or catch:
-                return package_types((turtles or catch).partition("/")[0], given, turtles=turtles, catch=catch)
+        found: dict[str, Interfaces] = {}
+        end = time.monotonic() + _LOOK_S
+        while not (used := self._used_types(given)):
+            found = found or fitting_packages(given)
+            if len(found) == 1:
+                return next(iter(found.values()))
             if time.monotonic() >= end:
-                break
+                names = " and ".join(found)
+                raise BusError(
+                    f"{names} have a catch service each", f"give --interfaces {next(iter(found))}, or another"
+                )
             time.sleep(0.1)
-        if fault is not None:
-            raise fault
-        if len(found) > 1:
-            raise BusError(
-                f"{' and '.join(found)} have a catch service each", f"give --interfaces {next(iter(found))}, or another"
-            )
-        return next(iter(found.values()))
+        return used
+
+    def _used_types(self, given: Interfaces) -> Interfaces | None:
+        """Return the types of the nodes that are there, if there is one."""
+        used = {one.name: one.type for one in self.graph()}
+        turtles, catch = used.get(ALIVE_TURTLES, ""), used.get(CATCH_TURTLE, "")
+        if not (turtles or catch):
+            return None
+        return package_types((turtles or catch).partition("/")[0], given, turtles=turtles, catch=catch)
 
     def graph(self) -> list[Endpoint]:
         """Return the endpoints of all other nodes.

@@ -1,7 +1,7 @@
 """The exercise's types in a student's own package: fields are matched by name, then by kind."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -75,14 +75,9 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
     Raises:
         BusError: if none fits.
     """
-    found, faults = {}, {}
-    for package in sorted(_packages(), key=lambda name: (name != INTERFACES, name)):
-        try:
-            found[package] = package_types(package, given)
-        except BusError as error:
-            faults[package] = str(error)
-        if package in found and package == INTERFACES:
-            break
+    found, faults = _tried(sorted(_packages()), lambda package: package_types(package, given))
+    if INTERFACES in found:
+        return {INTERFACES: found[INTERFACES]}
     if len(found) > 1:
         found.pop(OWN_PACKAGE, None)
     if not found:
@@ -132,20 +127,26 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
     names = [word for word in dir(module) if hasattr(getattr(module, word), mark)]
     if usual in names:
         return match(f"{package}/{folder}/{usual}")
-    found, faults = [], []
-    for word in names:
-        try:
-            found.append(match(f"{package}/{folder}/{word}"))
-        except BusError as error:
-            faults.append(str(error))
-    likely = [one for one in found if _LIKELY.search(one.name.rpartition("/")[2])] or found
+    found, faults = _tried(names, lambda word: match(f"{package}/{folder}/{word}"))
+    likely = [one for word, one in found.items() if _LIKELY.search(word)] or list(found.values())
     if len(likely) == 1:
         return likely[0]
     if found:
         several = " and ".join(one.name for one in likely)
         raise BusError(f"{package}: {usual} could be {several}", f"name one of them {usual}, and build {package} again")
-    near = [fault for fault in faults if _is_near(fault, package)]
+    near = [fault for fault in faults.values() if _is_near(fault, package)]
     raise BusError("; ".join(near) or f"{package}/{folder} holds nothing in the place of {usual}", _CORRECT)
+
+
+def _tried(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the matches of the names that have one, and the faults of the others."""
+    found, faults = {}, {}
+    for name in names:
+        try:
+            found[name] = match(name)
+        except BusError as error:
+            faults[name] = str(error)
+    return found, faults
 
 
 def _is_near(fault: str, package: str) -> bool:

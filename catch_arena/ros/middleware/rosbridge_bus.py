@@ -31,6 +31,13 @@ _OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
 """rosbridge's own. Its response, or the error of a server without it, says that all before it was read."""
 
 
+class _Inbox(NamedTuple):
+    """The frames of one topic or service that have come, and what to do with each."""
+
+    frames: deque[dict[str, Any]]
+    handle: Callable[[dict[str, Any]], None]
+
+
 class _OpenCall(NamedTuple):
     """A call that is not answered yet."""
 
@@ -56,9 +63,8 @@ class RosbridgeBus(Bus):
 
     def __init__(self, url: str, *, log: Log) -> None:
         self._url, self._log = url, log
-        self._inboxes: dict[tuple[str, str], deque[dict[str, Any]]] = {}
-        """Frames that have come, by what they do and by topic or service."""
-        self._handlers: dict[tuple[str, str], Callable[[dict[str, Any]], None]] = {}
+        self._inboxes: dict[tuple[str, str], _Inbox] = {}
+        """By what its frames do and by topic or service."""
         self._announced: list[dict[str, Any]] = []
         self._calls: dict[str, _OpenCall] = {}
         self._log_once = OnceLog(log)
@@ -84,13 +90,13 @@ class RosbridgeBus(Bus):
         def handle(frame: dict[str, Any]) -> None:
             on_message(from_json(kind, frame.get("msg")))
 
-        self._handle(("publish", topic), DEPTH, handle)
+        self._inboxes["publish", topic] = _Inbox(deque(maxlen=DEPTH), handle)
         # Without a queue_length: its queue's thread in rosbridge never ends if it is left with something in it.
         self._announce({"op": "subscribe", "topic": topic, "type": kind.name})
 
     def unsubscribe(self, topic: str) -> None:
         """End a subscription."""
-        del self._inboxes["publish", topic], self._handlers["publish", topic]
+        del self._inboxes["publish", topic]
         ended = ("subscribe", topic)
         self._announced = [frame for frame in self._announced if (frame["op"], frame.get("topic")) != ended]
         self._send({"op": "unsubscribe", "topic": topic})
@@ -111,7 +117,7 @@ class RosbridgeBus(Bus):
                 raise
             on_request(Request(request, answer))
 
-        self._handle(("call_service", service), SERVICE_DEPTH, handle)
+        self._inboxes["call_service", service] = _Inbox(deque(maxlen=SERVICE_DEPTH), handle)
         self._announce({"op": "advertise_service", "service": service, "type": kind.name})
 
     def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_BridgeClient":
@@ -123,7 +129,7 @@ class RosbridgeBus(Bus):
         if self._connection is None:
             self._connect_again(timeout_s)
         wait_s = min(timeout_s, _CALL_S) if self._calls else timeout_s
-        if any(self._inboxes.values()):
+        if any(inbox.frames for inbox in self._inboxes.values()):
             wait_s = 0.0
         if self._connection is not None and not self._read(self._connection, wait_s):
             self._log("warning: rosbridge: the connection is lost; it is tried again every second")
@@ -144,10 +150,6 @@ class RosbridgeBus(Bus):
             self._end_services(self._connection)
             self._connection.close()
             self._connection = None
-
-    def _handle(self, key: tuple[str, str], depth: int, handle: Callable[[dict[str, Any]], None]) -> None:
-        self._inboxes[key] = deque(maxlen=depth)
-        self._handlers[key] = handle
 
     def _announce(self, frame: dict[str, Any]) -> None:
         self._announced.append(frame)
@@ -205,15 +207,15 @@ class RosbridgeBus(Bus):
         else:
             inbox = self._inboxes.get((does, frame.get("service", frame.get("topic"))))
             if inbox is not None:
-                inbox.append(frame)
+                inbox.frames.append(frame)
 
     def _hand_out(self, key: tuple[str, str]) -> int:
         """Handle the oldest frame of an inbox, and return their number: 0 or 1."""
         inbox = self._inboxes.get(key)  # a handler before it may have unsubscribed
-        if not inbox:
+        if inbox is None or not inbox.frames:
             return 0
         try:
-            self._handlers[key](inbox.popleft())
+            inbox.handle(inbox.frames.popleft())
         except ValueError as error:
             self._warn_once(f"a message on {key[1]} cannot be read: {error}", key[1])
         return 1
@@ -247,11 +249,11 @@ class RosbridgeBus(Bus):
             self._warn_once(f"a message on {answered.service} cannot be read: {error}", answered.service)
 
     def _warn_once(self, what: str, about: str = "") -> None:
-        self._log_once(f"warning: rosbridge: {one_line(what)}", about or what)
+        self._log_once.warn(f"rosbridge: {one_line(what)}", about or what)
 
     def _end_services(self, connection: ClientConnection) -> None:
         """End them, and wait until rosbridge has read it: what it has not read when a connection ends is forgotten."""
-        served = [name for does, name in self._handlers if does == "call_service"]
+        served = [name for does, name in self._inboxes if does == "call_service"]
         if not served:
             return
         for service in served:

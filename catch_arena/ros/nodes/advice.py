@@ -26,17 +26,11 @@ class Advice:
     def __init__(self, config: ArenaConfig, names: Sequence[str], log: Log) -> None:
         self._reaches = dict(zip(config.hunter_names, config.reaches, strict=True))
         self._names = dict(zip(config.hunter_names, names, strict=True))
-        self._log = log
-        self.log_once = OnceLog(log)
-        """Logs a line once."""
+        self._log, self._log_once = log, OnceLog(log)
         self._too_far: dict[str, list[int]] = {hunter: [] for hunter in config.hunter_names}
         """Distances from which a hunter asked in vain [um]."""
         self._too_late = dict.fromkeys(config.hunter_names, 0)
         """Number of a hunter's requests for targets that were gone."""
-
-    def warn_once(self, line: str, about: str = "") -> None:
-        """Log a warning once, as `log_once` does."""
-        self.log_once(f"warning: {line}", about)
 
     def note(self, hunter: str, ruling: Ruling, asked: Collection[str]) -> None:
         """Note the ruling on a node's request.
@@ -50,7 +44,7 @@ class Advice:
             self._too_far[hunter].append(ruling.distance_um)
         elif ruling.verdict is Verdict.DUPLICATE and len(asked) > 1:
             hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
-            self.log_once(f"{hunter} asked for several targets at once; {hint}", f"{hunter} several")
+            self._log_once(f"{hunter} asked for several targets at once; {hint}", f"{hunter} several")
         elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
             self._too_late[hunter] += 1
             if self._too_late[hunter] == _AGAIN:

@@ -8,7 +8,7 @@ from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, TurtleArray
 from catch_arena.ros.middleware import graph_names
-from catch_arena.ros.middleware.bus import Bus, Log, Request
+from catch_arena.ros.middleware.bus import Bus, Log, OnceLog, Request
 from catch_arena.ros.middleware.interfaces import (
     CLOCK,
     EMPTY,
@@ -87,6 +87,7 @@ class ArenaNode:
         self._names = names
         self.seats = [RosSeat(hunters[seat], log, only_drives=controls[seat] == "velocity") for seat in sorted(driven)]
         self.advice = Advice(service.config, names, log)
+        self._log_once = OnceLog(log)
         self._neighbours = Neighbours(hunters, [seat.hunter for seat in self.seats], interfaces, log)
         self._other_names: set[str] = set()
         """Names of a node that are served in the place of the usual ones."""
@@ -277,7 +278,7 @@ class ArenaNode:
             self._ask(self.seats[0], request)
         else:
             if self.seats:
-                self.advice.warn_once(
+                self._log_once.warn(
                     "a node asks at /catch_turtle, where several seats are for nodes: it must ask at "
                     "/hunter_0/catch_turtle and its like, as with --ros-args -r /catch_turtle:=/hunter_0/catch_turtle"
                 )
@@ -286,7 +287,7 @@ class ArenaNode:
     def _ask(self, seat: RosSeat, request: Request) -> None:
         """R8.4: keep a request for the next step, or refuse it immediately if it is one too many."""
         if seat.only_drives:
-            self.advice.warn_once(
+            self._log_once.warn(
                 f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard"
             )
         elif sum(one.hunter == seat.hunter for one in self._pending) < _MOST_JUDGED:
@@ -304,14 +305,16 @@ class ArenaNode:
             name = self._service.spawn(x, y, asked.theta)
         except (ActionError, EpisodeError) as error:
             recorded = "nothing is spawned in a recorded match" if self._service.is_recorded else str(error)
-            self._warn_of(graph_names.SPAWN, recorded, "spawn")
+            self._log_once.warn(f"{graph_names.SPAWN}: {recorded}", "spawn")
         else:
             if not name:
                 most = self._service.config.max_targets
-                self._warn_of(graph_names.SPAWN, f"the arena is full, with {most} targets: nothing is spawned")
+                self._log_once.warn(f"{graph_names.SPAWN}: the arena is full, with {most} targets: nothing is spawned")
             elif asked.name not in {"", name}:
                 names = f"{name} for {one_line(asked.name[:40])}"
-                self._warn_of(graph_names.SPAWN, f"the arena gives its targets names of its own: {names}", "names")
+                self._log_once.warn(
+                    f"{graph_names.SPAWN}: the arena gives its targets names of its own: {names}", "names"
+                )
         request.answer(Name(name))
 
     def _on_kill(self, request: Request) -> None:
@@ -319,25 +322,22 @@ class ArenaNode:
         name, kill = request.message.name, graph_names.KILL
         if self.seats and name in {target.name for target in self._service.world.targets}:
             if len(self.seats) == 1:
-                self.advice.warn_once(f"{kill} of a target is judged as a request to catch it")
+                self._log_once.warn(f"{kill} of a target is judged as a request to catch it")
                 wanted = CatchTurtleRequest(name)
                 self._ask(self.seats[0], Request(wanted, lambda _: request.answer(Empty())))
                 return
-            self.advice.warn_once(f"{kill} of a target is refused: ask {graph_names.CATCH_TURTLE} for it")
+            self._log_once.warn(f"{kill} of a target is refused: ask {graph_names.CATCH_TURTLE} for it")
         else:
             try:
                 self._service.kill(name)
             except EpisodeError as error:
                 recorded = "nothing is killed in a recorded match" if self._service.is_recorded else str(error)
-                self._warn_of(kill, recorded)
+                self._log_once.warn(f"{kill}: {recorded}")
         request.answer(Empty())
 
     def _on_reset(self, request: Request) -> None:
         if self._service.is_recorded:
-            self._warn_of(graph_names.RESET, "a recorded match goes on to its end")
+            self._log_once.warn(f"{graph_names.RESET}: a recorded match goes on to its end")
         else:
             self.begin(None)
         request.answer(Empty())
-
-    def _warn_of(self, service: str, line: str, about: str = "") -> None:
-        self.advice.warn_once(f"{service}: {line}", about)

@@ -139,7 +139,7 @@ class Controller:
         side, most = self._engine.config.side_m, self._engine.config.max_targets
         near = [one for one in self._targets if -side <= one.x <= 2 * side and -side <= one.y <= 2 * side]
         if len(near) < len(self._targets):
-            self._warn_once(
+            self._log_once.warn(
                 "/alive_turtles has targets far outside: is your Turtle.msg of float32? (`catch-arena docs ros2`)",
                 "places",
             )
@@ -176,7 +176,7 @@ class Controller:
         if client is not None:
             self._calls[name] = client.call(CatchTurtleRequest(name)), now
         else:
-            self._warn_once(f"{name} is within reach, and nobody serves {' or '.join(self._services)}", "service")
+            self._log_once.warn(f"{name} is within reach, and nobody serves {' or '.join(self._services)}", "service")
 
     def _read_answers(self) -> None:
         for name, (call, _) in list(self._calls.items()):
@@ -186,6 +186,3 @@ class Controller:
                     self._caught += 1
                     self._log(f"caught {name}: {self._caught}")
                     self._targets = [one for one in self._targets if one.name != name]  # the next list may be late
-
-    def _warn_once(self, line: str, about: str) -> None:
-        self._log_once(f"warning: {line}", about)

@@ -82,21 +82,17 @@ class Neighbours:
         for node in self.seen:
             own = [one for one in graph if one.node == node]
             for line in (*self._referees(node, own), *self._other_types(node, own)):
-                self._tell(line, line.partition(":")[0])
+                self._log_once.warn(line, line.partition(":")[0])  # the hunter that it proposes changes
             remapped = dict(self._other_names(own, published, served))
             if len(self._driven) == 1 and set(remapped.values()) <= {ALIVE_TURTLES, CATCH_TURTLE}:
                 self.other_names |= remapped
             elif remapped:
                 names = " and ".join(remapped)
-                self._tell(
+                self._log_once.warn(
                     f"{node} uses {names}, which nobody answers here: start it with --ros-args "
                     f"{_remapped(list(remapped.items()))}",
                     f"{node} uses {names}",
                 )
-
-    def _tell(self, line: str, about: str) -> None:
-        """Log a line once, although the hunter that it proposes changes as seats are taken."""
-        self._log_once(f"warning: {line}", about)
 
     def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
         does = [f"publishes {one.name}" for one in own if one.kind == "publisher" and one.name in self._lists]

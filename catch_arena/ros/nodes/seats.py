@@ -39,10 +39,10 @@ class RosSeat:
         """Take a Twist; the last one before a step counts."""
         speed, turn_rate = message.linear.x, message.angular.z
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
-            self._log_once(f"warning: {self.hunter}: a Twist that is not finite is left out")
+            self._log_once.warn(f"{self.hunter}: a Twist that is not finite is left out")
             return
         if message.linear.y != 0.0:
-            self._log_once(f"warning: {self.hunter}: its node sends linear.y, which is not obeyed: turn instead")
+            self._log_once.warn(f"{self.hunter}: its node sends linear.y, which is not obeyed: turn instead")
         if not self.driven and self._missed:
             self._log(f"{self.hunter}: its node {'is back' if self._left else 'is there'}")
         self.driven = self._drove = True
@@ -75,8 +75,8 @@ class RosSeat:
         if publishers is None:
             return
         if self.driven and publishers > 1:
-            self._log_once(
-                f"warning: {self.hunter}: {publishers} nodes may drive it, and this bus does not tell which of "
+            self._log_once.warn(
+                f"{self.hunter}: {publishers} nodes may drive it, and this bus does not tell which of "
                 "them sends: all are heard",
                 "two",
             )
