@@ -1,4 +1,4 @@
-"""Two processes over DDS, on the loopback interface and without multicast: ours, and one that knows no code of ours."""
+"""Two nodes over DDS, on the loopback interface and without multicast: ours, and one that knows no code of ours."""
 
 import sys
 import time
@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from ros import wire
-from ros.processes import own_domain, started
+from ros.processes import own_domain
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import BusError, ConfigError
@@ -15,7 +15,7 @@ from catch_arena.ros.middleware import dds_bus, fast_dds, opening
 from catch_arena.ros.middleware.bus import SPIN_S
 from catch_arena.ros.middleware.dds_domain import configuration, is_localhost_only
 from catch_arena.ros.middleware.fast_dds import is_fast_dds
-from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
+from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, Name, TwistMessage
 from catch_arena.ros.middleware.opening import described, open_bus
 from catch_arena.ros.nodes.arena_node import ArenaNode
 from catch_arena.service import ArenaService
@@ -51,79 +51,64 @@ def ours(domain):
     made.close()
 
 
-@pytest.fixture(scope="module")
-def echo(domain):
-    """Our process, and the ends of a node that talks with it."""
+def test_topics_arrive_both_ways(ours, domain):
+    made, _ = ours
+    node, heard = wire.Node(domain), []
+    made.subscribe("/in", TYPES.turtle_array, heard.append)
+    out = made.publisher("/out", TWIST)
+    turtles, twists = node.writer("rt/in", wire.TURTLES), node.reader("rt/out", wire.TWIST)
+    until(lambda: turtles.matched() and twists.matched())
+    for listed in ([("käse", 1.0, 2.0, 3.0)], []):
+        turtles.write(wire.listed(*listed))
+        until(lambda: made.spin() or heard)
+        assert heard.pop() == TurtleArray(tuple(Turtle(*one) for one in listed))
+    out(TwistMessage.of(1.5, -2.0))
+    (twist,) = until(twists.take)
+    assert (twist.linear.x, twist.angular.z) == (1.5, -2.0)
+
+
+def test_services_are_answered_and_called_with_the_clients_id_and_a_number(ours, domain):
+    """Both begin requests and responses. A long name is answered (R5.2); another client's response is not ours."""
+    made, _ = ours
     node = wire.Node(domain)
-    ends = SimpleNamespace(
-        twist=node.writer("rt/twist", wire.TWIST),
-        turtles=node.writer("rt/turtles", wire.TURTLES),
-        out=node.reader("rt/out", wire.TURTLES),
-        catch=node.client("/catch_turtle", wire.CATCH_TURTLE),
-        spawn=node.client("/spawn", wire.SPAWN),
-        kill=node.server("/kill", wire.KILL),
-        keep=node,
+    made.serve(
+        "/catch_turtle", TYPES.catch_turtle, lambda one: one.answer(CatchTurtleResponse(len(one.message.name) > 9))
     )
-    with started("echo.py", domain) as process:
-        until(lambda: all(one.matched() for one in (ends.twist, ends.turtles, ends.out, *ends.catch, *ends.spawn)))
-        yield ends
-        asked = until(ends.kill[0].take)[0]
-        assert asked.name == "end"
-        for client in (asked.client + 1, asked.client):  # the first is another client's
-            ends.kill[1].write(client, asked.number, 0)
-        said = process.communicate(timeout=60)[1]
-        assert process.returncode == 0, said
-        assert said.count("cannot be read") == 2, said
+    kill = made.client("/kill", TYPES.kill)
+    asks, answers = node.client("/catch_turtle", wire.CATCH_TURTLE)
+    killed, gone = node.server("/kill", wire.KILL)
+    until(lambda: all(end.matched() for end in (asks, answers, killed, gone)) and kill.ready)
+    for number, name in enumerate(("tom", "x" * 100_001), start=7):
+        asks.write(asks.handle, number, name)
+        (response,) = until(lambda: made.spin() or answers.take())
+        assert (response.client, response.number, response.success) == (asks.handle, number, len(name) > 9)
+    call = kill.call(Name("tom"))
+    (asked,) = until(killed.take)
+    assert asked.name == "tom"
+    gone.write(asked.client + 1, asked.number, 0)
+    gone.write(asked.client, asked.number, 0)
+    until(lambda: made.spin() or call.response is not None)
 
 
-def heard(echo):
-    return until(echo.out.take)[0].turtles[0].name
-
-
-def answered(ends, number, *fields):
-    """Return the response to a request."""
-    asks, answers = ends
-    asks.write(asks.handle, number, *fields)
-    (response,) = until(answers.take)
-    assert (response.client, response.number) == (asks.handle, number)
-    return response
-
-
-def test_topics_arrive(echo):
-    """Both ways."""
-    echo.twist.write(*wire.twist(1.5, -2.0))
-    assert heard(echo) == "TwistMessage(linear=Vector3(x=1.5, y=0.0, z=0.0), angular=Vector3(x=0.0, y=0.0, z=-2.0))"
-    echo.turtles.write(wire.listed(("käse", 1.0, 2.0, 3.0)))
-    assert heard(echo) == "TurtleArray(turtles=(Turtle(name='käse', x=1.0, y=2.0, theta=3.0),))"
-    echo.turtles.write([])
-    assert heard(echo) == "TurtleArray(turtles=())"
-
-
-def test_services_answer_with_the_header_of_the_request(echo):
-    """The client's handle and its number come back, and then the response."""
-    assert answered(echo.catch, 1, "abc").success is True
-    assert answered(echo.catch, 2, "").success is False
-    assert answered(echo.spawn, 3, 1.5, 2.0, 0.0, "tom").name == "tom:1.5"
-
-
-def test_a_name_that_is_too_long_for_the_rules_is_answered_and_one_that_takes_long_to_read_is_left_out(echo):
-    """R5.2, R8.4. A bound in the type is no help: others' types differ from ours then."""
-    assert answered(echo.catch, 1, "x" * 100_001).success is True
-    asks, _ = echo.catch
-    for length in (2**17, 10_000_001):
-        asks.write(asks.handle, length, "x" * length)
-    assert answered(echo.catch, 2, "x").success is True
-
-
-def test_what_cannot_be_read_is_left_out_and_the_next_is_heard(echo):
-    """One line for each topic and service; such a request gets no answer."""
-    asks, _ = echo.catch
+def test_what_cannot_be_read_is_left_out_and_the_next_is_heard(ours, domain):
+    """With one line for each topic and service; such a request gets no answer."""
+    made, said = ours
+    heard = []
+    made.subscribe("/in", TYPES.turtle_array, heard.append)
+    made.serve("/odd", TYPES.catch_turtle, lambda one: heard.append(one.message))
+    node = wire.Node(domain)
+    turtles, asks = node.writer("rt/in", wire.TURTLES), node.writer("rq/oddRequest", wire.CATCH_TURTLE[0])
+    until(lambda: turtles.matched() and asks.matched())
     for _ in range(2):
-        echo.turtles.write_bytes(bytes.fromhex("00010000 01000000 03000000 fffe00") + bytes(29))
+        turtles.write_bytes(bytes.fromhex("00010000 01000000 03000000 fffe00") + bytes(29))
         asks.write_bytes(bytes.fromhex("00010000") + bytes(16) + bytes.fromhex("02000000 ff00"))
-    echo.turtles.write(wire.listed(("b", 1.0, 2.0, 3.0)))
-    assert "'b'" in heard(echo)
-    assert answered(echo.catch, 1, "a").success is True
+    turtles.write([])
+    asks.write(asks.handle, 1, "a")
+    until(lambda: made.spin() or len(heard) == 2)
+    assert heard == [TurtleArray(()), CatchTurtleRequest("a")]
+    assert sorted(said) == [
+        f"warning: a message on {topic} cannot be read (UnicodeDecodeError)" for topic in ("/in", "/odd")
+    ]
 
 
 def test_a_message_or_a_request_that_cannot_be_sent_is_left_out(ours, domain):
@@ -381,4 +366,5 @@ def test_the_environment_says_where_others_are_looked_for(only, reach, expected)
     made = configuration(environment)
     assert ('<NetworkInterface address="127.0.0.1" multicast="false"/>' in made) == expected
     assert ('<Peer address="127.0.0.1"/>' in made) == expected
+    assert "<MaxSampleSize>131072 B</MaxSampleSize>" in made  # a longer message is left out
     assert made.endswith(",<Own/>")  # the user's own comes last and overrides

@@ -34,8 +34,8 @@ class Node:
         parameters = spawner_parameters(1.0, "t_")
         config = scenario("capstone").replace(spawn_frequency_hz=1.0, name_prefix="t_")
         self.bus = hub.bus("ours")
-        frequency = parameters[SPAWN_FREQUENCY]
-        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, frequency, seed=1, log=self.said.append)
+        self.frequency = parameters[SPAWN_FREQUENCY]
+        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, self.frequency, seed=1, log=self.said.append)
         self.spawner.begin()
 
     def play(self, ticks, *, simulated=True):
@@ -76,6 +76,22 @@ def test_targets_that_somebody_else_removed_leave_the_list_and_cannot_be_caught(
     assert node.catch("t_2")
     node.play(30)
     assert len([line for line in node.said if "not in turtlesim" in line]) == 1  # what is caught is no ghost
+
+
+def test_the_spawners_timer_goes_on_from_the_last_target_at_its_new_frequency(node, turtlesim):
+    """One that is slower waits longer, one that is quicker does not make up for the past."""
+
+    def asked_in(ticks):
+        before = len(turtlesim.asked)
+        node.play(ticks)
+        return len(turtlesim.asked) - before
+
+    assert [asked_in(ticks) for ticks in (61, 1, 125)] == [0, 1, 2]  # 62 ticks of 16 ms are a second
+    node.frequency.set(10.0)
+    assert asked_in(60) == 10
+    node.frequency.set(0.0)  # R3.1: one every 5 s
+    assert [asked_in(ticks) for ticks in (310, 1)] == [0, 1]
+    assert node.said == [f"{SPAWN_FREQUENCY}: 10", f"{SPAWN_FREQUENCY}: 0"]
 
 
 def test_while_all_are_silent_nobody_is_missed(node):

@@ -1,7 +1,5 @@
 """Whole matches: `catch-arena ros serve` in one process, students who know the wire alone in others."""
 
-import json
-import math
 import re
 import signal
 import time
@@ -11,7 +9,6 @@ from itertools import islice
 from ros import wire
 from ros.bridge import running_bridge
 from ros.processes import own_domain, started
-from websockets.sync.client import connect
 
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
@@ -67,32 +64,6 @@ def test_a_match_that_is_broken_off_is_recorded_as_far_as_it_was_played(tmp_path
     assert verify(played) == []
 
 
-def test_an_interrupt_in_the_last_half_second_is_the_normal_end_of_the_command(tmp_path):
-    """It is saved and all is said nevertheless. So slow an arena spends ten seconds after the end."""
-    replay = tmp_path / "match.replay"
-    with (
-        running_bridge() as (bridge, url),
-        started(
-            *(None, "ros", "serve", "--no-wait", "--bus", "rosbridge", "--url", url, "--record", replay),
-            *("--set", "time_limit_s=0.1", "--seat", "0=ros:ann", "--speed", 0.05),
-        ) as arena,
-    ):
-        while not is_over(bridge) and arena.poll() is None:
-            time.sleep(0.005)
-        arena.send_signal(signal.SIGINT)
-        out, err, status = finished(arena)
-    assert (status, "interrupted" in err) == (0, False), err
-    assert "  ann (hunter_0)" in out
-    assert out.endswith(f"replay: {replay}\n")
-
-
-def is_over(bridge):
-    """Whether a pose was sent after the standings had said so."""
-    told = [frame for frame in list(bridge.frames) if frame["op"] == "publish"]
-    ends = [place for place, frame in enumerate(told) if frame["topic"] == "/standings" and frame["msg"]["over"]]
-    return bool(ends) and any(frame["topic"] == "/hunter_0/pose" for frame in told[ends[0] :])
-
-
 def test_two_students_fight_and_an_agent_plays_along():
     """Each asks at its own service; what each was told of is its score."""
     seats = ("--seat", "0=ros:ann", "--seat", "1=ros:bob", "--seat", "2=nearest")
@@ -118,51 +89,22 @@ def test_two_students_fight_and_an_agent_plays_along():
     assert scores["nearest"] > 0
 
 
-def test_a_student_behind_rosbridge_plays_a_match_and_catches():
+def test_a_node_behind_rosbridge_plays_a_match_and_catches():
     """JSON both ways; nobody has DDS."""
     with (
-        running_bridge() as (bridge, url),
-        connect(url) as socket,
+        running_bridge() as (_, url),
         started(None, "ros", "serve", "--bus", "rosbridge", "--url", url, *ARENA) as arena,
+        started(
+            *(None, "ros", "controller", "nearest", "--bus", "rosbridge", "--url", url, "--service", "/catch_turtle")
+        ) as controller,
     ):
-        while not any(frame.get("service") == "/reset" for frame in bridge.frames):
-            time.sleep(0.02)
-        for topic in ("/turtle1/pose", "/alive_turtles"):
-            socket.send(json.dumps({"op": "subscribe", "topic": topic}))
-        socket.send(json.dumps({"op": "advertise", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist"}))
-        caught = drive_by_json(socket, arena)
         out, err, status = finished(arena)
+        controller.send_signal(signal.SIGINT)
+        driven, said, _ = finished(controller)
     assert status == 0, err
-    assert caught > 0
+    caught = driven.count("caught target_turtle_")
+    assert caught > 0, said
     assert any(line.split()[:2] == ["1", str(caught)] for line in out.splitlines()), out
-
-
-def drive_by_json(socket, arena):
-    """The exercise's controller, until the arena is gone and all is read: how often it was told of a catch."""
-    turtles, caught, last = [], 0, 0.0
-    while True:
-        try:
-            frame = json.loads(socket.recv(2.0))
-        except TimeoutError:
-            if arena.poll() is not None:
-                return caught
-            continue
-        if frame["op"] == "service_response":
-            caught += frame["values"]["success"]
-        elif frame["topic"] == "/alive_turtles":
-            turtles = frame["msg"]["turtles"]
-        elif turtles and time.monotonic() > last + 0.1:
-            last = time.monotonic()
-            x, y, theta = (frame["msg"][field] for field in ("x", "y", "theta"))
-            near = min(turtles, key=lambda one: math.hypot(one["x"] - x, one["y"] - y))
-            distance = math.hypot(near["x"] - x, near["y"] - y)
-            turn = math.remainder(math.atan2(near["y"] - y, near["x"] - x) - theta, math.tau)
-            none = {"x": 0.0, "y": 0.0, "z": 0.0}
-            twist = {"linear": none | {"x": 2 * distance}, "angular": none | {"z": 6 * turn}}
-            socket.send(json.dumps({"op": "publish", "topic": "/turtle1/cmd_vel", "msg": twist}))
-            if distance < 0.3:
-                asked = {"op": "call_service", "service": "/catch_turtle", "args": {"name": near["name"]}}
-                socket.send(json.dumps(asked))
 
 
 def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():

@@ -299,15 +299,6 @@ def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words):
     assert tried.stderr.splitlines()[1:] == [error]
 
 
-@pytest.mark.usefixtures("spec")
-@pytest.mark.parametrize("words", [CONFORMANCE, GRADE])
-def test_without_a_rosbridge_server_one_line_says_so(words):
-    tried = over_rosbridge("ws://127.0.0.1:1", "ros:/x", *words)
-    assert (tried.exit_code, tried.stdout) == (2, "")
-    (line,) = tried.stderr.splitlines()
-    assert line.startswith("error: no rosbridge server answers at ws://127.0.0.1:1")
-
-
 def test_a_node_that_ends_over_rosbridge_keeps_what_it_has_earned(spec):
     """Once it has answered, a request that fails is silence."""
     first, second = ('"reach.300000", "reach.299999-is-in"', '"names.unknown", ')

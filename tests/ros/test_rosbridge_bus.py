@@ -13,7 +13,6 @@ from websockets.sync.client import connect
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import rosbridge_bus
-from catch_arena.ros.middleware.bus import SPIN_S
 from catch_arena.ros.middleware.interfaces import EMPTY, TWIST, Empty, Interfaces, TwistMessage
 from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.ros.middleware.rosbridge_bus import from_json, to_json
@@ -58,21 +57,6 @@ def published(topic, speed):
     return json.dumps({"op": "publish", "topic": topic, "msg": to_json(TWIST, TwistMessage.of(speed, 2.0))})
 
 
-def test_it_begins_as_the_protocol_has_it(bridge, joined):
-    """Each topic and each service with its type."""
-    ours, _ = joined
-    ours.publisher("/alive_turtles", TYPES.turtle_array)
-    ours.subscribe("/turtle1/cmd_vel", TWIST, print)
-    ours.serve("/catch_turtle", TYPES.catch_turtle, print)
-    until(joined, lambda: len(bridge[0].frames) == 3)
-
-    assert bridge[0].frames == [
-        {"op": "advertise", "topic": "/alive_turtles", "type": "my_robot_interfaces/msg/TurtleArray"},
-        {"op": "subscribe", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist"},
-        {"op": "advertise_service", "service": "/catch_turtle", "type": "my_robot_interfaces/srv/CatchTurtle"},
-    ]
-
-
 def test_a_student_hears_topics_drives_and_calls(bridge, joined):
     """And gets the answer to its own call."""
     ours, _ = joined
@@ -81,6 +65,11 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
     ours.subscribe("/turtle1/cmd_vel", TWIST, heard.append)
     ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
     until(joined, lambda: len(bridge[0].frames) == 3)
+    assert bridge[0].frames == [
+        {"op": "advertise", "topic": "/alive_turtles", "type": "my_robot_interfaces/msg/TurtleArray"},
+        {"op": "subscribe", "topic": "/turtle1/cmd_vel", "type": "geometry_msgs/msg/Twist"},
+        {"op": "advertise_service", "service": "/catch_turtle", "type": "my_robot_interfaces/srv/CatchTurtle"},
+    ]
     with connect(bridge[1]) as socket:
         send(socket, op="subscribe", topic="/alive_turtles")
         twist = {"linear": {"x": 1, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -2.5}}
@@ -240,30 +229,6 @@ def test_long_names_are_read_and_a_frame_that_is_too_long_is_left_out_with_a_lin
     until(joined, lambda: asked)
     assert len(asked[0].message.name) == 100_000
     assert said == ["warning: rosbridge: a frame of more than 128 KiB is left out"]
-
-
-def test_a_spin_ends_in_time_and_has_heard_everybody(bridge, joined, monkeypatch):
-    """The rest of a flood waits for the next spins."""
-    ours, _ = joined
-    heard, clock = [], [0.0]
-
-    def slow(message):
-        heard.append(message.linear.x)
-        clock.append(clock[-1] + SPIN_S / 3)
-
-    for topic in ("/flood", "/quiet"):
-        ours.subscribe(topic, TWIST, slow)
-    until(joined, lambda: len(bridge[0].frames) == 2)
-    for topic, speed in [("/flood", 1.0)] * 10 + [("/quiet", 2.0)]:
-        bridge[0].raw(published(topic, speed))
-    ours._connection.ping().wait(60)
-    monkeypatch.setattr(rosbridge_bus, "time", SimpleNamespace(monotonic=lambda: clock[-1]))
-    ours.spin()
-    assert heard[:2] == [1.0, 2.0]
-    assert len(heard) < 10
-    for _ in range(10):
-        ours.spin()
-    assert heard == [1.0, 2.0] + 9 * [1.0]
 
 
 def test_messages_are_read_as_the_protocol_writes_them():

@@ -1,6 +1,5 @@
 """One match from its beginning to its end, on a bus of the test's own."""
 
-import gc
 from contextlib import contextmanager, nullcontext
 from types import SimpleNamespace
 
@@ -98,12 +97,6 @@ def test_what_nodes_do_is_seen_before_the_match_begins():
     assert said[1] == "all seats are taken: the match begins"
 
 
-def test_a_scenario_with_prey_is_played_without_it(tmp_path):
-    """As the line that refuses it says."""
-    served(scenario("herd", prey=0, time_limit_s=1), tmp_path / "match.replay")
-    assert verify(Replay.load(tmp_path / "match.replay")) == []
-
-
 @pytest.mark.parametrize("after", [1, 10, 29])
 def test_an_interrupt_after_the_match_is_its_normal_end(tmp_path, after):
     """Those who ask late are told a little less long; then the replay is saved, and the ranking is whole."""
@@ -120,21 +113,6 @@ def test_an_interrupt_in_the_match_ends_it_with_a_ranking(tmp_path):
     assert found.ranks == (1, 1)
     assert Replay.load(record).steps == LAST_TICK - 21
     assert said == ["ended after 1 s, before its time: the ranking until then"]
-
-
-def test_no_tick_waits_for_a_look_at_all_that_was_loaded_before(tmp_path):
-    """Python's search for garbage leaves that out for the time of a match."""
-    frozen = []
-
-    class Bus(LocalBus):
-        def spin(self, timeout_s=0.0):
-            frozen.append(gc.get_freeze_count())
-            super().spin(timeout_s)
-
-    before = gc.get_freeze_count()
-    served(scenario("duel", time_limit_s=1), tmp_path / "match.replay", Bus(Hub(), "arena"))
-    assert min(frozen) > 10_000
-    assert gc.get_freeze_count() == before
 
 
 def test_nobody_waits_while_the_replay_is_saved(tmp_path, monkeypatch):

@@ -43,10 +43,6 @@ CATCH_TURTLE = (
     struct("my_robot_interfaces::srv::dds_::CatchTurtle_Request_", **_HEAD, name=str),
     struct("my_robot_interfaces::srv::dds_::CatchTurtle_Response_", **_HEAD, success=bool),
 )
-SPAWN = (
-    struct("turtlesim::srv::dds_::Spawn_Request_", **_HEAD, x=_F, y=_F, theta=_F, name=str),
-    struct("turtlesim::srv::dds_::Spawn_Response_", **_HEAD, name=str),
-)
 KILL = (
     struct("turtlesim::srv::dds_::Kill_Request_", **_HEAD, name=str),
     struct("turtlesim::srv::dds_::Kill_Response_", **_HEAD, **_DUMMY),

@@ -22,13 +22,6 @@ _domains: Final[dict[int, Domain]] = {}
 """The domains that this process has configured, which is possible once."""
 
 
-def is_localhost_only(environment: Mapping[str, str]) -> bool:
-    """Return whether ROS's environment variables limit discovery to this machine; ROS_LOCALHOST_ONLY comes first."""
-    if environment.get("ROS_LOCALHOST_ONLY", "").startswith("1"):
-        return True
-    return environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() == "LOCALHOST"
-
-
 def join(domain: int, qos: Qos) -> DomainParticipant:
     """Return a participant of a domain.
 
@@ -46,7 +39,19 @@ def join(domain: int, qos: Qos) -> DomainParticipant:
     except UnicodeEncodeError:
         raise BusError("CYCLONEDDS_URI must be ASCII, which is all that the package cyclonedds takes") from None
     except DDSException as error:
-        raise BusError(f"DDS domain {domain} cannot be joined ({code_of(error)}): {_advice(os.environ)}") from None
+        advice = "is there a network interface?"
+        if os.environ.get("CYCLONEDDS_URI"):
+            advice = "is CYCLONEDDS_URI right? The lines of cyclonedds above are about it, or about a network interface"
+        elif not is_localhost_only(os.environ):
+            advice += " ROS_LOCALHOST_ONLY=1 keeps to this machine"
+        raise BusError(f"DDS domain {domain} cannot be joined ({code_of(error)}): {advice}") from None
+
+
+def is_localhost_only(environment: Mapping[str, str]) -> bool:
+    """Return whether ROS's environment variables limit discovery to this machine; ROS_LOCALHOST_ONLY comes first."""
+    if environment.get("ROS_LOCALHOST_ONLY", "").startswith("1"):
+        return True
+    return environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() == "LOCALHOST"
 
 
 def configuration(environment: Mapping[str, str]) -> str:
@@ -61,10 +66,3 @@ def configuration(environment: Mapping[str, str]) -> str:
 def code_of(error: DDSException) -> str:
     """Return DDS's name of an error."""
     return str(DDSException.error_message_mapping.get(error.code, (f"code {error.code}", ""))[0])
-
-
-def _advice(environment: Mapping[str, str]) -> str:
-    if environment.get("CYCLONEDDS_URI"):
-        return "is CYCLONEDDS_URI right? The lines of cyclonedds above are about it, or about a network interface"
-    alone = "" if is_localhost_only(environment) else " ROS_LOCALHOST_ONLY=1 keeps to this machine"
-    return f"is there a network interface?{alone}"

@@ -1,8 +1,8 @@
 """The arena as a node of a ROS 2 bus, with the parts of turtlesim, of the exercise's spawner and of the arbiter."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
@@ -49,13 +49,6 @@ _REFUSED: Final = CatchTurtleResponse(success=False)
 """Answer to a request that is not judged."""
 
 
-class _Pending(NamedTuple):
-    """A catch request that waits for the next step."""
-
-    hunter: str
-    request: Request
-
-
 class ArenaNode:
     """The arena, played tick by tick with the nodes on the bus.
 
@@ -89,11 +82,10 @@ class ArenaNode:
         self.advice = Advice(service.config, names, log)
         self._log_once = OnceLog(log)
         self._neighbours = Neighbours(hunters, [seat.hunter for seat in self.seats], interfaces, log)
-        self._other_names: set[str] = set()
-        """Names of a node that are served in the place of the usual ones."""
         self._explained = False
         """Whether the author of a node that drives turtle1 was told how to remap it."""
-        self._pending: list[_Pending] = []
+        self._pending: list[tuple[str, Request]] = []
+        """Catch requests that wait for the next step, each with the hunter that asks."""
         self._ticks = 0
         self._list_from = 0
         """The first tick in which the list of targets may be published."""
@@ -155,19 +147,19 @@ class ArenaNode:
         }
         goals: dict[str, str] = {}
         asked, self._pending = self._pending, []
-        requests = [(one.hunter, CatchTurtleRequest(one.request.message.name)) for one in asked]
+        requests = [(hunter, CatchTurtleRequest(request.message.name)) for hunter, request in asked]
         if self._agents is not None and not self._service.over:
             actions = self._agents.act(before.time_ms)
             commands |= actions.cmd_vel
             goals = actions.goals
             requests += actions.requests
         rulings = self._service.step(commands, requests, goals)
-        for one, ruling in zip(asked, rulings, strict=False):
-            one.request.answer(response(ruling))
-            self.advice.note(one.hunter, ruling, {name for hunter, (name,) in requests if hunter == one.hunter})
+        for (asking, request), ruling in zip(asked, rulings, strict=False):
+            request.answer(response(ruling))
+            self.advice.note(asking, ruling, {name for hunter, (name,) in requests if hunter == asking})
         world = self._service.world
-        asking = {hunter for hunter, _ in requests}
-        hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in asking]
+        by_name = {hunter for hunter, _ in requests}
+        hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in by_name]
         for ruling in (*rulings, *hosted):
             self._rulings(ruling_message(ruling, before.time_ms, self._service.config.hunter_names))
         self._publish_state(world)
@@ -223,8 +215,7 @@ class ArenaNode:
             if len(self.seats) > 1 and self._bus.publishers_of(_EXERCISE_CMD_VEL):
                 self._explain_remapping()  # the node may wait for a pose before its first Twist
         if self._ticks % _SECOND == _SECOND // 2 and (graph := self._bus.graph()) is not None:
-            self._neighbours.look(graph, [seat.hunter for seat in self.missing])
-            self._serve_other_names()
+            self._serve(self._neighbours.look(graph, [seat.hunter for seat in self.missing]))
         self._publish_standings(world)
         self._ticks += 1
 
@@ -248,11 +239,9 @@ class ArenaNode:
 
     # nodes
 
-    def _serve_other_names(self) -> None:
-        for name, usual in self._neighbours.other_names.items():
-            if name in self._other_names:
-                continue
-            self._other_names.add(name)
+    def _serve(self, other_names: Mapping[str, str]) -> None:
+        """Serve names that a node uses in the place of the usual ones."""
+        for name, usual in other_names.items():
             self._log(f"a node uses {name}: it is served as {usual} (or start it with --ros-args -r {name}:={usual})")
             if usual == graph_names.CATCH_TURTLE:
                 self._bus.serve(name, self._interfaces.catch_turtle, self._on_catch_turtle)
@@ -290,8 +279,8 @@ class ArenaNode:
             self._log_once.warn(
                 f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard"
             )
-        elif sum(one.hunter == seat.hunter for one in self._pending) < _MOST_JUDGED:
-            self._pending.append(_Pending(seat.hunter, request))
+        elif sum(hunter == seat.hunter for hunter, _ in self._pending) < _MOST_JUDGED:
+            self._pending.append((seat.hunter, request))
             return
         request.answer(_REFUSED)
 

@@ -61,19 +61,20 @@ class Neighbours:
         """The hunter that a node with other names is to drive."""
         self.seen: tuple[str, ...] = ()
         """The names of the nodes that were there in the last look."""
-        self.other_names: dict[str, str] = {}
-        """Names that nodes use in the place of the list's or the catch service's, each with that one, if there is one
-        seat for a node, and nothing else to be remapped. A client that is made for each call appears with the first
-        call, too late for a remapping.
-        """
+        self._served: dict[str, str] = {}
+        """The names that were returned."""
 
-    def look(self, graph: Sequence[Endpoint], free: Sequence[str] = ()) -> None:
-        """Tell what is new.
+    def look(self, graph: Sequence[Endpoint], free: Sequence[str] = ()) -> dict[str, str]:
+        """Log what is new, and return the names that the arena is to serve in the place of the usual ones.
+
+        These are new names of the list or of the catch service, if there is one seat for a node, and nothing else to be
+        remapped: a client that is made for each call appears with the first call, too late for a remapping.
 
         Args:
             graph: what other nodes publish, hear, serve and call.
             free: the hunters that no node drives yet, of which a remapping proposes the first.
         """
+        before = dict(self._served)
         if len(self._driven) > 1:
             self._proposed = next(iter(free), self._driven[0])
         self.seen = tuple(sorted({one.node for one in graph}))
@@ -85,7 +86,7 @@ class Neighbours:
                 self._log_once.warn(line, line.partition(":")[0])  # the hunter that it proposes changes
             remapped = dict(self._other_names(own, published, served))
             if len(self._driven) == 1 and set(remapped.values()) <= {ALIVE_TURTLES, CATCH_TURTLE}:
-                self.other_names |= remapped
+                self._served |= remapped
             elif remapped:
                 names = " and ".join(remapped)
                 self._log_once.warn(
@@ -93,6 +94,7 @@ class Neighbours:
                     f"{_remapped(list(remapped.items()))}",
                     f"{node} uses {names}",
                 )
+        return {name: usual for name, usual in self._served.items() if name not in before}
 
     def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
         does = [f"publishes {one.name}" for one in own if one.kind == "publisher" and one.name in self._lists]
