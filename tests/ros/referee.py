@@ -53,10 +53,8 @@ class Referee:
     def judge(self, name):
         if self.mistake == "says_yes":
             return True
-        if self.mistake == "says_no" or (len(name) > 255 and self.mistake != "any_length"):
+        if len(name) > 255:
             return False
-        if self.mistake == "capital_letters":
-            name = {one.casefold(): one for one in self.turtles}.get(name.casefold(), name)
         if name in self.caught and self.mistake != "catches_twice":
             return False
         if name not in self.turtles:
@@ -66,7 +64,7 @@ class Referee:
             return metres < 0.3
         if self.mistake == "up_to_and_at":
             return math.floor(1e6 * metres + 0.5) <= 300_000
-        return self.mistake == "no_reach" or math.floor(1e6 * metres + 0.5) < 300_000
+        return math.floor(1e6 * metres + 0.5) < 300_000
 
 
 class Spawner(Referee):

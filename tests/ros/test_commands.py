@@ -111,14 +111,6 @@ def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypa
         assert run("controller", "--bus", "cyclonedds", "--domain", str(domain))[0] == 0
 
 
-def test_a_missing_extra_is_one_line_that_says_what_to_install(monkeypatch):
-    """For the back-end that was asked for, and where there is none at all."""
-    monkeypatch.setattr(opening, "_is_installed", lambda _: False)
-    for arguments in (("serve",), ("serve", "--bus", "cyclonedds"), ("controller", "--bus", "rosbridge")):
-        status, output = run(*arguments)
-        assert (status, "pip install '.[ros]' in the clone of Catch Arena" in output) == (2, True), output
-
-
 def test_an_error_about_types_is_followed_by_what_to_do(monkeypatch):
     def refuse(*_, **__):
         raise BusError("mine/srv/Catch_Request holds no field", "correct the file")

@@ -202,9 +202,3 @@ def test_turtlesim_has_another_package_from_kilted_on(package):
     assert turtlesim_package("turtlesim") == "turtlesim_msgs"
     package("turtlesim", {"Pose": {"x": "float"}}, {})
     assert turtlesim_package("turtlesim") == "turtlesim"
-
-
-def test_what_was_matched_is_described():
-    types = Interfaces()
-    assert described(types.catch_turtle) == "string name -> bool success"
-    assert described(types.turtle) == "string name, float64 x, float64 y, float64 theta"

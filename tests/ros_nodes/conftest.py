@@ -110,13 +110,6 @@ class Bus:
         return process
 
 
-def pytest_terminal_summary(terminalreporter):
-    """Print what was measured, and not tested."""
-    for report in terminalreporter.getreports("passed"):
-        for name, value in report.user_properties:
-            terminalreporter.line(f"{name}: {value}")
-
-
 @pytest.fixture
 def bus_with(tmp_path):
     """Make a bus on which these interface packages are sourced."""

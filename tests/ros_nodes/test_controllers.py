@@ -107,10 +107,8 @@ def test_a_node_that_dies_and_returns_plays_on(course):
     arena.wait_for("^hunter_0: its node is back")
 
 
-def test_four_nodes_play_with_the_lines_that_are_printed(course, record_property):
-    """Each seat's line has the remapping of its node; one dies and is started again. Measured, and not tested: late
-    ticks, answers and poses.
-    """
+def test_four_nodes_play_with_the_lines_that_are_printed(course):
+    """Each seat's line has the remapping of its node; one dies and is started again."""
     names = ("anna", "ben", "cleo", "dan")
     seats = [word for seat, name in enumerate(names) for word in ("--seat", f"{seat}=ros:{name}")]
     arena = course.serve(*seats, "--set", "target_budget=24")
@@ -123,9 +121,6 @@ def test_four_nodes_play_with_the_lines_that_are_printed(course, record_property
     nodes[0].wait_for("^caught")
     code, printed = arena.finish()
     assert code == 0, printed
-    record_property("ticks", re.search(r"\d+ of \d+ ticks were late.*", printed)[0])
-    for name, node in zip(names, nodes, strict=True):
-        record_property(name, node.end()[1].splitlines()[-1])
 
 
 def test_doctor_names_the_node_and_the_fields(bus_with):

@@ -5,7 +5,6 @@ import re
 import sys
 from collections.abc import Mapping
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Final
 
 from catch_arena.errors import BusError, ConfigError, install_hint
@@ -16,7 +15,7 @@ from catch_arena.text import one_line
 
 _HIGHEST_DOMAIN: Final = 232
 """The ports of the domains above it do not exist."""
-_MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy"}
+_MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy.node"}
 _INSTALL: Final = install_hint("ros")
 _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -46,7 +45,7 @@ def open_bus(
     number = _checked_domain(domain)
     if backend is None:
         backend = _first_that_works(log)
-    elif not _is_installed(backend):
+    elif _import_fault(backend):
         raise BusError(_missing(backend))
     if backend == "rosbridge" and domain is not None:
         raise ConfigError(
@@ -102,27 +101,25 @@ def _checked_domain(domain: int | None) -> int:
 
 
 def _first_that_works(log: Log) -> Backend:
-    backend = next((one for one in BACKENDS if _is_installed(one)), None)
-    if backend is None:
+    faults = {}
+    for backend in BACKENDS:
+        if not (fault := _import_fault(backend)):
+            break
+        faults[backend] = fault
+    else:
         raise BusError(f"a ROS 2 bus needs rclpy, cyclonedds or websockets: {_INSTALL}")
     if backend != "rclpy" and "ROS_DISTRO" in os.environ:
         log(
-            f"warning: ROS is sourced, but rclpy cannot be imported ({_import_fault()}), so {backend} is used: "
+            f"warning: ROS is sourced, but rclpy cannot be imported ({faults['rclpy']}), so {backend} is used: "
             "make the virtual environment with ROS's own Python: python3 -m venv --system-site-packages"
         )
     return backend
 
 
-def _is_installed(backend: Backend) -> bool:
-    if backend == "rclpy":  # it may be there and not be sourced, or be built for another Python
-        return not _import_fault()
-    module = _MODULES[backend]
-    return module in sys.modules or find_spec(module) is not None
-
-
-def _import_fault() -> str:
+def _import_fault(backend: Backend) -> str:
+    """Return why a back-end cannot be imported; empty if it can. rclpy may be there and not be sourced."""
     try:
-        import_module("rclpy.node")
+        import_module(_MODULES[backend])
     except ImportError as error:
         return one_line(str(error))
     return ""

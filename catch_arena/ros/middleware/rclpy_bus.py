@@ -93,44 +93,33 @@ class RclpyBus(Bus):
         Topics are asked for one by one: of several nodes with one name ROS would tell only the topics of the first.
         """
         node = self._node
-        found = [end for topic, _ in node.get_topic_names_and_types() for end in self._ends_of(topic)]
         nodes = list(node.get_node_names_and_namespaces())
-        with suppress(ValueError):
-            nodes.remove((node.get_name(), node.get_namespace()))  # another of that name stays: a second arena
+        own = node.get_name(), node.get_namespace()
+        if own in nodes:
+            nodes.remove(own)  # another of that name stays: a second arena, which does as this one
+        found = [end for topic, _ in node.get_topic_names_and_types() for end in self._ends_of(topic)]
         asked: tuple[tuple[EndpointKind, Any], ...] = (
             ("service", node.get_service_names_and_types_by_node),
             ("client", node.get_client_names_and_types_by_node),
         )
         for name, space in nodes:
+            full = _full_name(space, name)
             for kind, ask in asked:
                 with suppress(RuntimeError):  # it has just gone
-                    full = _full_name(space, name)
-                    found += [
-                        Endpoint(full, kind, service, one) for service, types in ask(name, space) for one in types
-                    ]
-        return found
+                    found += [Endpoint(full, kind, one, kept) for one, types in ask(name, space) for kept in types]
+        there = {_full_name(space, name) for name, space in nodes}
+        return [end for end in found if end.node in there]
 
     def _ends_of(self, topic: str) -> Iterator[Endpoint]:
-        """Yield the publishers and subscriptions of other nodes."""
+        """Yield the publishers and subscriptions of a topic, and whether their fields are those of ours."""
         node = self._node
-        own_name = _full_name(node.get_namespace(), node.get_name())
-        asked: tuple[tuple[EndpointKind, Any, Any], ...] = (
-            ("publisher", node.get_publishers_info_by_topic, node.publishers),
-            ("subscription", node.get_subscriptions_info_by_topic, node.subscriptions),
-        )
-        ends, fields_of_ours = [], {}
-        for kind, ask, own in asked:
-            left = sum(one.topic_name == topic for one in own)  # those of a second arena of our name come besides
-            for info in ask(topic):
-                name = _full_name(info.node_namespace, info.node_name)
-                fields = getattr(info, "topic_type_hash", None)  # Humble has none
-                if name == own_name and left:
-                    left -= 1
-                    fields_of_ours[info.topic_type] = fields
-                else:
-                    ends.append((Endpoint(name, kind, topic, info.topic_type), fields))
-        for end, fields in ends:
-            yield end._replace(fields_differ=fields != fields_of_ours.get(end.type, fields))
+        own = node.get_namespace(), node.get_name()
+        ends: list[tuple[EndpointKind, Any]] = [("publisher", one) for one in node.get_publishers_info_by_topic(topic)]
+        ends += [("subscription", one) for one in node.get_subscriptions_info_by_topic(topic)]
+        ours = {one.topic_type: _fields(one) for _, one in ends if (one.node_namespace, one.node_name) == own}
+        for kind, one in ends:
+            differ = _fields(one) != ours.get(one.topic_type, _fields(one))
+            yield Endpoint(_full_name(one.node_namespace, one.node_name), kind, topic, one.topic_type, differ)
 
     def listeners_to(self, topic: str) -> int:
         """Return the number of a topic's subscriptions."""
@@ -265,6 +254,11 @@ class _RclpyClient:
         message = to_ros(self._kind.request, request, ros_class(self._kind.name).Request())
         self._client.call_async(message).add_done_callback(done)
         return call
+
+
+def _fields(end: Any) -> Any:
+    """Return the hash of an endpoint's fields; None in Humble, which has none."""
+    return getattr(end, "topic_type_hash", None)
 
 
 def _full_name(namespace: str, name: str) -> str:

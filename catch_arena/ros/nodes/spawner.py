@@ -119,7 +119,10 @@ class Spawner:
             self._last_pose[turtle] = self._ticks
 
     def _on_catch_turtle(self, seat: int, request: Request) -> None:
-        self._pending.append((seat, request))
+        if self._turtles[seat] in self._poses:
+            self._pending.append((seat, request))
+        else:  # a turtle without a pose does not exist
+            request.answer(CatchTurtleResponse(success=False))
 
     def _call_spawn(self, x: float, y: float, theta: float) -> None:
         self._number += 1
@@ -171,23 +174,17 @@ class Spawner:
     def _judge(self) -> None:
         asked, self._pending = self._pending, []
         seen = [seat for seat, turtle in enumerate(self._turtles) if turtle in self._poses]
-        known = []
-        for seat, request in asked:
-            if seat in seen:
-                known.append((seat, request))
-            else:  # a turtle without a pose does not exist
-                request.answer(CatchTurtleResponse(success=False))
         hunters = [self._poses[self._turtles[seat]] for seat in seen]
         rulings = arbitrate(
             hunters=[(pose.x, pose.y) for pose in hunters],
             targets={turtle.name: (turtle.x, turtle.y) for turtle in self._alive.values()},
-            requests=[(seen.index(seat), request.message.name) for seat, request in known],
+            requests=[(seen.index(seat), request.message.name) for seat, request in asked],
             reach_m=self._config.reach_m,
             seed=self._seed,
             step=self._ticks,
             caught=self._caught,
         )
-        for (seat, request), ruling in zip(known, rulings, strict=True):
+        for (seat, request), ruling in zip(asked, rulings, strict=True):
             request.answer(CatchTurtleResponse(ruling.success))
             self._log(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
             if ruling.success:

@@ -1,13 +1,11 @@
 """The exercise's controller, as different people write it: its arguments are the choices in which solutions differ.
 
-Prints "caught NAME" and "refused NAME" for each answer, and at its end how long answers took and what it heard.
+Prints "caught NAME" and "refused NAME" for each answer.
 """
 
 import argparse
 import math
-import statistics
 import sys
-import time
 from importlib import import_module
 
 import rclpy
@@ -28,7 +26,6 @@ class Controller(Node):
         package, word, self.list_field, self.name_field, self.answer_field = choices.types
         self.catch = import_module(f"{package}.srv").CatchTurtle
         self.pose, self.turtles, self.asking, self.lists = None, [], False, 0
-        self.poses, self.took = 0, []
         group = ReentrantCallbackGroup() if choices.answers == "threads" else None
         self.publisher = self.create_publisher(Twist, f"{choices.turtle}/cmd_vel", 10)
         self.create_subscription(Pose, f"{choices.turtle}/pose", self.on_pose, 10, callback_group=group)
@@ -44,7 +41,6 @@ class Controller(Node):
 
     def on_pose(self, pose):
         self.pose = pose
-        self.poses += 1
 
     def on_list(self, message):
         if self.choices.hasty:
@@ -89,19 +85,17 @@ class Controller(Node):
             self.get_logger().info("waiting for the service")
         request = self.catch.Request()
         setattr(request, self.name_field, name)
-        asked = time.monotonic()
         if self.choices.answers == "threads":
-            self.on_answer(name, asked, client.call(request))
+            self.on_answer(name, client.call(request))
             return
         future = client.call_async(request)
         if self.choices.answers == "spin":
             rclpy.spin_until_future_complete(self, future)
-            self.on_answer(name, asked, future.result())
+            self.on_answer(name, future.result())
         else:
-            future.add_done_callback(lambda done: self.on_answer(name, asked, done.result()))
+            future.add_done_callback(lambda done: self.on_answer(name, done.result()))
 
-    def on_answer(self, name, asked, response):
-        self.took.append(time.monotonic() - asked)
+    def on_answer(self, name, response):
         caught = getattr(response, self.answer_field)
         self.turtles = [one for one in self.turtles if not (caught and getattr(one, self.name_field) == name)]
         self.say(f"{'caught' if caught else 'refused'} {name}")
@@ -139,7 +133,6 @@ def main():
         parser.add_argument(flag, action="store_true")
     rclpy.init()
     node = Controller(parser.parse_args(rclpy.utilities.remove_ros_args()[1:]))
-    began = time.monotonic()
     try:
         if node.choices.answers == "threads":
             executor = MultiThreadedExecutor()
@@ -153,10 +146,6 @@ def main():
             rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    took = f"{1e3 * statistics.median(node.took):.1f}" if node.took else "-"
-    node.say(
-        f"answers: {len(node.took)}, median {took} ms; poses a second: {node.poses / (time.monotonic() - began):.1f}"
-    )
 
 
 if __name__ == "__main__":
