@@ -7,7 +7,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 
 from catch_arena.errors import BusError
-from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import opening, rclpy_bus
 from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import RULING, TWIST, Interfaces, TwistMessage
@@ -92,11 +92,6 @@ class Node:
         assert kind is not None
         assert depth == 10
         self.context.heard.setdefault(topic, []).append(callback)
-        return topic, callback
-
-    def destroy_subscription(self, subscription):
-        topic, callback = subscription
-        self.context.heard[topic].remove(callback)
 
     def create_service(self, kind, service, callback, callback_group):
         assert isinstance(callback_group, Group)
@@ -140,53 +135,38 @@ class Context:
         self.shut = True
 
 
-def module(monkeypatch, name, **content):
-    made = ModuleType(name)
-    vars(made).update(content)
-    monkeypatch.setitem(sys.modules, name, made)
-    return made
-
-
-def message(**fields):
-    return type("Message", (), {"__init__": lambda self: vars(self).update({k: v() for k, v in fields.items()})})
-
-
 @pytest.fixture
-def joined(monkeypatch):
+def joined(monkeypatch, package):
     """On a bus of the stand-in's."""
     begun = []
-    module(
-        monkeypatch,
-        "rclpy",
-        Context=Context,
-        init=lambda context, domain_id: begun.append((context, domain_id)),
-        create_node=Node,
-        get_rmw_implementation_identifier=lambda: "rmw_of_a_test",
+    ros = {
+        "rclpy": {
+            "Context": Context,
+            "init": lambda context, domain_id: begun.append((context, domain_id)),
+            "create_node": Node,
+            "get_rmw_implementation_identifier": lambda: "rmw_of_a_test",
+        },
+        "rclpy.node": {},
+        "rclpy.executors": {"SingleThreadedExecutor": Executor},
+        "rclpy.task": {"Future": Future},
+        "rclpy.callback_groups": {"ReentrantCallbackGroup": Group},
+        "rcl_interfaces": {},
+        "rcl_interfaces.msg": {"ParameterDescriptor": SimpleNamespace, "SetParametersResult": SimpleNamespace},
+    }
+    for name, content in ros.items():
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+        vars(sys.modules[name]).update(content)
+    vector = "geometry_msgs/Vector3"
+    package(
+        "geometry_msgs",
+        {"Vector3": dict.fromkeys("xyz", "double"), "Twist": {"linear": vector, "angular": vector}},
+        {},
     )
-    module(monkeypatch, "rclpy.node")
-    module(monkeypatch, "rclpy.executors", SingleThreadedExecutor=Executor)
-    module(monkeypatch, "rclpy.task", Future=Future)
-    module(monkeypatch, "rclpy.callback_groups", ReentrantCallbackGroup=Group)
-    vector = message(x=float, y=float, z=float)
-    turtle = message(name=str, x=float, y=float, theta=float)
-    numbers = dict.fromkeys(Pose._fields, float)
-    for package, folder, types in (
-        ("geometry_msgs", "msg", {"Vector3": vector, "Twist": message(linear=vector, angular=vector)}),
-        (
-            "rcl_interfaces",
-            "msg",
-            {"ParameterDescriptor": SimpleNamespace, "SetParametersResult": SimpleNamespace},
-        ),
-        ("turtlesim", "msg", {"Pose": message(**numbers)}),
-        ("my_robot_interfaces", "msg", {"Turtle": turtle, "TurtleArray": message(turtles=list)}),
-        (
-            "my_robot_interfaces",
-            "srv",
-            {"CatchTurtle": type("CatchTurtle", (), {"Request": message(name=str), "Response": message(success=bool)})},
-        ),
-    ):
-        module(monkeypatch, package)
-        module(monkeypatch, f"{package}.{folder}", **types)
+    package(
+        "my_robot_interfaces",
+        {"Turtle": {"name": "string"}, "TurtleArray": {"turtles": "sequence<my_robot_interfaces/Turtle>"}},
+        {"CatchTurtle": ({"name": "string"}, {"success": "boolean"})},
+    )
     made = open_bus("rclpy", node="arena", domain=7)
     assert begun[0][1] == 7
     yield made

@@ -36,7 +36,7 @@ class OnceLog:
             self._log(line)
 
     def warn(self, line: str, about: str = "") -> None:
-        """Log a warning, in the same way."""
+        """Log a line as a warning, once."""
         self(f"warning: {line}", about or line)
 
 
@@ -92,7 +92,7 @@ class Client(Protocol):
 class Bus(ABC):
     """A middleware, reached by a back-end. All is done by the thread that calls `spin`, in which callbacks run.
 
-    A back-end need not know of other nodes and of ROS's parameters; this class answers for those that do not.
+    A back-end that cannot report other nodes, or serve parameters, keeps the answers of this class.
     """
 
     backend: ClassVar[Backend]

@@ -101,7 +101,7 @@ class DdsBus(Bus):
 
     def publishers_of(self, topic: str) -> int:
         """Return the number of publishers of a topic that was subscribed to."""
-        return _met(self._readers[f"rt{topic}"].reader)
+        return _matched(self._readers[f"rt{topic}"].reader)
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle what has come, one sample of each topic and service in each round."""
@@ -140,9 +140,9 @@ class DdsBus(Bus):
         return len(taken)
 
     def _reply(self, reply: "_Reply") -> None:
-        """Send a response; if not every client's reader is known, keep it until it has waited for long enough."""
+        """Send a response; if the reader of a client is not matched yet, keep the response for up to _REPLY_WAIT_S."""
         is_early = time.monotonic() < reply.due_s and len(self._late) < SERVICE_DEPTH
-        if is_early and _met(reply.writer) < _met(reply.requests.reader):  # a client has one of each
+        if is_early and _matched(reply.writer) < _matched(reply.requests.reader):  # a client has one of each
             self._late.append(reply)
         else:
             self._write(reply.writer, reply.sample)
@@ -223,7 +223,7 @@ class _DdsClient:
     @property
     def ready(self) -> bool:
         """True if a node serves it."""
-        if not (_met(self._writer) and _met(self.answers.reader)):
+        if not (_matched(self._writer) and _matched(self.answers.reader)):
             return False
         for handle in self._writer.get_matched_subscriptions():
             server = self._writer.get_matched_subscription_data(handle)
@@ -247,8 +247,8 @@ class _DdsClient:
             call.response = from_attributes(self._kind.response, sample)
 
 
-def _met(end: "DataReader[Any] | DataWriter[Any]") -> int:
-    """Return the number of writers that a reader has met, or of readers that a writer has met."""
+def _matched(end: "DataReader[Any] | DataWriter[Any]") -> int:
+    """Return the number of writers that a reader is matched with, or of readers that a writer is matched with."""
     if isinstance(end, DataReader):
         status: Any = end.get_subscription_matched_status
     else:

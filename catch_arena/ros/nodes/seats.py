@@ -67,7 +67,7 @@ class RosSeat:
         return self._twist
 
     def look_for(self, publishers: int | None) -> None:
-        """Notice that its node has left the bus, or that there is more than one.
+        """Log that its node has left the bus, or that several nodes may drive it.
 
         Args:
             publishers: the number of nodes that can drive it; None if the bus does not tell.
