@@ -74,13 +74,13 @@ def run(command: "Callable[[], object]") -> "NoReturn":
 
 def wait(tell: "Callable[[], object]") -> None:
     """Call `tell`, and wait for a signal, which is the normal end of the command: its exit code is 0."""
-
-    def last() -> None:
+    _Command.waits = True  # from here to the end: a second signal finds nothing that could be lost
+    try:
         tell()
         while True:
             time.sleep(_LONG_S)
-
-    linger(last)
+    except KeyboardInterrupt:
+        pass
 
 
 def linger(last: "Callable[[], object]") -> None:
@@ -125,6 +125,8 @@ def _hear(number: int, _: object) -> None:
             return
         if _Command.unwinds:
             raise KeyboardInterrupt
+    elif not _Command.waits:  # the command had more to do, although the first was its normal end
+        _Command.status = 128 + _Command.heard
     _end()
 
 

@@ -127,6 +127,12 @@ def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
     after = "print('after', flush=True)"
     lingers = command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after)
     assert interrupted(tmp_path, lingers) == (0, "after\n", "")
+    program = started(tmp_path, command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after, LOOP))
+    program.interrupt()
+    assert program.process.stdout.readline() == "after\n"
+    program.interrupt()
+    end = program.ended()
+    assert (end.status, end.said, end.errors) == (130, "", LINE)  # what comes after it was not done to its end
     program = started(tmp_path, command("interrupts.linger(lambda: None)", after, "time.sleep(60)"))
     assert program.process.stdout.readline() == "after\n"
     program.interrupt()

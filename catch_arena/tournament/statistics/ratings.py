@@ -48,16 +48,6 @@ class Ratings:
             (self.pseudo_influence**2).sum(axis=0),
         )
 
-    def difference(self, one: int, other: int) -> Estimate:
-        """How much higher the first is rated than the second."""
-        (found,) = estimates(
-            self.points[[one]] - self.points[[other]],
-            (self.influence[:, [one]] - self.influence[:, [other]]) * len(self.influence),
-            np.ones((len(self.influence), 1)),
-            ((self.pseudo_influence[:, [one]] - self.pseudo_influence[:, [other]]) ** 2).sum(axis=0),
-        )
-        return found
-
     def distances(self) -> Floats:
         """(entrants, entrants): the difference of each two over its standard error, 0 or more; NaN where one of them
         did not play.
