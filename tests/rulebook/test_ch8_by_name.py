@@ -127,7 +127,8 @@ def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
     match.drive(match.a, turtle="hunter_0")
     match.drive(match.b, turtle="hunter_1")
     match.tick()
-    far, near = match.ask(match.b, name), match.ask(match.a, name)
+    far = match.ask(match.b, name, "/hunter_1/catch_turtle")
+    near = match.ask(match.a, name, "/hunter_0/catch_turtle")
 
     assert far.response is near.response is None
 
@@ -141,7 +142,7 @@ def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
     ]
     assert shown[:2] == (2.0, 2.0)
 
-    late = match.ask(match.a, name)
+    late = match.ask(match.a, name, "/hunter_0/catch_turtle")
     match.tick()
 
     assert (late.response, match.sent("/rulings")[-1].verdict) == (CatchTurtleResponse(False), "ALREADY_CAUGHT")
