@@ -22,7 +22,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted boundscheck coverage mutate browser ros window check format bench pictures golden docs \
+.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted numbas-way boundscheck coverage mutate browser ros window check format bench pictures golden docs \
 	clean setup pythons
 
 help: ## list the targets
@@ -49,7 +49,7 @@ train: $(VENV)/ready-torch ## the scripts that train, for a minute (torch: gigab
 hostile: $(VENV)/ready-dev ## agents that attack the tournament, its results and each other
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
 
-nightly: long laws interpreted boundscheck coverage mutate compat pythons ## what takes long: the six targets that follow, compat, pythons, and ros on each Python
+nightly: long laws interpreted boundscheck coverage mutate compat pythons ## what takes long: the targets that follow, compat, pythons, and ros on each Python
 	$(BIN)/python scripts/ros_nodes.py --all
 
 long: $(VENV)/ready-dev ## the tests that make test leaves out
@@ -62,6 +62,9 @@ laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of
 # many is marked `large`, and left out here and from coverage.
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
+
+numbas-way: $(VENV)/ready-dev ## the tests of the rules, compiled in Numba's own way
+	CATCH_ARENA_COMPILER=numba $(BIN)/pytest $(SPREAD) tests/rulebook
 
 boundscheck: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES) tests/vector tests/training/test_opponents.py

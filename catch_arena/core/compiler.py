@@ -11,6 +11,7 @@ the library below, what `_Substitute` writes into, and how parts call each other
 not what they need, and then all is compiled in Numba's own way.
 """
 
+import os
 import signal
 import threading
 from collections.abc import Hashable, Iterator
@@ -22,6 +23,7 @@ import numba.core.caching
 import numba.core.codegen
 import numba.core.compiler
 import numba.core.compiler_machinery
+import numba.core.config
 import numba.core.cpu
 import numba.core.ir
 import numba.core.ir_utils
@@ -63,8 +65,16 @@ _NEEDED: Final[dict[Any, str]] = {
     "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
     _dynfunc: "make_function",
 }
-USABLE: Final = all(hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split())
-"""Whether this Numba has what is needed here."""
+USABLE: Final = os.environ.get("CATCH_ARENA_COMPILER") != "numba" and all(
+    hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split()
+)
+"""False if this Numba lacks what is needed here, or CATCH_ARENA_COMPILER=numba: then all is compiled in its own way."""
+numba_settings: Any = numba.core.config
+"""Numba's settings; the module fills itself, so that type checkers see none of them."""
+INTERPRETED: Final = bool(numba_settings.DISABLE_JIT)
+"""NUMBA_DISABLE_JIT=1: the core runs as plain Python, for debuggers, coverage and doubters."""
+CHECKED: Final = bool(numba_settings.BOUNDSCHECK)
+"""NUMBA_BOUNDSCHECK=1: compiled code tests each index."""
 
 
 @contextmanager

@@ -12,9 +12,8 @@ from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import from_dtype, types
 from numba.extending import models, register_model
-from numba.np import numpy_support
 from numpy.typing import NDArray
 
 from catch_arena.core.addresses import ArrayAt, product
@@ -306,7 +305,7 @@ def type_of_section(name: str) -> Any:
     """What a section is, or None where there is none of that name."""
     if name not in DTYPES:
         return None
-    return ArrayAt(numpy_support.from_dtype(DTYPES[name]), NDIMS[list(DTYPES).index(name)])
+    return ArrayAt(from_dtype(DTYPES[name]), NDIMS[list(DTYPES).index(name)])
 
 
 def section_at(context: Any, builder: Any, memory: Any, name: str, thread: Any = None) -> Any:

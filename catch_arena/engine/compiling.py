@@ -8,7 +8,8 @@ from typing import Final, NamedTuple
 
 from numba.core import event
 
-from catch_arena.core.jit import CACHE_DIRECTORY, INTERPRETED
+from catch_arena.core.cache import CACHE_DIRECTORY
+from catch_arena.core.compiler import INTERPRETED
 
 _COMMON_S: Final = 5
 _ALL_S: Final = 7

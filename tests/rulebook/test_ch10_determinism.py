@@ -16,7 +16,7 @@ from rulebook.conftest import ArenaFactory
 from rulebook.episodes import SEED, config_of, digests
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.compiler import INTERPRETED
 from catch_arena.engine import Engine
 from catch_arena.envs.parallel import parallel_env
 from catch_arena.errors import ReplayError

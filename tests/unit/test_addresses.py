@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core.addresses import by_address, flat
-from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.compiler import INTERPRETED
 
 FLAGS = {"nogil": True, "error_model": "numpy", "_nrt": False}
 """Those of the core."""

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from catch_arena.core.builtin_functions import int_of, max_of, min_of, range_of
-from catch_arena.core.compiler import USABLE
-from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
+from catch_arena.core.compiler import INTERPRETED, USABLE
+from catch_arena.core.jit import phase, unkept_entry
 
 BOUNDS = (-7, -1, 0, 1, 2, 8)
 STEPS = (-9, -3, -1, 1, 2, 5)

@@ -16,7 +16,8 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core import compiler, tick
 from catch_arena.core.addresses import by_address
 from catch_arena.core.arbiter import REQUEST_COLUMNS
-from catch_arena.core.jit import CHECKED, INTERPRETED, phase, unkept_entry
+from catch_arena.core.compiler import CHECKED, INTERPRETED
+from catch_arena.core.jit import phase, unkept_entry
 from catch_arena.core.memory import settings_in
 from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS
 from catch_arena.core.vectors import HALF, WIDE

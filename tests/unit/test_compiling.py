@@ -5,7 +5,7 @@ import threading
 import numba
 import pytest
 
-from catch_arena.core.jit import INTERPRETED
+from catch_arena.core.compiler import INTERPRETED
 from catch_arena.engine import compiling
 from catch_arena.engine.compiling import Variant, compile_once
 

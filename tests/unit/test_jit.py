@@ -15,13 +15,16 @@ import numba
 import numpy as np
 import pytest
 
-from catch_arena.core import jit
+from catch_arena.core import cache
+from catch_arena.core.compiler import INTERPRETED
+from catch_arena.core.jit import entry
 
 ROOT = Path(__file__).parents[2]
 BEYOND = """
 import numpy as np
 from catch_arena.core.addresses import by_address
-from catch_arena.core.jit import CACHE_DIRECTORY, entry, phase
+from catch_arena.core.cache import CACHE_DIRECTORY
+from catch_arena.core.jit import entry, phase
 
 @phase
 def write(block, place):
@@ -76,13 +79,13 @@ def test_the_rules_are_compiled_where_nothing_can_be_kept(tmp_path):
 def test_compiled_code_is_kept_in_a_folder_for_each_state_of_the_sources(tmp_path, monkeypatch):
     """The same folder every time, and those that were used last besides, however old they are by a clock that jumps."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    others = [tmp_path / f"core-{number:016x}" for number in range(jit._MOST_KEPT + 4)]
+    others = [tmp_path / f"core-{number:016x}" for number in range(cache._MOST_KEPT + 4)]
     (tmp_path / "mine").mkdir()
     for used, folder in enumerate(others):
         folder.mkdir()
         os.utime(folder, (used, used))
-    folder = jit._cache_directory()
-    assert folder == jit._cache_directory()
+    folder = cache._cache_directory()
+    assert folder == cache._cache_directory()
     assert folder.parent == tmp_path
     assert sorted(tmp_path.iterdir()) == sorted([folder, *others[5:], tmp_path / "mine"])
 
@@ -93,7 +96,7 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
     shutil.copytree(ROOT / "catch_arena" / "core", package / "core", ignore=shutil.ignore_patterns("__pycache__"))
     for source in (ROOT / "catch_arena").glob("*.py"):
         shutil.copy(source, package)
-    monkeypatch.setattr(jit, "__file__", str(package / "core" / "jit.py"))
+    monkeypatch.setattr(cache, "__file__", str(package / "core" / "cache.py"))
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     core = sorted((package / "core").glob("*.py"))
     imports = {
@@ -105,11 +108,11 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
     outside = sorted(re.findall(r"catch_arena\.(?!core)(\w+)", " ".join(imports)))
     assert "layout" in outside
     read = [*core, *(package / f"{module}.py" for module in outside)]
-    folders = {jit._cache_directory()}
+    folders = {cache._cache_directory()}
     for source in read:
         with source.open("a", encoding="utf-8") as edited:
             edited.write("# edited\n")
-        folders.add(jit._cache_directory())
+        folders.add(cache._cache_directory())
     assert len(folders) == 1 + len(read)
 
 
@@ -117,7 +120,7 @@ def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
     """One that can be seen, but not written."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
-    assert jit._cache_directory() is None
+    assert cache._cache_directory() is None
 
 
 @pytest.fixture
@@ -131,8 +134,8 @@ def without_a_home(tmp_path, monkeypatch):
 
 
 def test_without_a_home_that_can_be_written_it_is_kept_among_temporary_files(without_a_home):
-    folder = jit._cache_directory()
-    assert folder == jit._cache_directory()
+    folder = cache._cache_directory()
+    assert folder == cache._cache_directory()
     assert folder.parent == without_a_home / f"catch-arena-{os.getuid()}"
     assert folder.parent.stat().st_mode & 0o777 == 0o700
 
@@ -144,7 +147,7 @@ def test_without_a_home_that_can_be_written_it_is_kept_among_temporary_files(wit
 def test_it_is_not_kept_where_somebody_else_could_have_put_code(without_a_home, prepare):
     """Compiled code that is loaded runs as this user."""
     prepare(without_a_home / f"catch-arena-{os.getuid()}")
-    assert jit._cache_directory() is None
+    assert cache._cache_directory() is None
 
 
 def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
@@ -169,17 +172,17 @@ def total_of(row):
 @pytest.fixture
 def hits(tmp_path, monkeypatch):
     """Whether a new process finds that in the cache, which is empty at first; its result is right."""
-    monkeypatch.setattr(jit, "CACHE_DIRECTORY", tmp_path)
+    monkeypatch.setattr(cache, "CACHE_DIRECTORY", tmp_path)
 
     def call(row):
-        compiled = jit.entry(total_of)
+        compiled = entry(total_of)
         assert compiled(np.array(row)) == sum(row)
         return bool(compiled.stats.cache_hits)
 
     return call
 
 
-@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 @pytest.mark.parametrize("suffix", ["nbi", "nbc"])
 @pytest.mark.parametrize(
     "damage",
@@ -201,7 +204,7 @@ def test_what_is_damaged_in_the_cache_is_compiled_again_and_replaced(tmp_path, h
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
 
 
-@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_one_wrong_byte_is_noticed(tmp_path, hits):
     """Where nothing fails on it: it could as well be in the machine code."""
     assert not hits([1.5, 2.0])
@@ -212,7 +215,7 @@ def test_one_wrong_byte_is_noticed(tmp_path, hits):
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
 
 
-@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_code_for_other_arguments_under_a_file_s_name_is_not_run(tmp_path, hits):
     """As two processes can leave it that save at once."""
     assert not hits([1.5, 2.0])
@@ -222,14 +225,14 @@ def test_code_for_other_arguments_under_a_file_s_name_is_not_run(tmp_path, hits)
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
 
 
-@pytest.mark.skipif(jit.INTERPRETED, reason="nothing is compiled")
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_a_damaged_cache_that_cannot_be_replaced_is_told_and_the_rules_run(tmp_path, hits, capsys):
     """The index is a folder."""
     assert not hits([1.5, 2.0])
     (index,) = tmp_path.rglob("*.nbi")
     index.unlink()
     index.mkdir()
-    jit._tell_not_kept.cache_clear()
+    cache._tell_not_kept.cache_clear()
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, False]
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}: Is a directory; every start")

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from catch_arena.core.addresses import by_address
-from catch_arena.core.jit import INTERPRETED, phase, unkept_entry
+from catch_arena.core.compiler import INTERPRETED
+from catch_arena.core.jit import phase, unkept_entry
 from catch_arena.core.vectors import (
     HALF,
     SINGLE,
