@@ -22,7 +22,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted numbas-way boundscheck coverage mutate browser ros window check format bench pictures golden docs \
+.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted numba boundscheck coverage mutate browser ros window check format bench pictures golden docs \
 	clean setup pythons
 
 help: ## list the targets
@@ -63,7 +63,7 @@ laws: $(VENV)/ready-dev ## the property tests at length, with a million steps of
 interpreted: $(VENV)/ready-dev ## the tests of the rules without the compiler
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
 
-numbas-way: $(VENV)/ready-dev ## the tests of the rules, compiled in Numba's own way
+numba: $(VENV)/ready-dev ## the tests of the rules, compiled in Numba's own way
 	CATCH_ARENA_COMPILER=numba $(BIN)/pytest $(SPREAD) tests/rulebook
 
 boundscheck: $(VENV)/ready-dev ## the tests of the rules, of batches and of compiled opponents, with every index tested
