@@ -91,7 +91,6 @@ class Sections(NamedTuple):
     # ---- saved, from here to the end; all but the blocks have a row for each arena ----
     blocks: Doubles2
     """(blocks, rows * LANES): see `state`."""
-    # ---- what envs copy in one piece after each step, up to `ends`: see `Engine.outputs` ----
     breakdowns: Doubles3
     """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
     `rewards`.
@@ -111,7 +110,6 @@ class Sections(NamedTuple):
     """
     prey_observations: Floats3
     """R12.4: (B, P, E)."""
-    # ---- what they read in place ----
     ends: Flags1
     """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
     rewards: Floats2

@@ -191,10 +191,6 @@ class Engine:
         self.team_scores = sections.team_scores
         """R11.1: the sums of the scores of each team's hunters: (B, teams), or (B, 0) without teams."""
         self._prey_commands = sections.prey_commands
-        begin, end = offset_of("breakdowns", memory), offset_of("ends", memory)
-        self.outputs = self._memory[begin:end].view(np.float32)
-        """What `Sections` has from `breakdowns` to `prey_observations`, one behind the other: copied, all at once.
-        """
         self.answers = sections.answers
         """R5.6: (B, H, 4), see `memory.Sections`; or (0, H, 4) where infos are not wanted."""
         begin = offset_of("blocks", memory)

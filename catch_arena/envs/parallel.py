@@ -3,7 +3,6 @@ what callers give.
 """
 
 import copy
-import math
 from bisect import insort
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,13 +17,10 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import RULESET, ArenaConfig, Control, require_choice, require_options
 from catch_arena.core import state
-from catch_arena.core.catching import ANSWER_COLUMNS
-from catch_arena.core.state import PART_NAMES, PREY_PART_NAMES
 from catch_arena.engine import Engine
 from catch_arena.engine.block_views import row_of
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.global_state import state_vector
-from catch_arena.envs.infos import LazyInfos
 from catch_arena.envs.saved import require_memory
 from catch_arena.envs.spaces import (
     action_space,
@@ -54,15 +50,20 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _UNCHANGING: Final = frozenset(
-    ("config", "_controls", "_answers", "_masks", "_observation_spaces", "_breakdowns", "_record_as", "_rewards")
-) | {"_places", "_seats", "_seen"}
+    ("config", "_controls", "_observation_spaces", "_record_as", "_rewards", "_places", "_seats", "_prey")
+)
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
-_NO_MORE: Final = (None, (), None)
-"""The last arguments of `_infos`, where there are no dropouts that stay, no teams and no prey."""
 _BOUND: Final = ("_play", "_choice_items", "_command_items")
 """What `_bind_engine_buffers` makes anew."""
 _WITHDRAWN = row_of(state.WITHDRAWN)
-_NO_ANSWER: Final = {"verdict": NO_REQUEST, "target": -1, "distance_um": -1, "winner": -1}
+_CAUGHT_BY = row_of(state.CAUGHT_BY)
+_NO_ANSWER: Final = {
+    "verdict": NO_REQUEST,
+    "target": -1,
+    "distance_um": -1,
+    "winner": -1,
+    "TimeLimit.truncated": False,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,8 +172,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.agents: list[str] = []
         self._nobody: dict[str, bool] = {}
         """False for each of `agents`: copied, since a dict made anew takes five times as long."""
-        self._views: list[tuple[str, slice]] = []
-        """Where each of `agents` stands in what the engine puts out."""
+        self._hunters_here: list[tuple[str, int]] = []
+        self._prey_here: list[tuple[str, int]] = []
+        """Those of `agents` that hunt, with their seats, and that are prey, with their indices."""
         self.max_cycles = config.max_steps
         self._seats = {name: seat for seat, name in enumerate(self.possible_agents[: config.hunters])}
         self._prey = {name: index for index, name in enumerate(self.possible_agents[config.hunters :])}
@@ -197,7 +199,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._prey_leaves = config.prey > 0 and config.prey_returns_s is None
         self._team_by_seat = config.team_by_seat
         self._mask_in_observation = config.mask_in_observation
-        self._has_more_for_infos = self._dropouts_stay or config.teams is not None or config.prey > 0
         self._leaving: set[str] = set()
         """Who leaves with the end of the next step, and who has left."""
         self._record_as: tuple[tuple[str, ...], str] | None = None
@@ -206,34 +207,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._window: Any = None
 
     def _bind_engine_buffers(self) -> None:
-        """Note where in the engine's `outputs` each thing lies, in numbers of float32, and what it is handed."""
+        """Note which of the engine's arrays are read and written in each step."""
         engine, hunters = self._engine, self.config.hunters
         self._hunter_commands = self._commands[:, :hunters]
         self._prey_commands = self._commands[:, hunters:] if self._prey else None
-        begin, seen, masks, end = (
-            (section.ctypes.data - engine.outputs.ctypes.data) // engine.outputs.itemsize
-            for section in (engine.answers, engine.observations, engine.masks, engine.ends)
-        )
-        width = engine.observations.shape[2]
-        self._seen = {
-            agent: slice(seen + seat * width, seen + (seat + 1) * width) for agent, seat in self._seats.items()
-        }
-        self._breakdowns, self._answers, self._masks = slice(0, begin), slice(begin, seen), slice(masks, end)
         self._rewards = engine.rewards[0]
         # items of a memoryview are written in half the time of an array's
         self._choice_items: Any = self._choices[0].data
         self._command_items: Any = self._commands.reshape(-1).data
         self._play = engine.stepper(self._choices, self._hunter_commands, self._prey_commands)
-        if self._prey:
-            begin, seen = (
-                (section.ctypes.data - engine.outputs.ctypes.data) // engine.outputs.itemsize
-                for section in (engine.prey_rewards, engine.prey_observations)
-            )
-            width = engine.prey_observations.shape[2]
-            self._seen |= {
-                agent: slice(seen + index * width, seen + (index + 1) * width) for agent, index in self._prey.items()
-            }
-            self._prey_breakdowns = slice(begin, seen)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
         twin = object.__new__(type(self))
@@ -336,7 +318,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._replay.note(self._engine)
         if self.render_mode == "human":
             self.render()
-        return self._observations_and_infos(self.agents, cut)
+        return self._observations(), self._infos(cut)
 
     def step(
         self, actions: Mapping[str, Any]
@@ -384,7 +366,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             for agent in self._leaving & terminations.keys():
                 terminations[agent], truncations[agent] = True, False
         cut = [agent for agent in agents if truncations[agent]] if ended else ()
-        observations, infos = self._observations_and_infos(agents, cut)
+        observations, infos = self._observations(), self._infos(cut)
         if ended:
             self._over = True
             self._set_agents([])
@@ -398,7 +380,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _set_agents(self, agents: list[str]) -> None:
         self.agents = agents
         self._nobody = dict.fromkeys(agents, False)
-        self._views = [(agent, self._seen[agent]) for agent in agents]
+        self._hunters_here = [(agent, self._seats[agent]) for agent in agents if agent in self._seats]
+        self._prey_here = [(agent, self._prey[agent]) for agent in agents if agent in self._prey]
 
     def withdraw(self, agent: str) -> None:
         """R1.6, R12.5: the agent takes no further part.
@@ -540,7 +523,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._replay = None if saved.replay is None else saved.replay.copy()
-        return self._observations_and_infos(self.agents)
+        return self._observations(), self._infos()
 
     def clone(self) -> "CatchArenaEnv":
         """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""
@@ -644,97 +627,67 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if missing:
             raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
-    def _observations_and_infos(
-        self, agents: Sequence[str], cut: Sequence[str] = ()
-    ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Observations and infos of these agents, from one copy of what the engine tells; `cut` are truncated."""
-        outputs = self._engine.outputs.copy()
-        infos: dict[str, dict[str, Any]]
-        if self._infos_level == "full":
-            infos = LazyInfos(self._nobody)
-            more = self._more_for_infos() if self._has_more_for_infos else _NO_MORE
-            infos.make, infos.arguments = self._infos, (agents, cut, outputs, *more)
-        elif self._infos_level == "mask":
-            infos = {agent: {} for agent in agents}
-            masks = self._masks_in(outputs)
-            for agent, seat in self._seats.items():
-                if agent in infos and self._controls[seat] != "velocity":
-                    infos[agent]["action_mask"] = masks[seat]
-        else:
-            infos = {agent: {} for agent in agents}
-        observations: dict[str, Any] = {agent: outputs[seen] for agent, seen in self._views}
+    def _observations(self) -> dict[str, Any]:
+        """Return a copy of what each of `agents` observes."""
+        seen = self._engine.observations[0].copy()
+        observations: dict[str, Any] = {agent: seen[seat] for agent, seat in self._hunters_here}
+        if self._prey_here:
+            seen = self._engine.prey_observations[0].copy()
+            observations |= {agent: seen[index] for agent, index in self._prey_here}
         if self._mask_in_observation:
-            masks = self._masks_in(outputs).copy()
-            for agent, seat in self._seats.items():
-                if agent in observations and self._controls[seat] == "target":
+            masks = self._engine.masks[0].copy()
+            for agent, seat in self._hunters_here:
+                if self._controls[seat] == "target":
                     observations[agent] = {"observation": observations[agent], "action_mask": masks[seat]}
-        return observations, infos
+        return observations
 
-    def _more_for_infos(self) -> tuple[Sequence[float] | None, Sequence[float], NDArray[np.float64] | None]:
-        """The last arguments of `_infos`, which few scenarios have."""
-        engine = self._engine
-        return (
-            engine.hunter_rows(0)[:, _WITHDRAWN].tolist() if self._dropouts_stay else None,
-            () if self.config.teams is None else engine.team_scores[0].tolist(),
-            engine.prey_rows(0).copy() if self._prey else None,
-        )
-
-    def _masks_in(self, outputs: NDArray[np.float32]) -> NDArray[np.int8]:
-        shape = self._engine.masks.shape[1:]
-        return outputs[self._masks].view(np.int8)[: math.prod(shape)].reshape(shape)
-
-    def _infos(
-        self,
-        agents: Sequence[str],
-        cut: Sequence[str],
-        outputs: NDArray[np.float32],
-        withdrawn: Sequence[float] | None,
-        team_scores: Sequence[float],
-        prey: NDArray[np.float64] | None,
-    ) -> dict[str, dict[str, Any]]:
-        """The infos of a step by agent, from what the engine put out; where that is told, who is `withdrawn` by seat,
-        the scores by team, and `prey` as of `Engine.prey_rows`.
-        """
-        infos: dict[str, dict[str, Any]] = {}
-        masks = self._masks_in(outputs)
-        hunters = self.config.hunters
-        answers = outputs[self._answers].view(np.float64)[: hunters * ANSWER_COLUMNS].reshape(hunters, -1).tolist()
-        parts = _parts_in(outputs[self._breakdowns], hunters, len(PART_NAMES))
-        for agent in agents:
-            if agent in self._prey:
-                continue
-            seat = self._seats[agent]
-            number, verdict, distance, winner = answers[seat]
-            infos[agent] = info = _NO_ANSWER.copy()
-            info["reward_parts"] = parts[seat]
-            if withdrawn is not None:
-                info["active"] = not withdrawn[seat]
-            if team_scores:
-                info["team_score"] = int(team_scores[self._team_by_seat[seat]])
-            if self._controls[seat] != "velocity":
-                info["action_mask"] = masks[seat]
-            if verdict:
-                info["verdict"] = int(verdict)
-                info["target"] = int(number) or -1
-                info["distance_um"] = int(distance)
-                info["winner"] = int(winner)
-        if prey is not None:
-            parts = _parts_in(outputs[self._prey_breakdowns], len(prey), len(PREY_PART_NAMES))
-            for agent, rows, of_agent in zip(self._prey, prey.tolist(), parts, strict=True):
-                if agent in agents:
-                    infos[agent] = {
-                        "active": rows[row_of(state.PREY_SLOT)] != state.NO_TARGET,
-                        "caught_by": int(rows[row_of(state.CAUGHT_BY)]),
-                        "reward_parts": of_agent,
-                    }
-        for agent, info in infos.items():
-            info["TimeLimit.truncated"] = agent in cut
+    def _infos(self, truncated: Sequence[str] = ()) -> dict[str, dict[str, Any]]:
+        """Return the info of each of `agents`."""
+        if self._infos_level == "full":
+            infos = self._full_infos()
+            for agent in truncated:
+                infos[agent]["TimeLimit.truncated"] = True
+            return infos
+        infos = {agent: {} for agent in self.agents}
+        if self._infos_level == "mask":
+            masks = self._engine.masks[0].copy()
+            for agent, seat in self._hunters_here:
+                if self._controls[seat] != "velocity":
+                    infos[agent]["action_mask"] = masks[seat]
         return infos
 
-
-def _parts_in(breakdowns: NDArray[np.float32], agents: int, parts: int) -> NDArray[np.float64]:
-    """R6.2, R12.5: of each agent the parts of its reward, which stand after their sum."""
-    return breakdowns.view(np.float64)[: agents * (1 + parts)].reshape(agents, 1 + parts)[:, 1:]
+    def _full_infos(self) -> dict[str, dict[str, Any]]:
+        engine = self._engine
+        answers, parts, masks = engine.answers[0].tolist(), engine.parts[0].copy(), engine.masks[0].copy()
+        infos: dict[str, dict[str, Any]] = {}
+        for agent, seat in self._hunters_here:
+            infos[agent] = info = _NO_ANSWER.copy()
+            number, verdict, distance, winner = answers[seat]
+            if verdict:
+                info["verdict"], info["target"] = int(verdict), int(number) or -1
+                info["distance_um"], info["winner"] = int(distance), int(winner)
+            info["reward_parts"] = parts[seat]
+            if self._controls[seat] != "velocity":
+                info["action_mask"] = masks[seat]
+        if self._dropouts_stay:
+            active = engine.active[0].tolist()
+            for agent, seat in self._hunters_here:
+                infos[agent]["active"] = active[seat]
+        if self.config.teams is not None:
+            scores = engine.team_scores[0].tolist()
+            for agent, seat in self._hunters_here:
+                infos[agent]["team_score"] = int(scores[self._team_by_seat[seat]])
+        if self._prey_here:
+            caught_by = engine.prey_rows(0)[:, _CAUGHT_BY].tolist()
+            in_play, parts = engine.prey_active[0].tolist(), engine.prey_parts[0].copy()
+            for agent, index in self._prey_here:
+                infos[agent] = {
+                    "active": in_play[index],
+                    "caught_by": int(caught_by[index]),
+                    "reward_parts": parts[index],
+                    "TimeLimit.truncated": False,
+                }
+        return infos
 
 
 def _checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:

@@ -140,8 +140,7 @@ class _RunningMatch:
             the observations and infos after it.
         """
         self.step += 1
-        made = dict(infos)  # they are made when they are first read, and an ordinary dict is read faster
-        shown = {seat: _observation(observations[agent], made[agent]) for seat, agent in self._playing.items()}
+        shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
         faults = self._ask(shown)
         if faults:
             self.forfeit(faults, shown)

@@ -147,17 +147,16 @@ def test_seeds_are_checked_and_derived():
 
 
 def test_what_is_kept_together_lies_together():
-    """`Sections` has its fields in an order that `save`, `outputs` and engines without auto_reset count on."""
+    """`Sections` has its fields in an order that `save` and engines without auto_reset count on."""
     config = scenario("duel", prey=1, target_motion="wander", teams=((0,), (1,)), dropout_rate=0.1)
     engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
     sections, others = sections_of(engine._memory), sections_of(plain._memory)
-    outputs = ("breakdowns", "answers", "observations", "masks", "prey_breakdowns", "prey_observations")
-    told = (*outputs, "ends", "active", "prey_active", "team_scores")
+    told = ("breakdowns", "answers", "observations", "masks", "prey_breakdowns", "prey_observations", "ends")
+    told += ("active", "prey_active", "team_scores")
     of_auto_reset = ("final_observations", "final_masks", "lengths", "records")
     of_auto_reset += ("prey_final_observations", "prey_records")
 
     for name, section, other in zip(Sections._fields, sections, others, strict=True):
-        assert np.shares_memory(section, engine.outputs) == (name in outputs), name
         assert np.shares_memory(section, engine._kept) == (name in ("blocks", *told, *of_auto_reset)), name
         assert np.shares_memory(section, engine._kept[: engine._kept_by_all]) == (name in ("blocks", *told)), name
         assert (section.shape == other.shape) == (name not in of_auto_reset), name
