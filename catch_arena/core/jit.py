@@ -8,7 +8,7 @@ How it is compiled as one piece: `compiler`. How it is kept: `cache`.
 """
 
 import logging
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from functools import wraps
 from typing import Any, Final, TypeVar, cast
 
@@ -72,26 +72,6 @@ def entry(function: F) -> F:
     if INTERPRETED:
         return _with_silent_overflow(function)
     return cast(F, kept(unkept_entry(function)))
-
-
-_MACHINE_CODE: Final[dict[Hashable, Any]] = {}
-
-
-def machine_code(function: F, types: Hashable, *arguments: object) -> F:
-    """An entry for arguments of exactly these types. Called itself, it would look at the types each time, which takes
-    a third of a microsecond; what this returns does not look, and must be given no others.
-
-    Args:
-        function: the entry.
-        types: what tells these types from others: numba looks at them once, which takes as long as 20 steps.
-        arguments: some of these types.
-    """
-    if INTERPRETED:
-        return function
-    key = function, types
-    if key not in _MACHINE_CODE:
-        _MACHINE_CODE[key] = cast(Any, function).compile(tuple(map(numba.typeof, arguments)))
-    return cast(F, _MACHINE_CODE[key])
 
 
 def _with_silent_overflow(function: F) -> F:

@@ -17,7 +17,6 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.catching import ANSWER_COLUMNS
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import FINAL_TEAM_SCORE
-from catch_arena.core.jit import machine_code
 from catch_arena.core.memory import (
     DTYPES,
     Bytes,
@@ -257,33 +256,6 @@ class Engine:
             self._run(thread, first, last, _NO_RESETS, True, choices, commands, requests)
 
         self.threads.run(chunks, play)
-
-    def stepper(
-        self,
-        choices: NDArray[np.int64],
-        commands: NDArray[np.float32],
-        prey_commands: NDArray[np.float32] | None = None,
-    ) -> Callable[[], None]:
-        """`step` of a single arena, with arrays that the caller writes into before each: they are looked at now, and
-        not each time, which takes a tenth of a step.
-
-        Args:
-            choices: see `step`.
-            commands: see `step`.
-            prey_commands: see `step`.
-        """
-        given = 0, 0, 1, _NO_RESETS, True, choices, commands, _NO_REQUESTS
-        arguments = (*self._variant, self._memory, *given)
-        types = self._variant, choices.flags.c_contiguous, commands.flags.c_contiguous
-        play = partial(machine_code(tick.run, types, *arguments), *arguments)
-        if prey_commands is None:
-            return play
-
-        def play_prey() -> None:
-            self._prey_commands[:] = prey_commands
-            play()
-
-        return play_prey
 
     def observe(self, arena: int | None = None) -> None:
         """Write observations and masks as things stand, of all arenas or of those in one arena's block."""

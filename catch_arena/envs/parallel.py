@@ -53,7 +53,7 @@ _UNCHANGING: Final = frozenset(
     ("config", "_controls", "_observation_spaces", "_record_as", "_rewards", "_places", "_seats", "_prey")
 )
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
-_BOUND: Final = ("_play", "_choice_items", "_command_items")
+_BOUND: Final = ("_choice_items", "_command_items")
 """What `_bind_engine_buffers` makes anew."""
 _WITHDRAWN = row_of(state.WITHDRAWN)
 _CAUGHT_BY = row_of(state.CAUGHT_BY)
@@ -215,7 +215,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         # items of a memoryview are written in half the time of an array's
         self._choice_items: Any = self._choices[0].data
         self._command_items: Any = self._commands.reshape(-1).data
-        self._play = engine.stepper(self._choices, self._hunter_commands, self._prey_commands)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
         twin = object.__new__(type(self))
@@ -340,8 +339,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 + ("no episode has begun" if self._seed is None else "this episode is over")
             )
         self._apply_actions(actions)
-        self._play()
         engine = self._engine
+        engine.step(self._choices, self._hunter_commands, self._prey_commands)
         if self._replay is not None:
             prey_commands = None if self._prey_commands is None else self._prey_commands[0]
             self._replay.append(self._choices[0], self._hunter_commands[0], engine, prey_commands)
