@@ -1,4 +1,4 @@
-"""How the core is compiled: the only place with compiler flags.
+"""How the core is compiled: rules, phases and entries, with Numba's flags.
 
 No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops
 the test for a zero divisor, which would keep loops from becoming SIMD code; no formula of ours divides by zero.

@@ -1,7 +1,7 @@
 """An engine's memory: one piece of bytes, which compiled code gets by one address. An array for each of its sections
 would cost a microsecond a call to hand over.
 
-It begins with its directory: for each field of `Sections` where the section begins and how many numbers it has.
+It begins with its directory: for each field of `Sections` where the section begins and its shape.
 `Settings` are a section, and have no numbering either: names, order and types stand in these two classes alone.
 """
 

@@ -23,8 +23,8 @@ LANES: Final = 32
 
 @rule
 def span(width: Width) -> int:
-    """How many lanes a block has: one where arenas are played one at a time. The lanes behind a batch's last arena
-    are played too, and nobody reads them: to leave them out would mostly cost more than to play them.
+    """Return the number of a block's lanes that are played: one if there is one arena. The lanes after a batch's last
+    arena are played too, and not read: to leave them out would mostly cost more than to play them.
     """
     return LANES if len(width) > 1 else 1
 

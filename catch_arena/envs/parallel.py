@@ -50,11 +50,11 @@ RENDER_SIZE: Final = (500, 500)
 """Of the frames that `render` gives: turtlesim's window."""
 
 _UNCHANGING: Final = frozenset(
-    ("config", "_controls", "_observation_spaces", "_record_as", "_rewards", "_places", "_seats", "_prey")
+    ("config", "_controls", "_observation_spaces", "_record_as", "_places", "_seats", "_prey")
 )
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _BOUND: Final = ("_choice_items", "_command_items")
-"""What `_bind_engine_buffers` makes anew."""
+"""Memoryviews, which `_bind_actions` makes again."""
 _WITHDRAWN = row_of(state.WITHDRAWN)
 _CAUGHT_BY = row_of(state.CAUGHT_BY)
 _NO_ANSWER: Final = {
@@ -187,7 +187,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine = Engine(config)
         self._choices = np.zeros((1, config.hunters), dtype=np.int64)
         self._commands = np.zeros((1, len(self.possible_agents), 2), dtype=np.float32)
-        self._bind_engine_buffers()
+        self._bind_actions()
         self._controls = config.controls
         self._ranks = config.targets_seen
         self._all_target_control = set(config.controls) == {"target"} and not config.prey
@@ -206,12 +206,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._painter: Any = None
         self._window: Any = None
 
-    def _bind_engine_buffers(self) -> None:
-        """Note which of the engine's arrays are read and written in each step."""
-        engine, hunters = self._engine, self.config.hunters
+    def _bind_actions(self) -> None:
+        """Note views of the arrays in which the engine gets actions."""
+        hunters = self.config.hunters
         self._hunter_commands = self._commands[:, :hunters]
         self._prey_commands = self._commands[:, hunters:] if self._prey else None
-        self._rewards = engine.rewards[0]
         # items of a memoryview are written in half the time of an array's
         self._choice_items: Any = self._choices[0].data
         self._command_items: Any = self._commands.reshape(-1).data
@@ -223,19 +222,17 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             name: value if name in _UNCHANGING else copy.deepcopy(value, memo) for name, value in state.items()
         }
         twin._observation_spaces = {}  # made anew when they are asked for: nobody draws from them
-        twin._bind_engine_buffers()
+        twin._bind_actions()
         return twin
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the window and what is painted in it, machine code and addresses, which belong to one env and one
-        process.
-        """
+        """All but the window, what is painted in it, and memoryviews, which belong to one env and one process."""
         return {**self.__dict__, "_painter": None, "_window": None, **dict.fromkeys(_BOUND)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """What was copied or unpickled looks at its own engine."""
         self.__dict__.update(state)
-        self._bind_engine_buffers()
+        self._bind_actions()
 
     def __str__(self) -> str:
         return str(self.metadata["name"])
@@ -329,6 +326,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             act, five empty dictionaries for no actions.
 
         Raises:
+            ActionError: for an action that is missing or not legal, and an unknown agent.
             EpisodeError: before the first reset, or for actions after the end.
         """
         if self._over:
@@ -349,7 +347,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         terminations, truncations = self._nobody.copy(), self._nobody.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
-        earned = self._rewards.tolist()
+        earned = engine.rewards[0].tolist()
         if self._prey:
             earned += engine.prey_rewards[0].tolist()
         rewards = dict(zip(self.possible_agents, earned))  # noqa: B905 - half as long again, in each step
@@ -385,7 +383,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def withdraw(self, agent: str) -> None:
         """R1.6, R12.5: the agent takes no further part.
 
-        It is among `agents` for one more step, in which its requests are HUNTER_INACTIVE; that step ends with its
+        It is among `agents` for one more step, in which none of its requests is granted; that step ends with its
         termination and its last observation. Prey stands still, and can be caught.
         """
         self._known(agent)
@@ -612,6 +610,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                     commands[2 * index + 1] = turn_rate
         except KeyError:
             self._require_complete(actions)
+            raise  # an action's own
         for agent in self._leaving:
             if agent not in agents:
                 if agent in seats:
