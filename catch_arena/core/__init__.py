@@ -14,6 +14,6 @@ blocks.
   order), visibility (how far, how blurred), prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
-- jit, compiler: how it is compiled. cache: how that is kept. extending: how the compiler is told of functions and types
-  of ours; addresses, builtin_functions: arrays, and `range` and its like, as it has them.
+- jit, compiler: how it is compiled. cache: compiled code on the disk. extending: how the compiler is told of functions
+  and types of ours; addresses, builtin_functions: arrays, and `range` and its like, as it has them.
 """

@@ -1,8 +1,8 @@
-"""Compiled code on the disk: the only place that knows how Numba keeps it.
+"""Cache of compiled code: the only file that uses Numba's cache classes.
 
-It is kept in the user's cache directory, or if that cannot be written in a temporary folder of the user's, by the
-sources of the whole core: Numba itself looks only at the file of the function that is called, and would miss an edit in
-another one.
+The cache is the user's cache directory, or a temporary folder of the user's if that cannot be written. It has a folder
+for each state of the core's sources: Numba itself compares only the file of the function that is called, and would miss
+an edit in another one.
 """
 
 import contextlib
@@ -33,7 +33,7 @@ _MOST_KEPT: Final = 16
 
 
 def _cache_directory() -> Path | None:
-    """Where compiled code is kept: one folder for each state of the sources; None where nothing can be written."""
+    """Return the folder for this state of the sources; None if none can be written."""
     digest = _sources_digest()
     kind = f"{'-checked' if CHECKED else ''}{'' if USABLE else '-numba'}"  # other code of the same sources
     for parent in _cache_parents():
@@ -58,14 +58,15 @@ def _sources_digest() -> str:
 
 
 def _cache_parents() -> Iterator[Path]:
-    """Where it could be kept, the best first: where the user says; at home; else where all temporary files are, in a
-    folder that this user made and nobody else writes to, since what is read from it is run.
+    """Yield the folders that may hold the cache, the best first: NUMBA_CACHE_DIR alone if it is set; the user's cache
+    directory; a folder for temporary files that belongs to this user and that no other user can write, since code that
+    is read from it runs.
     """
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(chosen)
         return
     yield Path(platformdirs.user_cache_dir("catch_arena", appauthor=False))
-    with contextlib.suppress(OSError, AttributeError):  # Windows knows no such numbers of users
+    with contextlib.suppress(OSError, AttributeError):  # Windows has no user ids
         folder = Path(tempfile.gettempdir()) / f"catch-arena-{os.getuid()}"
         folder.mkdir(mode=0o700, exist_ok=True)
         found = folder.lstat()
@@ -74,7 +75,7 @@ def _cache_parents() -> Iterator[Path]:
 
 
 def _drop_old_folders(current: Path) -> None:
-    """Keep the compiled code of the sources that were used last; how long ago that was is not asked, as clocks jump."""
+    """Remove all but the _MOST_KEPT folders that were used last, whatever their age: clocks jump."""
     with contextlib.suppress(OSError):  # another process may be doing the same
         os.utime(current)
         others = set(current.parent.glob("core-*")) - {current}
@@ -87,17 +88,18 @@ CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 
 
 class _CheckedForm(_caching.CompileResultCacheImpl):  # type: ignore[misc]
-    """What stands in a file: Numba's form of it, behind a checksum. A crash can leave a file whole in its length and
-    not in its content, and damaged machine code would run.
+    """Content of a cache file: a checksum, and Numba's form of the code.
+
+    A crash can leave a file with the right length and damaged content, and damaged machine code would run.
     """
 
     def reduce(self, compiled: Any) -> tuple[bytes, bytes]:
-        """For the file."""
+        """Return the content of a file."""
         content = _serialize.dumps(super().reduce(compiled))
         return hashlib.blake2b(content).digest(), content
 
     def rebuild(self, context: Any, kept: Any) -> Any:
-        """From the file."""
+        """Return the code from the content of a file."""
         checksum, content = kept
         if hashlib.blake2b(content).digest() != checksum:
             raise ValueError("damaged")
@@ -105,35 +107,34 @@ class _CheckedForm(_caching.CompileResultCacheImpl):  # type: ignore[misc]
 
 
 class _Cache(_caching.FunctionCache):  # type: ignore[misc]
-    """Compiled code on the disk. What cannot be read is compiled again, and takes the place of what was there; what
-    cannot be written is compiled at every start.
+    """Cache of one function. Code that cannot be read is compiled again and replaced; if it cannot be written either,
+    it is compiled at every start.
     """
 
     _impl_class = _CheckedForm
 
     def load_overload(self, types: Any, context: Any) -> Any:
-        """What is kept for arguments of these types, or None."""
+        """Return the code for arguments of these types, or None."""
         try:
-            kept = self._load(types, context)
-            # two processes that save at once can leave code for other types under this name
-            if kept is None or kept.signature.args == _sigutils.normalize_signature(types)[0]:
-                return kept
+            found = self._load(types, context)
+            # two processes that save at the same time can leave code for other types under this name
+            if found is None or found.signature.args == _sigutils.normalize_signature(types)[0]:
+                return found
         except Exception:  # noqa: BLE001, S110 - a damaged file makes pickle raise whatever it likes
             pass
-        with contextlib.suppress(OSError):  # what cannot be written is told where it is saved
+        with contextlib.suppress(OSError):  # `save_overload` says that nothing can be written
             self.flush()  # the index may be what is damaged, and it is read again before anything is saved
         return None
 
     def _load(self, types: Any, context: Any) -> Any:
         if not USABLE:
             return super().load_overload(types, context)
-        # Numba would first import its libraries for the compiler, which machine code does not need: that is more than a
-        # third of a warm start
+        # Numba's own method first imports the compiler's libraries, which takes more than a third of a warm start
         with self._guard_against_spurious_io_errors():
             return self._load_overload(types, context)
 
     def save_overload(self, types: Any, compiled: Any) -> None:
-        """Keep it, where there is room: on a full disk Numba would raise, and not play."""
+        """Write the code; on a full disk Numba would raise, and the rules would not run."""
         try:
             super().save_overload(types, compiled)
         except Exception as error:  # noqa: BLE001 - a damaged index that cannot be replaced is read here again
@@ -155,7 +156,7 @@ def kept(compiled: Any) -> Any:
 
 @cache
 def _tell_not_kept(reason: str) -> None:
-    """Once for each reason."""
+    """Say once for each reason that the cache cannot be written."""
     sys.stderr.write(
         f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them anew, "
         "unless NUMBA_CACHE_DIR names a folder with room\n"

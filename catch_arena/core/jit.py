@@ -1,10 +1,10 @@
-"""How the core is compiled: rules, phases and entries, with Numba's flags.
+"""Decorators of the core's functions: rules, phases and entries, with Numba's flags.
 
 No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops
 the test for a zero divisor, which would keep loops from becoming SIMD code; no formula of ours divides by zero.
 `_nrt=False`: the core makes no arrays, so nothing is counted and freed, and code for one arena runs a third faster.
 
-How it is compiled as one piece: `compiler`. How it is kept: `cache`.
+`compiler` compiles the core as one piece, and `cache` stores it on the disk.
 """
 
 import logging

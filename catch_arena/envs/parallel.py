@@ -55,7 +55,6 @@ _UNCHANGING: Final = frozenset(
 """What an env and its copies share, or see anew: to copy it would take longer than all the rest."""
 _BOUND: Final = ("_choice_items", "_command_items")
 """Memoryviews, which `_bind_actions` makes again."""
-_WITHDRAWN = row_of(state.WITHDRAWN)
 _CAUGHT_BY = row_of(state.CAUGHT_BY)
 _NO_ANSWER: Final = {
     "verdict": NO_REQUEST,
@@ -174,7 +173,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """False for each of `agents`: copied, since a dict made anew takes five times as long."""
         self._hunters_here: list[tuple[str, int]] = []
         self._prey_here: list[tuple[str, int]] = []
-        """Those of `agents` that hunt, with their seats, and that are prey, with their indices."""
+        """The hunters among `agents`, with their seats, and the prey among them, with its indices."""
         self.max_cycles = config.max_steps
         self._seats = {name: seat for seat, name in enumerate(self.possible_agents[: config.hunters])}
         self._prey = {name: index for index, name in enumerate(self.possible_agents[config.hunters :])}
@@ -354,8 +353,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if len(agents) < len(self.possible_agents):
             rewards = {agent: rewards[agent] for agent in agents}
         if self._dropouts_leave:
-            withdrawn = engine.hunter_rows(0)[:, _WITHDRAWN].tolist()
-            self._leaving.update(agent for agent, seat in self._seats.items() if withdrawn[seat])
+            active = engine.active[0].tolist()
+            self._leaving.update(agent for agent, seat in self._seats.items() if not active[seat])
         if self._prey_leaves:
             in_play = engine.prey_active[0].tolist()
             self._leaving.update(agent for agent, index in self._prey.items() if not in_play[index])

@@ -100,7 +100,7 @@ def run(monkeypatch, tmp_path):
 
 
 AGAIN = {"match": ["--force"], "tournament": ["--out", "trusted"], "suite": ["--out", "trusted"]}
-"""What lets a command run twice in one folder."""
+"""Options that let a command run twice in one folder."""
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What can be tested where, and packages of ROS's without ROS."""
+"""Test files left out on systems without wheels of cyclonedds, and stand-ins for packages of ROS."""
 
 import platform
 import sys

@@ -59,7 +59,7 @@ LINES = [
     b"null",
     b"",
 ]
-"""What an agent may answer."""
+"""Actions that an agent may answer."""
 
 
 def run(folder, *words):

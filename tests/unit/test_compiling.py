@@ -1,4 +1,4 @@
-"""What users read while the rules are compiled, and that each variant is compiled once."""
+"""Each variant of the rules is compiled once, and a line says so."""
 
 import threading
 

@@ -25,14 +25,14 @@ class RosSeat:
     def __init__(self, hunter: str, log: Log, *, only_drives: bool = False) -> None:
         self.hunter, self.only_drives = hunter, only_drives
         self.driven = False
-        """Whether a node drives it."""
+        """True while a node drives it."""
         self._log, self._log_once = log, OnceLog(log)
         self._twist = STANDING_STILL
         self._fresh = False
         self._missed = True
         """Whether it is news that a node drives it."""
         self._was_there = self._drove = self._left = False
-        """Whether a node that could drive it was on the bus, whether one ever did, and whether it has left."""
+        """True if a node that could drive it was on the bus; if one ever did; if one has left."""
         self._given_ms = -WATCHDOG_MS
 
     def on_twist(self, message: TwistMessage) -> None:

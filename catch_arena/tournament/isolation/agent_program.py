@@ -58,13 +58,13 @@ def main(words: str) -> None:
     Args:
         words: JSON of the arguments of `serve`.
     """
-    told = json.loads(words)
+    arguments = json.loads(words)
     try:
-        serve(**told)
+        serve(**arguments)
     except BaseException:  # noqa: BLE001 - its last line says why a match could not be held
         traceback.print_exc()
     finally:
-        _leave(None if told["namespaced"] else Path(told["folder"]))
+        _leave(None if arguments["namespaced"] else Path(arguments["folder"]))
 
 
 def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
