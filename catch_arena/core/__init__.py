@@ -16,4 +16,16 @@ blocks.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
 - jit, compiler: how it is compiled. cache: compiled code on the disk. extending: how the compiler is told of functions
   and types of ours; addresses, builtin_functions: arrays, and `range` and its like, as it has them.
+
+Parameters that have the same meaning in every function, which docstrings do not repeat:
+
+- memory: see memory.py. arena: which of the batch. choices, commands and given_requests: see `tick.run`, of the lanes.
+  sections: see `memory.Sections`; so are controls (of the lanes), limits, teams and team_seats. scratch: see
+  `workspace.Scratch`.
+- s: the settings, see `state.Settings`. block: the rows of LANES arenas, see state.py; lane: one of them. lanes: how
+  many of its lanes are arenas, from 0 up. first and last: the first arena of the block, and the one behind its last.
+- width: how many lanes a group has; first: the first of those, where a function is about one group (see vectors.py).
+- seat: which hunter. me: the rows of whom the function is about. index: which prey. targets: the slots of the block;
+  slot: one of them. order: the slots or seats that a seat sees, by rank, see `state.slot_at_rank`.
+- place: where observations are written, see `transfers.Place`. tiles: see tiles.py.
 """

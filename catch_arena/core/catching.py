@@ -85,10 +85,6 @@ def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up:
     """R8.3: whether the kill service answers in this step.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
         service_up: the result, one row of flags.
     """
     for first in range(0, span(width), len(width)):
@@ -115,11 +111,6 @@ def refuse_requests(
 
     Args:
         block: the block, without verdicts; they are written, and what stands beside them.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        targets: the slots of the block.
-        limits: (H, 5): see `memory.Sections`.
         scratch: see `workspace.Scratch`; its requested slots are read.
         service_up: see `ask_service`.
     """
@@ -175,9 +166,6 @@ def collect_requests(block: Block, s: Settings, lane: int, scratch: Scratch) -> 
     """Who asks for which slot, in one lane, and has no answer yet.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
         scratch: see `workspace.Scratch`; of its requests one row is written for each that is open, the seat and the
             slot: the other columns are `fill_requests`'.
 
@@ -201,11 +189,6 @@ def fill_requests(
     """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
-        targets: the slots of the block.
-        limits: (H, 5): see `memory.Sections`.
         requests: the request table of the lane, whose seats and slots are there; the columns from REQUEST_NUMBER to
             REQUEST_REACH are written.
     """
@@ -244,9 +227,6 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
     """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
         requests: the request table of the lane; its verdicts and winners are written.
         service_up: whether the kill service answers.
     """
@@ -283,11 +263,6 @@ def commit(
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8).
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
-        targets: the slots of the block.
-        limits: (H, 5): see `memory.Sections`.
         requests: the request table of the lane, judged.
         scratch: see `workspace.Scratch`; the progress references are renewed.
     """
@@ -330,15 +305,8 @@ def resolve_requests(
     lane after the other.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        targets: the slots of the block.
-        limits: see `memory.Sections`.
         given_requests: requests that are judged instead of what the hunters ask for, in a block of one arena: their
             seats and slots, or the codes instead of a slot; or none.
-        scratch: see `workspace.Scratch`.
     """
     service_up, counts = scratch.rows[:LANES], scratch.rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)
@@ -363,9 +331,6 @@ def write_answers(block: Block, s: Settings, lanes: int, answers: NDArray[np.flo
     """R5.6: the answers to the requests of this step, for those who look from outside.
 
     Args:
-        block: the block.
-        s: the settings.
-        lanes: how many lanes are arenas.
         answers: the result, (lanes, H, 4): see `memory.Sections`; or none.
     """
     for lane in range(min(lanes, len(answers))):

@@ -85,14 +85,6 @@ def choose(
     One lane after the other, since the targets are anywhere.
 
     Args:
-        me: the rows of the seat.
-        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
-            them.
-        targets: the slots of the block.
-        seat: which hunter.
-        choices: (lanes, H), ranks from 1 up, or 0 to hold.
-        lanes: how many lanes are arenas.
-        s: the settings.
         requested: the result, one row: see `workspace.requested_slots_of`.
         goals: the result, three rows: where the target is to which each lane drives, x and y [m], and its number, 0 for
             none.
@@ -117,9 +109,6 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
     Args:
         me: the rows of the seat; its velocities, integrals and active target are written.
         goals: see `choose`.
-        width: how many lanes a group has.
-        s: the settings.
-        limits: the seat's own.
         requested: what `choose` has written; NO_TARGET is written where the target is out of reach.
     """
     for first in range(0, span(width), len(width)):
@@ -166,13 +155,6 @@ def request_nearest(
     """R4.4: under velocity control the nearest target is requested whenever it is within reach.
 
     Args:
-        me: the rows of the seat.
-        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
-            them.
-        targets: the slots of the block.
-        lanes: how many lanes are arenas.
-        s: the settings.
-        limits: the seat's own.
         requested: the result, one row: see `workspace.requested_slots_of`.
     """
     for lane in range(lanes):
@@ -202,11 +184,6 @@ def drive_by_command(
 
     Args:
         me: the rows of the seat; its velocities are written.
-        seat: which hunter.
-        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        limits: the seat's own.
         requested: one row: see `workspace.requested_slots_of`.
     """
     for lane in range(lanes):
@@ -240,18 +217,7 @@ def steer_seat(
     """R4.1, R4.4: one seat by one control, in all lanes.
 
     Args:
-        me: the rows of the seat.
-        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
-            them.
-        targets: the slots of the block.
-        seat: which hunter.
         control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        choices: (lanes, H), ranks from 1 up, or 0 to hold.
-        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
-        s: the settings.
-        limits: the seat's own.
         requested: the result, one row: see `workspace.requested_slots_of`.
         goals: room for three rows: see `choose`.
     """
@@ -284,16 +250,6 @@ def steer_lane_by_lane(
     """The same where the seat's control differs by arena: each lane as an arena that is alone.
 
     Args:
-        me: the rows of the seat.
-        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
-            them.
-        targets: the slots of the block.
-        seat: which hunter.
-        controls: (lanes, H): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-        choices: (lanes, H), ranks from 1 up, or 0 to hold.
-        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
-        s: the settings.
-        limits: the seat's own.
         requested: the result, one row: see `workspace.requested_slots_of`.
         goals: room for three rows: see `choose`.
     """
@@ -339,14 +295,6 @@ def apply_actions(
     """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        controls: (lanes, H): TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-        limits: (H, 5): see `memory.Sections`.
-        choices: (lanes, H), ranks from 1 up, or 0 to hold.
-        commands: (lanes, H, 2), speed and turn rate as fractions of the limits in [-1, 1].
         scratch: see `workspace.Scratch`; the requested slots and the progress references are set.
     """
     targets, goals = targets_of(block, s), scratch.rows

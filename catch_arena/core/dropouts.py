@@ -53,8 +53,6 @@ def withdraw_at(memory: Bytes, arena: int, seat: int) -> None:
     """R1.6: the hunter in one seat is withdrawn.
 
     Args:
-        memory: see core/memory.py.
-        arena: which of the batch.
         seat: whose.
     """
     withdraw(seat_of(sections_of(memory).blocks[arena // LANES], seat), arena % LANES)

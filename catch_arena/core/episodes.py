@@ -63,10 +63,6 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
     """An episode in figures, as it stands in one lane.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
-        teams: see `memory.Sections`.
         record: the result, (H, figures).
     """
     score = FINAL_TEAM_SCORE if s.has_teams else FINAL_SCORE
@@ -95,9 +91,6 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
     """R2.6, R3.1, A.6: one arena at the beginning of an episode.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
         start_poses: (H, 3), x, y [m] and heading [rad]; or (0, 3) for the fair circle (R2.6).
         seed: the episode's.
     """
@@ -154,8 +147,6 @@ def write_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
     """R1.5: for those who look from outside.
 
     Args:
-        block: the block.
-        lanes: how many lanes are arenas.
         ends: the result, (lanes,): RUNNING, TERMINATED or TRUNCATED.
     """
     for lane in range(lanes):
@@ -167,7 +158,6 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
     """Keep the block as it was before a step, for `restore_finished`.
 
     Args:
-        block: the block.
         snapshot: the result, as long as the block.
     """
     for i in range(len(block)):
@@ -182,9 +172,6 @@ def restore_finished(
     nothing moves after the end, and every request is MATCH_OVER.
 
     Args:
-        block: the block.
-        s: the settings.
-        lanes: how many lanes are arenas.
         scratch: see `workspace.Scratch`: the block before the step, and the slots requested in it.
         rewards: (lanes, H), or none; those of arenas that had ended become 0.
         breakdowns: (lanes, H, 1 + parts), or none; the same.
@@ -220,15 +207,7 @@ def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
 
 @phase
 def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
-    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins.
-
-    Args:
-        block: the block.
-        s: the settings.
-        first: the first arena of the block.
-        last: the arena behind its last.
-        sections: see `memory.Sections`.
-    """
+    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
     for lane in range(last - first):
         if block[ENDED + lane] == RUNNING:
             continue

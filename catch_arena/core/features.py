@@ -59,7 +59,6 @@ def in_frame_of(me: Observer, east: float, north: float) -> tuple[float, float]:
     """R7.1: of a direction how much of it is ahead of an observer, and how much to its left.
 
     Args:
-        me: the observer.
         east: from the observer to a place [m], or the cosine of a heading.
         north: the same, or the sine.
     """
@@ -131,8 +130,6 @@ def time_left_at(block: Block, s: Settings, lane: int) -> float:
 
     Args:
         block: the block, for its row TIME [ms].
-        s: the settings.
-        lane: the lane.
     """
     remaining = s.time_limit_ms - block[TIME + lane]
     seconds: float = select(remaining > 0.0, remaining / 1000.0, 0.0)

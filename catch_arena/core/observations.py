@@ -109,7 +109,6 @@ def update_heading(me: Block, width: Width) -> None:
 
     Args:
         me: the rows of one body; SINE and COSINE are written.
-        width: how many lanes a group has.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -124,8 +123,6 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
 
     Args:
         block: the block, for its row TIME [ms].
-        s: the settings.
-        width: how many lanes a group has.
         time_left: the result [s], one row, (LANES,).
     """
     for first in range(0, span(width), len(width)):
@@ -147,7 +144,6 @@ def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out:
         key: `visibility.blur_key`'s stream of what is seen.
         forward: how far ahead it is [m].
         left: how far to the left [m].
-        s: the settings.
         out: observations, flat.
         at: where in `out` the two columns begin.
     """
@@ -160,10 +156,7 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, place: Pla
     """R7.1: what a hunter knows of itself, in the lanes of one group.
 
     Args:
-        me: the rows of its seat.
         time_left: until the time limit [s], one row, (LANES,).
-        first: the first lane of the group.
-        width: how many lanes the group has.
         place: see `transfers.Place`; the columns of `layout.SelfFeatures` are written.
     """
     lane = group(first, width)
@@ -184,17 +177,7 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, place: Pla
 
 @phase
 def write_targets(block: Block, seat: int, s: Settings, first: int, width: Width, tiles: Block, place: Place) -> None:
-    """R7.1, R7.4: the targets that one seat sees, in the lanes of one group.
-
-    Args:
-        block: the block.
-        seat: who sees.
-        s: the settings.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        tiles: see `tiles.tile_targets`.
-        place: see `transfers.Place`.
-    """
+    """R7.1, R7.4: the targets that one seat sees, in the lanes of one group."""
     order, lane = target_order_of(block, seat, s), group(first, width)
     me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.targets_seen):
@@ -228,15 +211,7 @@ def write_rivals(
     """R7.1, R7.4: the rivals that one seat sees, in the lanes of one group.
 
     Args:
-        block: the block.
-        seat: who sees.
         order: seats by rank, packed: see `state.slot_at_rank`.
-        s: the settings.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        teams: see `memory.Sections`.
-        tiles: see `tiles.tile_hunters`.
-        place: see `transfers.Place`.
     """
     lane = group(first, width)
     me = observer_of(seat_of(block, seat), lane)
@@ -269,15 +244,8 @@ def blur_seen(
     """R7.6: what one seat sees is written again, some way from where it is.
 
     Args:
-        block: the block.
-        seat: who sees.
         kind: TARGET_KIND or RIVAL_KIND.
         order: slots or seats by rank, packed: see `state.slot_at_rank`.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        tiles: see `tiles.tile_targets` and `tiles.tile_hunters`.
-        place: see `transfers.Place`.
     """
     of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
@@ -312,9 +280,6 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     arena.
 
     Args:
-        block: the block.
-        s: the settings.
-        lanes: how many of its lanes are arenas.
         masks: the result, (lanes, H, K + 1).
     """
     ranks = s.targets_seen
@@ -361,14 +326,7 @@ def write_seat(
     """R7.1: the observations of one seat, in the lanes of one group.
 
     Args:
-        block: the block.
-        seat: who sees.
-        s: the settings.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        teams: see `memory.Sections`.
         scratch: see `workspace.Scratch`; tiles, the time left (its first row) and the rivals' orders are read.
-        place: see `transfers.Place`.
     """
     write_self(seat_of(block, seat), scratch.rows[:LANES], first, width, place)
     targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
@@ -409,13 +367,7 @@ def write(
     had better go past the caches, in the order of the memory.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many of its lanes are arenas.
         slots: how many slots are in use in any lane.
-        teams: see `memory.Sections`.
-        scratch: see `workspace.Scratch`.
         out: the observations of the whole batch, flat.
         arena: which of the batch is the first lane.
         ahead: see `prefetch_part`.
@@ -460,13 +412,7 @@ def rank_seen(
     in the first cache.
 
     Args:
-        block: the block.
-        s: the settings.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        lanes: how many lanes are arenas.
         slots: how many slots are in use in any lane.
-        sections: see `memory.Sections`.
         scratch: see `workspace.Scratch`; the rivals' orders are the result, and in the block those of the targets.
     """
     keys, teams, targets = scratch.keys, sections.teams, targets_of(block, s)
@@ -497,15 +443,6 @@ def observe(
     `first` up to, but not including, `last`.
 
     The order of the targets stays in the arena: the next step's choices are ranks in it.
-
-    Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        first: the first arena of the block.
-        last: the arena behind its last.
-        sections: see `memory.Sections`.
-        scratch: see `workspace.Scratch`.
     """
     lanes = last - first
     targets = targets_of(block, s)

@@ -87,7 +87,6 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
 
     Args:
         me: the rows of the body; its pose and AT_WALL are written.
-        width: how many lanes a group has.
         side: of the arena [m].
         fewest: how many ticks each lane has at least.
         most: and at most: as many, or one more.
@@ -120,9 +119,6 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
     """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
         stale: one row: 1 where the watchdog has fired, else 0.
     """
     for seat in range(s.hunters):
@@ -139,7 +135,6 @@ def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
 
     Args:
         ticks: how many each lane has, one row.
-        lanes: how many lanes are arenas.
     """
     fewest, most = 1e18, 0.0
     for lane in range(lanes):
@@ -156,11 +151,6 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, co
     that move it. Targets have no watchdog (R3.8).
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        targets: the slots of the block.
         counts: room for three rows: how many ticks each lane has, how many before its commands are stale, and whether
             they become so in this step.
     """

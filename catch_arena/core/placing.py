@@ -50,10 +50,6 @@ def put_target(block: Block, targets: Block, lane: int, s: Settings, target: Tab
     """A target appears, with the next number, or as one that has been there.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        lane: the lane.
-        s: the settings.
         target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
     """
     block[LAST_NUMBER + lane] += 1.0
@@ -67,8 +63,6 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
     """Bodies are at rest at these poses; targets, as far as there is room, take the place of those that nobody plays.
 
     Args:
-        memory: see core/memory.py.
-        arena: which of the batch.
         hunters: (n, 3), the poses of the first ones.
         prey: (P, 3), of those that are in play; or (0, 3), and prey stays as it is.
         targets: (n, 5): see `put_target`.
@@ -105,7 +99,6 @@ def place_all(
     """Episodes begin with these bodies; the seeds stay. Not for arenas with prey.
 
     Args:
-        memory: see core/memory.py.
         arenas: (n,), which of the batch.
         hunters: (n, H, 4): x, y, heading, linear velocity; NaN: withdrawn.
         targets: (n, T, 5): see `put_target`; the oldest first, and NaN behind the last.

@@ -75,10 +75,6 @@ def command_prey(
     """R12.2: prey's velocities for this step, and from where R12.5's gain is counted.
 
     Args:
-        block: the block.
-        s: the settings.
-        lanes: how many lanes are arenas.
-        targets: the slots of the block.
         commands: (lanes, P, 2), fractions of the limits in [-1, 1].
         scratch: see `workspace.Scratch`; the references are written.
     """
@@ -118,7 +114,6 @@ def distance(targets: Block, at: int, x: float, y: float) -> float:
     """Between a target and a position [m].
 
     Args:
-        targets: the slots of the block.
         at: where in `targets` the slot begins, its lane included.
         x: the position [m].
         y: the position [m].
@@ -132,9 +127,6 @@ def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> No
     """R12.3: whoever plays the target in one slot is out, caught by that seat; before the target leaves.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
         slot: of the target that was caught.
         seat: who caught it.
     """
@@ -175,15 +167,7 @@ def write_prey_active(block: Block, s: Settings, lanes: int, active: NDArray[np.
 
 @rule
 def prey_parts(me: Block, reference: Block, targets: Block, lane: int, s: Settings) -> tuple[float, float, float]:
-    """R12.5: the parts of what one prey gets that is not withdrawn, in the order of `state.PREY_PART_NAMES`.
-
-    Args:
-        me: the rows of the prey.
-        reference: see `workspace.prey_reference_of`.
-        targets: the slots of the block.
-        lane: the lane.
-        s: the settings.
-    """
+    """R12.5: the parts of what one prey gets that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
     if me[CAUGHT_BY + lane] >= 0.0:
         return 1.0, 0.0, 0.0
     if reference[IN_PLAY + lane] == 0.0:
@@ -210,12 +194,7 @@ def reward_prey(
     """R12.5: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
 
     Args:
-        block: the block.
-        s: the settings.
-        lanes: how many lanes are arenas.
         had_ended: whether some of them had ended before this step: those get nothing.
-        targets: the slots of the block.
-        scratch: see `workspace.Scratch`.
         rewards: (lanes, P), or none.
         breakdowns: (lanes, P, 1 + parts), the sum and the parts in the order of `state.PREY_PART_NAMES`, or none.
     """
@@ -246,7 +225,6 @@ def is_ahead(one: Block, other: Block, lane: int) -> bool:
     Args:
         one: the rows of one prey.
         other: the rows of the other.
-        lane: the lane.
     """
     if one[PREY_WITHDRAWN + lane] != other[PREY_WITHDRAWN + lane]:
         return bool(one[PREY_WITHDRAWN + lane] < other[PREY_WITHDRAWN + lane])
@@ -258,9 +236,6 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
     """An episode in figures, as it stands in one lane.
 
     Args:
-        block: the block.
-        s: the settings.
-        lane: the lane.
         record: the result, (P, PREY_RECORD_COLUMNS).
     """
     for index in range(s.prey):
@@ -278,8 +253,6 @@ def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
     """R12.5: prey is withdrawn: it stands still from now on.
 
     Args:
-        memory: see core/memory.py.
-        arena: which of the batch.
         index: which prey.
     """
     sections = sections_of(memory)

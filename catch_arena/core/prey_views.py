@@ -64,10 +64,6 @@ def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, scratch: 
     """The bodies of all prey, from their slots; those of prey that is out are zero, and hidden like a withdrawn hunter.
 
     Args:
-        block: the block.
-        s: the settings.
-        lanes: how many lanes are arenas.
-        targets: the slots of the block.
         scratch: see `workspace.Scratch`; the result.
     """
     for index in range(s.prey):
@@ -103,8 +99,6 @@ def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_
     """R12.4: the hunters, or the prey, as one prey looks at them.
 
     Args:
-        block: the block.
-        s: the settings.
         of_hunters: whether it is the hunters.
         index: which prey looks.
         gathered_prey: see `workspace.Scratch`.
@@ -133,11 +127,7 @@ def rank_bodies(me: Block, bodies: Bodies, first: int, width: Width, lanes: int,
     """R12.4: bodies by distance, then as R7.1 has rivals, in the lanes of one group.
 
     Args:
-        me: the rows of the observer.
         bodies: see `Bodies`.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        lanes: how many lanes are arenas.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
         tied: room for one row.
     """
@@ -162,7 +152,6 @@ def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: in
     `ranking.sort_ties` does the same with rivals, which differ in catches, team and seat too; bodies have none.
 
     Args:
-        me: the rows of the observer.
         bodies: see `Bodies`.
         first: the first lane.
         last: the lane behind the last.
@@ -191,12 +180,8 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: S
     """R12.4: what one prey sees of bodies, in the lanes of one group.
 
     Args:
-        me: the rows of the observer.
         bodies: see `Bodies`.
-        first: the first lane of the group.
-        width: how many lanes the group has.
         scratch: see `workspace.Scratch`; its keys are as `rank_bodies` leaves them.
-        place: see `transfers.Place`.
     """
     lane = group(first, width)
     observer = observer_of(me, lane)
@@ -217,13 +202,7 @@ def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, 
     """R12.4: what one prey knows of itself, in the lanes of one group.
 
     Args:
-        block: the block.
         caught: how often it was caught, one row.
-        me: the rows of the observer.
-        s: the settings.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        place: see `transfers.Place`.
     """
     lane = group(first, width)
     own = PreySelfFeatures(
@@ -247,7 +226,6 @@ def copy_lanes(staging: Numbers, columns: int, lanes: int, stride: int, out: Num
     Args:
         staging: see `workspace.Scratch`.
         columns: how many are there, from the first on.
-        lanes: how many lanes are arenas.
         stride: see `transfers.Place`.
         out: observations, flat.
         at: where in `out` that of the first lane begins.
@@ -264,13 +242,8 @@ def observe_as_prey(
     """R12.4, R12.3: the observations of all prey of a block.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
         arena: which of the batch is the first lane.
-        lanes: how many lanes are arenas.
         sections: see `memory`; `prey_observations` is the result.
-        scratch: see `workspace.Scratch`.
     """
     gather_prey(block, s, lanes, targets_of(block, s), scratch)
     out = flat(sections.prey_observations)

@@ -109,8 +109,6 @@ def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> N
         count: how many rows have keys.
         ranks: how many of the smallest are wanted in order; the others follow in any, among some that are FAR, up to
             `whole_eights`.
-        first: the first lane of the group.
-        width: how many lanes the group has.
     """
     lane = group(first, width)
     for row in range(count, whole_eights(count)):
@@ -133,8 +131,6 @@ def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, pac
         keys: sorted as far as they are read: rows of LANES.
         there: how many rows have keys.
         ranks: how many ranks are wanted.
-        first: the first lane of the group.
-        width: how many lanes the group has.
         packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
     """
     lane = group(first, width)
@@ -166,12 +162,7 @@ def rank_targets(
     Args:
         block: the block, for its row ALIVE.
         me: the rows of the seat that sees them.
-        targets: the slots of the block.
-        first: the first lane of the group.
-        width: how many lanes the group has.
         slots: how many slots are in use in any lane.
-        s: the settings.
-        reach_limit_m2: the seat's own: see `visibility.is_seen`.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     lane = group(first, width)
@@ -193,10 +184,6 @@ def note_positions(block: Block, first: int, width: Width, s: Settings, position
     nobody (R1.6): infinitely far.
 
     Args:
-        block: the block.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
         positions: the result [m]: x and y by seat, each as many numbers as the group has lanes.
     """
     lane = group(first, width)
@@ -214,12 +201,6 @@ def measure_rivals(
     """R7.1, R7.5: how far the other hunters are, of those who are seen, in the lanes of one group.
 
     Args:
-        block: the block.
-        seat: who sees them.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        reach_limit_m2: the seat's own: see `visibility.is_seen`.
         positions: see `note_positions`.
         keys: the result, by seat, rows of LANES.
     """
@@ -250,12 +231,7 @@ def count_ranks(
     """R7.1: the order of few rivals, in which each comes after as many as precede it.
 
     Args:
-        block: the block.
-        seat: who sees them.
-        first: the first lane of the group.
-        width: how many lanes the group has.
         s: the settings; there are at most RANKS_PER_WORD hunters.
-        teams: see `memory.Sections`.
         keys: by seat, rows of LANES.
         ranks: for scratch, a row for each seat.
         packed: the result, one row: see `state.slot_at_rank`; nobody reads what stands behind the last hunter.
@@ -287,10 +263,8 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
     """R7.1, R12.4: of two bodies equally far, the one seen further left comes first, then further forward, and so on.
 
     Args:
-        me: the rows of the observer.
         one: the rows of a body that it sees.
         other: and of another.
-        lane: the lane.
 
     Returns:
         a number above 0 where `one` comes first, below 0 where `other` does, and 0 where they look alike.
@@ -310,10 +284,8 @@ def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -
     where the view has noise.
 
     Args:
-        seat: who sees them.
         one: the seat of a rival.
         other: and of another.
-        teams: see `memory.Sections`.
     """
     mate = bool(teams[one] == teams[seat])
     return one < other if mate == (teams[other] == teams[seat]) else mate
@@ -334,10 +306,8 @@ def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool)
     """R7.1: of two rivals equally far, the one that `lead`s, then the one that `has_more_catches`.
 
     Args:
-        me: the rows of the observer.
         one: the rows of a rival that it sees.
         other: and of another.
-        lane: the lane.
         listed_first: whether `one` comes first where nothing else tells them apart.
     """
     first = lead(me, one, other, lane)
@@ -360,7 +330,6 @@ def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
     Args:
         keys: sorted by distance as far as one beyond `ranks`, two rows of LANES at least.
         ranks: how many are seen.
-        lane: the lane, or a group.
     """
     tied = equally_far(keys[lane], keys[LANES + lane])
     for rank in range(1, ranks):
@@ -374,7 +343,6 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
     it. Then all others who are as far come right after it, in the place of those farther away.
 
     Args:
-        lane: the lane.
         ranks: how many rivals are seen, at least one; the next one is the first beyond the view.
         total: how many bodies there are.
         keys: as `sort_keys` leaves them, rows of LANES.
@@ -409,13 +377,9 @@ def sort_ties(
     """R7.1: in each lane the sorted rivals who are equally far are put in order among themselves, by insertion.
 
     Args:
-        block: the block.
-        seat: who sees them.
         first: the first lane.
         last: the lane behind the last.
-        s: the settings.
         ranks: see `some_tied`.
-        teams: see `memory.Sections`.
         keys: sorted by distance, rows of LANES.
         tied: one row, flags: see `some_tied`.
     """
@@ -460,13 +424,6 @@ def resolve_ties(
     in which they are listed; who wins a target is `arbiter.is_preferred`.
 
     Args:
-        block: the block.
-        seat: who sees them.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        lanes: how many lanes are arenas.
-        s: the settings.
-        teams: see `memory.Sections`.
         keys: sorted by distance, rows of LANES; put right in place.
         tied: room for one row.
     """

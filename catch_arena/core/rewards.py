@@ -53,12 +53,6 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
     """R6.2's progress: the nearest target that is seen on S_t, from where the hunter stands.
 
     Args:
-        me: the rows of the seat.
-        order: the targets in the order in which the seat sees them: slots by rank, packed as `state.slot_at_rank` reads
-            them.
-        targets: the slots of the block.
-        lanes: how many lanes are arenas.
-        s: the settings.
         reference: the result, three rows: see `workspace.progress_reference_of`.
     """
     for lane in range(lanes):
@@ -79,12 +73,6 @@ def renew_progress_reference(
     """The same in one lane where targets have just left: among those that are alive after the commit.
 
     Args:
-        block: the block.
-        me: the rows of the seat.
-        targets: the slots of the block.
-        lane: the lane.
-        s: the settings.
-        limits: the seat's own.
         reference: the result, three rows: see `workspace.progress_reference_of`.
     """
     reference[2 * LANES + lane] = -1.0
@@ -108,10 +96,6 @@ def count_catches(
     """How many grants there are in this step, and how many each team has (R11.2), by the seat that stands for it.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        teams: see `memory.Sections`.
         in_teams: see `reward_hunters`.
         catches: the result, one row.
         team_rows: the result where there are teams: see `workspace.Scratch`.
@@ -144,11 +128,6 @@ def share_rewards(
     """R11.2: what each seat gets of what its team has earned, instead of what it has earned by itself.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        teams: see `memory.Sections`.
         team_rows: see `workspace.Scratch`; what each seat has earned is there, and what it gets is written over it.
         rewards: the result, or none.
         breakdowns: the result in its first column, or none.
@@ -198,13 +177,7 @@ def reward_hunters(
     """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        teams: see `memory.Sections`.
         in_teams: whether there are teams: as it stands where this is called, so that nothing asks for it in the loops.
-        scratch: see `workspace.Scratch`.
         rewards: the result, or none.
         breakdowns: the result, or none.
     """
@@ -299,12 +272,6 @@ def write_team_scores(
     """R11.1: the sum of the scores of each team's hunters.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        teams: see `memory.Sections`.
-        team_seats: see `memory.Sections`.
         row: scratch memory, one row.
         scores: the result, (lanes, teams).
     """

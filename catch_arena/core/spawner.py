@@ -58,10 +58,6 @@ def add_target(
     """R3.4, R3.8, R8.2: a target of the latest number at the end of the alive list, at rest.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        lane: the lane.
-        s: the settings.
         x: [m].
         y: [m].
         theta: [rad].
@@ -91,11 +87,7 @@ def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Setting
     """R8.2: one target leaves the alive list; those behind it move up, so that the order stays.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        lane: the lane.
         slot: whose target leaves.
-        s: the settings.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
@@ -114,11 +106,7 @@ def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Sett
     """R3.3: a target appears, with the next number and at that number's pose.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        lane: the lane.
         seed: the arena's.
-        s: the settings.
         time_ms: when it appears [ms] since reset.
     """
     block[LAST_NUMBER + lane] += 1.0
@@ -131,11 +119,7 @@ def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) 
     """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        lane: the lane.
         seed: the arena's.
-        s: the settings.
     """
     block[FIRINGS + lane] += 1.0
     if block[SPAWNED + lane] >= s.target_budget:
@@ -157,12 +141,6 @@ def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None
 
     Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8), so
     that these firings may follow the step's ticks.
-
-    Args:
-        block: the block.
-        targets: the slots of the block.
-        lanes: how many lanes are arenas.
-        s: the settings.
     """
     for lane in range(lanes):
         while (block[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= block[TIME + lane] + s.period_ms:
@@ -174,8 +152,6 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     """R8.1: a target outside the timer.
 
     Args:
-        memory: see core/memory.py.
-        arena: which of the batch.
         x: [m].
         y: [m].
         theta: [rad].
@@ -199,8 +175,6 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     where prey plays it.
 
     Args:
-        memory: see core/memory.py.
-        arena: which of the batch.
         number: the target's spawn number.
     """
     sections = sections_of(memory)

@@ -379,7 +379,6 @@ def word_of_rank(packed: Block, rank: int, lane: int) -> int:
     Args:
         packed: an order, rows of LANES: see `RANKS_PER_WORD`.
         rank: from 0.
-        lane: the lane.
     """
     return bits_of(packed[rank // RANKS_PER_WORD * LANES + lane])
 
@@ -398,7 +397,6 @@ def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
     Args:
         packed: an order, rows of LANES: see `RANKS_PER_WORD`.
         rank: from 0.
-        lane: the lane.
     """
     return slot_in_word(word_of_rank(packed, rank, lane), rank)
 
@@ -410,8 +408,6 @@ def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
     Args:
         block: the block, for its row ALIVE.
         order: see `target_order_of`.
-        s: the settings.
-        lane: the lane.
     """
     count = min(int(block[ALIVE + lane]), s.targets_seen)
     if s.partial_view:
@@ -444,8 +440,6 @@ def counted(counters: Block, counter: int, lane: int, s: Settings) -> int:
     Args:
         counters: rows of LANES.
         counter: CONTESTS_WON or a verdict.
-        lane: the lane.
-        s: the settings.
     """
     row, shift = counter_place(counter, s)
     return (bits_of(counters[row + lane]) >> shift) & ((1 << s.counter_bits) - 1)
@@ -459,9 +453,7 @@ def count(counters: Block, counter: int, lane: int, happened: bool, s: Settings)
     Args:
         counters: rows of LANES.
         counter: CONTESTS_WON or a verdict.
-        lane: the lane.
         happened: whether there is something to count.
-        s: the settings.
     """
     row, shift = counter_place(counter, s)
     full = (1 << s.counter_bits) - 1

@@ -80,11 +80,7 @@ def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) 
     """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        lane: the lane.
         at: where in `targets` the slot begins, its lane included.
-        s: the settings.
     """
     period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
@@ -97,11 +93,7 @@ def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Set
     """R3.9: the targets in one slot have the draws of the periods that they are in.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        width: how many lanes a group has.
         slot: which target.
-        s: the settings.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -118,11 +110,7 @@ def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings
     """R3.10, R12.5: the seat nearest to one target, by lot where several are equally near; -1 where all are withdrawn.
 
     Args:
-        block: the block.
-        targets: its slots.
-        lane: the lane.
         at: where in `targets` the target is, its lane included.
-        s: the settings.
     """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step, number = block[STEP + lane], targets[NUMBER + at]
@@ -144,11 +132,7 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
     """R3.10: the nearest hunter of one target.
 
     Args:
-        block: the block.
-        targets: its slots.
-        width: how many lanes a group has.
         slot: which target.
-        s: the settings.
         threats: the result, three rows: the square of its distance [m2], and where the target is from it, east and
             north [m].
     """
@@ -186,11 +170,7 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
     them, else on in an arc.
 
     Args:
-        block: the block.
-        targets: the slots of the block.
-        width: how many lanes a group has.
         slot: which target; its speed and turn rate are written.
-        s: the settings.
         threats: as `find_threats` writes them; read where targets flee.
     """
     for first in range(0, span(width), len(width)):
@@ -225,11 +205,6 @@ def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets
     """R3.8: what every target that moves does in this step.
 
     Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        lanes: how many lanes are arenas.
-        targets: the slots of the block.
         threats: room for three rows: see `find_threats`.
     """
     for slot in range(most_alive(block, lanes)):

@@ -43,20 +43,7 @@ def play(
     sections: Sections,
     scratch: Scratch,
 ) -> None:
-    """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`.
-
-    Args:
-        block: the block.
-        s: the settings.
-        width: how many lanes a group has.
-        first: the first arena of the block.
-        last: the arena behind its last.
-        choices: see `run`.
-        commands: see `run`.
-        given_requests: see `run`.
-        sections: see `memory.Sections`.
-        scratch: see `workspace.Scratch`.
-    """
+    """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`."""
     lanes = last - first
     targets = targets_of(block, s)
     rewards, breakdowns = sections.rewards[first:last], sections.breakdowns[first:last]
@@ -108,7 +95,6 @@ def run(
         width: how many lanes play at a time.
         view_width: how many lanes observe at a time.
         options: what is compiled: see `state.Options`.
-        memory: see core/memory.py.
         thread: whose scratch memory is used, from 0 up.
         first_block: the first block.
         stop_block: the block after the last one.

@@ -92,9 +92,7 @@ def target_tile(block: Block, targets: Block, at: int, lane: int) -> TargetTile:
 
     Args:
         block: the block, for its row TIME [ms].
-        targets: the slots of the block.
         at: where in `targets` its slot begins, its lane included.
-        lane: the lane.
     """
     age = (block[TIME + lane] - targets[APPEARED + at]) / 1000.0
     return TargetTile(targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age)
@@ -141,12 +139,7 @@ def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: 
     """What is known of every target, which all seats read, in the lanes of one group.
 
     Args:
-        block: the block.
-        targets: its slots.
-        first: the first lane of the group.
-        width: how many lanes the group has.
         slots: how many slots are in use in any lane.
-        s: the settings.
         tiles: the result: see `workspace.Scratch`.
     """
     for slot in range(slots):
@@ -164,11 +157,6 @@ def tile_hunters(block: Block, first: int, width: Width, s: Settings, teams: NDA
     """The same of every hunter.
 
     Args:
-        block: the block.
-        first: the first lane of the group.
-        width: how many lanes the group has.
-        s: the settings.
-        teams: see `memory.Sections`.
         tiles: the result: see `workspace.Scratch`.
     """
     for seat in range(s.hunters):
@@ -180,7 +168,6 @@ def put_rank(place: Place, there: bool, seen: tuple[float, ...], exactly: bool) 
     """What is seen at one rank, in the lanes of one group.
 
     Args:
-        place: see `transfers.Place`.
         there: whether anything is.
         seen: its columns.
         exactly: whether nothing is written behind them that would write over what is written too much.

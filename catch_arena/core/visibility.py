@@ -28,7 +28,6 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: fl
         sine: of the hunter's heading.
         cosine: of the same.
         reach_limit_m2: of its own reach: see `squared_limit`.
-        s: the settings.
     """
     square = dx * dx + dy * dy
     seen = square < s.view_limit_m2
