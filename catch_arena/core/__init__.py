@@ -10,8 +10,8 @@ blocks.
   where somebody wants them.
 - What is kept: state (an arena's rows), memory (an engine's bytes), workspace (scratch).
 - The phases: controllers, targets, dropouts, catching with arbiter, physics, spawner, rewards; prey: chapter 12's.
-- What is seen: observations, features (of each thing), tiles (what is known of it), ranking with sorting (in which
-  order), visibility (how far, how blurred), prey_views.
+- What is seen: observations, features (of each thing), tiles (what is known of it), ranking (in which order),
+  visibility (how far, how blurred), prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
 - jit, compiler: how it is compiled. cache: compiled code on the disk. extending: how the compiler is told of functions

@@ -31,8 +31,8 @@ from catch_arena.core.spawner import remove_target
 from catch_arena.core.state import (
     ALIVE,
     CONTESTS_WON,
+    DISTANCE,
     ENDED,
-    EVIDENCE,
     LANES,
     NO_TARGET,
     NUMBER,
@@ -42,21 +42,18 @@ from catch_arena.core.state import (
     SEED_HIGH,
     SEED_LOW,
     STEP,
+    TALLIES,
     TARGET_X,
     TARGET_Y,
     VERDICT,
+    WINNER,
     WITHDRAWN,
     Settings,
     X,
     Y,
-    count,
-    counters_of,
-    distance_in,
-    evidence_of,
     limits_of,
     seat_of,
     span,
-    winner_in,
 )
 from catch_arena.core.vectors import Width, any_of, each, group, long, select, truncate
 from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
@@ -66,9 +63,6 @@ _GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
 """Above every seat."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
-
-ANSWER_COLUMNS: Final = 4
-"""Of `memory.Sections.answers`."""
 
 
 @phase
@@ -116,7 +110,7 @@ def refuse_requests(
     """
     repeated = False  # a hunter has one request
     for seat in range(s.hunters):
-        me, own, counters = seat_of(block, seat), limits_of(limits, seat), counters_of(block, seat, s)
+        me, own = seat_of(block, seat), limits_of(limits, seat)
         requested = requested_slots_of(scratch, seat)
         for first in range(0, lanes, len(width)):
             lane, arena = group(first, width), each(first, width)
@@ -132,14 +126,16 @@ def refuse_requests(
             refused = asks & (failed != float(ELIGIBLE))
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
-                evidence = evidence_of(select(failed == float(OUT_OF_REACH), distance_um, -1.0), -1.0)
+                distance_told = select(failed == float(OUT_OF_REACH), distance_um, -1.0)
                 me[VERDICT + lane] = select(refused, failed, 0.0)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
-                me[EVIDENCE + lane] = select(refused, evidence, me[EVIDENCE + lane])
+                me[DISTANCE + lane] = select(refused, distance_told, me[DISTANCE + lane])
+                me[WINNER + lane] = select(refused, -1.0, me[WINNER + lane])
                 for verdict in range(1, OUT_OF_REACH + 1):
                     happened = refused & (failed == float(verdict))
                     if any_of(happened):
-                        count(counters, verdict, lane, happened, s)
+                        tally = TALLIES + verdict * LANES + lane
+                        me[tally] = me[tally] + select(happened, 1.0, 0.0)
 
 
 @rule
@@ -237,16 +233,16 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
         me = seat_of(block, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
-        me[EVIDENCE + lane] = evidence_of(float(requests[i, REQUEST_DISTANCE]), float(requests[i, REQUEST_WINNER]))
-        counters = counters_of(block, requests[i, REQUEST_SEAT], s)
-        count(counters, requests[i, REQUEST_VERDICT], lane, True, s)
+        me[DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
+        me[WINNER + lane] = requests[i, REQUEST_WINNER]
+        me[TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0
         for j in range(len(requests) if contested else 0):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
                 and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
                 and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
             ):
-                count(counters, CONTESTS_WON, lane, True, s)
+                me[CONTESTS_WON + lane] += 1.0
                 break
 
 
@@ -324,20 +320,3 @@ def resolve_requests(
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests, service_up[lane] > 0.0)
         commit(block, s, lane, targets, limits, requests, scratch)
-
-
-@phase
-def write_answers(block: Block, s: Settings, lanes: int, answers: NDArray[np.float64]) -> None:
-    """R5.6: the answers to the requests of this step, for those who look from outside.
-
-    Args:
-        answers: the result, (lanes, H, 4): see `memory.Sections`; or none.
-    """
-    for lane in range(min(lanes, len(answers))):
-        for seat in range(s.hunters):
-            me = seat_of(block, seat)
-            answers[lane, seat, 1] = me[VERDICT + lane]
-            if me[VERDICT + lane] > 0.0:
-                answers[lane, seat, 0] = me[REQUESTED_NUMBER + lane]
-                answers[lane, seat, 2] = distance_in(me[EVIDENCE + lane])
-                answers[lane, seat, 3] = winner_in(me[EVIDENCE + lane])

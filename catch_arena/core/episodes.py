@@ -15,11 +15,9 @@ from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
     CONTESTS_WON,
-    COUNTERS,
+    DISTANCE,
     ENDED,
-    EVIDENCE,
     LANES,
-    NO_TARGET,
     REQUESTED_NUMBER,
     REWARD_SUM,
     RUNNING,
@@ -28,23 +26,22 @@ from catch_arena.core.state import (
     SEED_LOW,
     SPAWNED,
     STEP,
+    TALLIES,
     TERMINATED,
     THETA,
     TIME,
     TRUNCATED,
     VERDICT,
+    WINNER,
     Settings,
     X,
     Y,
-    counted,
-    counters_of,
-    evidence_of,
     seat_of,
     span,
     targets_of,
 )
 from catch_arena.core.vectors import Width, group, select
-from catch_arena.core.workspace import Scratch, requested_slots_of
+from catch_arena.core.workspace import Scratch
 from catch_arena.verdicts import Verdict
 
 # columns of a record: one hunter's episode in figures
@@ -55,7 +52,8 @@ FINAL_CONTESTS_WON: Final = 3
 FINAL_TALLIES: Final = 4  # how often each verdict was met, in the order of Verdict
 FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # where there are teams
 
-_MATCH_OVER: Final = float(Verdict.MATCH_OVER)
+_ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
+"""What a hunter is told of its request."""
 
 
 @outlined
@@ -67,12 +65,12 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
     """
     score = FINAL_TEAM_SCORE if s.has_teams else FINAL_SCORE
     for seat in range(s.hunters):
-        me, counters = seat_of(block, seat), counters_of(block, seat, s)
+        me = seat_of(block, seat)
         record[seat, FINAL_SCORE] = me[SCORE + lane]
         record[seat, FINAL_REWARD_SUM] = me[REWARD_SUM + lane]
-        record[seat, FINAL_CONTESTS_WON] = counted(counters, CONTESTS_WON, lane, s)
-        for counter in range(1, COUNTERS):
-            record[seat, FINAL_TALLIES + counter - 1] = counted(counters, counter, lane, s)
+        record[seat, FINAL_CONTESTS_WON] = me[CONTESTS_WON + lane]
+        for verdict in range(FINAL_TEAM_SCORE - FINAL_TALLIES):
+            record[seat, FINAL_TALLIES + verdict] = me[TALLIES + (1 + verdict) * LANES + lane]
     if s.has_teams:
         for seat in range(s.hunters):
             first = teams[seat]  # of its team, and the lowest: it comes before the others
@@ -168,11 +166,11 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 def restore_finished(
     block: Block, s: Settings, lanes: int, scratch: Scratch, rewards: Rewards, breakdowns: Breakdowns
 ) -> None:
-    """R5.2: arenas that had ended are played with the others of their block, and then put back as they were kept:
-    nothing moves after the end, and every request is MATCH_OVER.
+    """R1.5: arenas that had ended are played with the others of their block, and then put back as they were kept, but
+    for the answers, which were MATCH_OVER (R5.2): nothing moves after the end.
 
     Args:
-        scratch: see `workspace.Scratch`: the block before the step, and the slots requested in it.
+        scratch: see `workspace.Scratch`, for the block before the step.
         rewards: (lanes, H), or none; those of arenas that had ended become 0.
         breakdowns: (lanes, H, 1 + parts), or none; the same.
     """
@@ -181,9 +179,8 @@ def restore_finished(
             continue
         for seat in range(s.hunters):
             now, then = seat_of(block, seat), seat_of(scratch.snapshot, seat)
-            then[REQUESTED_NUMBER + lane] = now[REQUESTED_NUMBER + lane]
-            then[VERDICT + lane] = 0.0 if requested_slots_of(scratch, seat)[lane] == NO_TARGET else _MATCH_OVER
-            then[EVIDENCE + lane] = evidence_of(-1.0, -1.0)
+            for offset in _ANSWER:
+                then[offset + lane] = now[offset + lane]
             if len(breakdowns) == 0:
                 rewards[lane, seat] = 0.0
             for column in range(breakdowns.shape[2] if len(breakdowns) > 0 else 0):

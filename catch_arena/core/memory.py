@@ -95,11 +95,6 @@ class Sections(NamedTuple):
     """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
     `rewards`.
     """
-    answers: Doubles3
-    """R5.6: (B, H, 4), or none: of each hunter's request the target's number, 0 for none; the verdict, 0 for no
-    request, and then the other numbers are an older one's; the distance [micrometres] and the winner's seat, -1 for
-    none.
-    """
     observations: Floats3
     """R7.1: (B, H, D)."""
     masks: Flags3

@@ -9,15 +9,12 @@ from numpy.typing import NDArray
 
 from catch_arena.core.features import body_seen, observer_of
 from catch_arena.core.jit import Block, outlined, phase, rule
-from catch_arena.core.sorting import EIGHT, Eight, merged, sorted_bitonic, sorted_eight
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
     COSINE,
     LANES,
     MOST,
-    RANK_BITS,
-    RANKS_PER_WORD,
     SCORE,
     SINE,
     SPEED,
@@ -30,7 +27,7 @@ from catch_arena.core.state import (
     seat_of,
 )
 from catch_arena.core.tiles import body_tile
-from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
+from catch_arena.core.vectors import Width, any_of, group, select, single_bits, to_float, truncate
 from catch_arena.core.visibility import is_seen
 
 Keys = NDArray[np.int32]
@@ -65,84 +62,42 @@ def equally_far(nearer: int, farther: int) -> bool:
     return (nearer < FAR) & ((nearer & ~_SLOTS) == (farther & ~_SLOTS))
 
 
-@rule
-def whole_eights(count: int) -> int:
-    """How many rows `sort_keys` takes for so many keys."""
-    return (count + EIGHT - 1) // EIGHT * EIGHT
-
-
-@rule
-def eight_at(keys: Keys, row: int, lane: int) -> Eight:
-    """The keys of eight rows."""
-    return (
-        keys[row * LANES + lane],
-        keys[(row + 1) * LANES + lane],
-        keys[(row + 2) * LANES + lane],
-        keys[(row + 3) * LANES + lane],
-        keys[(row + 4) * LANES + lane],
-        keys[(row + 5) * LANES + lane],
-        keys[(row + 6) * LANES + lane],
-        keys[(row + 7) * LANES + lane],
-    )
-
-
-@phase
-def put_eight(keys: Keys, row: int, lane: int, eight: Eight) -> None:
-    """Write them; arguments as of `eight_at`."""
-    keys[row * LANES + lane] = eight[0]
-    keys[(row + 1) * LANES + lane] = eight[1]
-    keys[(row + 2) * LANES + lane] = eight[2]
-    keys[(row + 3) * LANES + lane] = eight[3]
-    keys[(row + 4) * LANES + lane] = eight[4]
-    keys[(row + 5) * LANES + lane] = eight[5]
-    keys[(row + 6) * LANES + lane] = eight[6]
-    keys[(row + 7) * LANES + lane] = eight[7]
-
-
 @phase
 def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> None:
-    """Sort the keys of every lane of a group as far as somebody reads them, eight after eight: each is sorted, and then
-    merged with those that have the ranks so far, of whom the larger ones go on in its place.
+    """Sort the keys of every lane of a group as far as somebody reads them.
 
     Args:
         keys: by slot or seat, rows of LANES; sorted in place, the smallest first.
         count: how many rows have keys.
-        ranks: how many of the smallest are wanted in order; the others follow in any, among some that are FAR, up to
-            `whole_eights`.
+        ranks: how many of the smallest are wanted in order; the others follow in any.
     """
     lane = group(first, width)
-    for row in range(count, whole_eights(count)):
-        keys[row * LANES + lane] = FAR
-    for row in range(0, count, EIGHT):
-        eight = sorted_eight(eight_at(keys, row, lane))
-        for ranked in range(0, min(row, ranks), EIGHT):
-            nearer, eight = merged(eight_at(keys, ranked, lane), eight)
-            put_eight(keys, ranked, lane, nearer)
-            if ranked + EIGHT < ranks:
-                eight = sorted_bitonic(eight)
-        put_eight(keys, row, lane, eight)
+    for rank in range(min(ranks, count)):
+        least = keys[rank * LANES + lane]
+        for row in range(rank + 1, count):
+            key = keys[row * LANES + lane]
+            smaller = key < least
+            keys[row * LANES + lane] = select(smaller, least, key)
+            least = select(smaller, key, least)
+        keys[rank * LANES + lane] = least
 
 
 @phase
-def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Block) -> None:
-    """The slots or seats of the first keys, packed as `state.slot_at_rank` reads them.
+def write_order(keys: Keys, there: int, ranks: int, first: int, width: Width, order: Block) -> None:
+    """The slots or seats of the first keys, as `state.slot_at_rank` reads them.
 
     Args:
         keys: sorted as far as they are read: rows of LANES.
         there: how many rows have keys.
         ranks: how many ranks are wanted.
-        packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
+        order: the result, a row for each rank.
     """
     lane = group(first, width)
-    for rank in range(0, ranks, RANKS_PER_WORD):
-        word = long(keys[lane] & 0)  # 0 in each lane
-        for next_rank in range(RANKS_PER_WORD):
-            if rank + next_rank < min(there, ranks):
-                item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
-                word = word | (item << (RANK_BITS * next_rank))
-            else:
-                word = word | (ABSENT << (RANK_BITS * next_rank))
-        packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
+    for rank in range(ranks):
+        if rank < there:
+            order[rank * LANES + lane] = to_float(item_of(keys[rank * LANES + lane]))
+        else:
+            order[rank * LANES + lane] = float(ABSENT)
 
 
 @phase
@@ -214,48 +169,6 @@ def measure_rivals(
             key = select(is_seen(dx, dy, sine, cosine, reach_limit_m2, s), key, FAR)
         keys[other * LANES + lane] = key
     keys[seat * LANES + lane] = FAR
-
-
-@phase
-def count_ranks(
-    block: Block,
-    seat: int,
-    first: int,
-    width: Width,
-    s: Settings,
-    teams: NDArray[np.int64],
-    keys: Keys,
-    ranks: Block,
-    packed: Block,
-) -> None:
-    """R7.1: the order of few rivals, in which each comes after as many as precede it.
-
-    Args:
-        s: the settings; there are at most RANKS_PER_WORD hunters.
-        keys: by seat, rows of LANES.
-        ranks: for scratch, a row for each seat.
-        packed: the result, one row: see `state.slot_at_rank`; nobody reads what stands behind the last hunter.
-    """
-    me, lane = seat_of(block, seat), group(first, width)
-    for one in range(s.hunters):
-        key = keys[one * LANES + lane]
-        rank = 0.0
-        for other in range(one):
-            before = keys[other * LANES + lane]
-            ahead = before < key
-            tied = equally_far(before, key)
-            if any_of(tied):
-                listed_first = is_listed_first(seat, other, one, teams)
-                first_if_tied = precedes(me, seat_of(block, other), seat_of(block, one), lane, listed_first)
-                ahead = select(tied, first_if_tied, ahead)
-            rank = rank + select(ahead, 1.0, 0.0)
-            ranks[other * LANES + lane] = ranks[other * LANES + lane] + select(ahead, 0.0, 1.0)
-        ranks[one * LANES + lane] = rank
-    word = long(keys[lane] & 0)  # 0 in each lane
-    for one in range(s.hunters):
-        shift = long(truncate(RANK_BITS * ranks[one * LANES + lane]))
-        word = word | (long(item_of(keys[one * LANES + lane])) << shift)
-    packed[lane] = number_of(word)
 
 
 @rule
@@ -354,7 +267,7 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
     if not equally_far(keys[(ranks - 1) * LANES + lane], edge):
         return ranks
     count = ranks + 1
-    for at in range(count, whole_eights(total)):
+    for at in range(count, total):
         key = keys[at * LANES + lane]
         if equally_far(edge, key):
             keys[count * LANES + lane] = key

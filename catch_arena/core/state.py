@@ -4,8 +4,8 @@ A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. On
 to copy that column. A row is one number of each arena, and the constants below are offsets: r * LANES.
 
 The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for each slot, then the targets in the
-order in which each seat sees them, then PREY_ROWS for each prey, and what is counted of each seat. Integers are exact
-in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+order in which each seat sees them, and then PREY_ROWS for each prey. Integers are exact in float64; a seed needs two
+of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
 """
 
 from typing import ClassVar, Final, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, phase, rule
-from catch_arena.core.vectors import Width, bits_of, floor, number_of, select
+from catch_arena.core.vectors import Width, long, truncate
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
@@ -65,9 +65,12 @@ SCORE: Final = 11 * LANES  # granted catches
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag
 REQUESTED_NUMBER: Final = 13 * LANES  # number of the target requested, 0 for none
 VERDICT: Final = 14 * LANES  # R5.2, 0 for no request: then the other rows of the answer are an older one's
-EVIDENCE: Final = 15 * LANES  # the verdict's: see `evidence_of`
-REWARD_SUM: Final = 16 * LANES  # of this episode
-HUNTER_ROWS: Final = 17
+DISTANCE: Final = 15 * LANES  # R5.6: to the target [micrometres], -1 where reach was not tested
+WINNER: Final = 16 * LANES  # R5.6: the seat that won, -1 for none
+REWARD_SUM: Final = 17 * LANES  # of this episode
+CONTESTS_WON: Final = 18 * LANES  # kills of this episode, granted or refused, that a rival could have had
+TALLIES: Final = 18 * LANES  # how often a verdict was met in this episode: verdict v in the v-th row from here, from 1
+HUNTER_ROWS: Final = 19 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
     X,
@@ -110,12 +113,6 @@ PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag
 PREY_REWARD_SUM: Final = 5 * LANES  # of this episode
 PREY_ROWS: Final = 6
 PREY_SIZE: Final = PREY_ROWS * LANES
-
-# counters of a hunter's episode, several to a row (`count`); a verdict has its own number
-CONTESTS_WON: Final = 0  # kills granted or refused that a rival could have had
-COUNTERS: Final = 1 + len(Verdict)
-COUNTER_BITS: Final = 62
-"""For the counters of one row: all but two, so that no row is a NaN, which may lose its bits when it is copied."""
 
 STILL: Final = 0
 WANDERING: Final = 1
@@ -170,9 +167,6 @@ class Settings(NamedTuple):
     start_radius_m: float
     initial_targets: int
     slot_size: int
-    counter_bits: int
-    counters_per_row: int
-    counters_size: int
     targets_move: int
     target_motion: int
     target_speed_mps: float
@@ -249,19 +243,8 @@ class SeatLimits(NamedTuple):
 
 MOST: Final = 64
 """Of hunters and of targets, in one arena: a key of `ranking` has room for as many."""
-_SEATS: Final = 1.0 + MOST
-"""With that of nobody."""
-RANKS_PER_WORD: Final = 8
-"""Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits."""
-RANK_BITS: Final = 8
 ABSENT: Final = MOST
 """Instead of a slot or seat: nothing has this rank."""
-
-
-@rule
-def target_order_rows(targets_seen: int) -> int:
-    """How many rows the order takes in which one seat sees the targets."""
-    return (targets_seen + RANKS_PER_WORD - 1) // RANKS_PER_WORD
 
 
 @rule
@@ -277,7 +260,6 @@ class Regions(NamedTuple):
     targets: int
     target_orders: int
     prey: int
-    counters: int
     end: int
 
 
@@ -287,9 +269,8 @@ def regions_of(s: Settings) -> Regions:
     hunters = ARENA_ROWS * LANES
     targets = hunters + s.hunters * SEAT_SIZE
     target_orders = targets + s.max_targets * s.slot_size
-    prey = target_orders + s.hunters * target_order_rows(s.targets_seen) * LANES
-    counters = prey + s.prey * PREY_SIZE
-    return Regions(hunters, targets, target_orders, prey, counters, counters + s.hunters * s.counters_size)
+    prey = target_orders + s.hunters * s.targets_seen * LANES
+    return Regions(hunters, targets, target_orders, prey, prey + s.prey * PREY_SIZE)
 
 
 @phase
@@ -344,61 +325,17 @@ def prey_of(block: Block, index: int, s: Settings) -> Block:
 @phase
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
     """The targets in the order in which one seat sees them: see `slot_at_rank`."""
-    size = target_order_rows(s.targets_seen) * LANES
+    size = s.targets_seen * LANES
     first = regions_of(s).target_orders + seat * size
     return block[first : first + size]
 
 
 @rule
-def evidence_of(distance_um: float, winner: float) -> float:
-    """R5.6: both in one number.
-
-    Args:
-        distance_um: a whole number [micrometres], -1 for none.
-        winner: a seat, -1 for none.
+def slot_at_rank(order: Block, rank: int, lane: int) -> int:
+    """The slot or seat at a rank; ABSENT for none. An order has a row for each rank; ranks count from 0 here, and from
+    1 in actions, whose 0 is hold (R4.1).
     """
-    return (distance_um + 1.0) * _SEATS + winner + 1.0
-
-
-@rule
-def distance_in(evidence: float) -> float:
-    """The distance of `evidence_of`."""
-    return floor(evidence / _SEATS) - 1.0
-
-
-@rule
-def winner_in(evidence: float) -> float:
-    """The winner of `evidence_of`."""
-    return evidence - floor(evidence / _SEATS) * _SEATS - 1.0
-
-
-@rule
-def word_of_rank(packed: Block, rank: int, lane: int) -> int:
-    """The word that holds a rank, and those that follow in it: see `RANKS_PER_WORD`.
-
-    Args:
-        packed: an order, rows of LANES: see `RANKS_PER_WORD`.
-        rank: from 0.
-    """
-    return bits_of(packed[rank // RANKS_PER_WORD * LANES + lane])
-
-
-@rule
-def slot_in_word(word: int, rank: int) -> int:
-    """The slot or seat at a rank, in the word that holds it."""
-    return (word >> (RANK_BITS * (rank % RANKS_PER_WORD))) & 255
-
-
-@rule
-def slot_at_rank(packed: Block, rank: int, lane: int) -> int:
-    """The slot or seat at a rank, in a view or another order that is kept in this way. Ranks count from 0 here,
-    and from 1 in actions, whose 0 is hold (R4.1).
-
-    Args:
-        packed: an order, rows of LANES: see `RANKS_PER_WORD`.
-        rank: from 0.
-    """
-    return slot_in_word(word_of_rank(packed, rank, lane), rank)
+    return long(truncate(order[rank * LANES + lane]))
 
 
 @phase
@@ -414,49 +351,3 @@ def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
         while count > 0 and slot_at_rank(order, count - 1, lane) == ABSENT:
             count -= 1
     return count
-
-
-@phase
-def counters_of(block: Block, seat: int, s: Settings) -> Block:
-    """What is counted of one seat: see `count`."""
-    first = regions_of(s).counters + seat * s.counters_size
-    return block[first : first + s.counters_size]
-
-
-@rule
-def counter_place(counter: int, s: Settings) -> tuple[int, int]:
-    """Where one of a seat's counters is: the offset of its row, and how many bits of that are other counters'."""
-    row = 0
-    while counter >= s.counters_per_row:  # once at most in most scenarios: a division would take longer
-        counter -= s.counters_per_row
-        row += LANES
-    return row, counter * s.counter_bits
-
-
-@rule
-def counted(counters: Block, counter: int, lane: int, s: Settings) -> int:
-    """What one of a seat's counters shows.
-
-    Args:
-        counters: rows of LANES.
-        counter: CONTESTS_WON or a verdict.
-    """
-    row, shift = counter_place(counter, s)
-    return (bits_of(counters[row + lane]) >> shift) & ((1 << s.counter_bits) - 1)
-
-
-@phase
-def count(counters: Block, counter: int, lane: int, happened: bool, s: Settings) -> None:
-    """One more where it has happened; a counter that is full stays as it is. It has room for one in each step of an
-    episode, and only callers that let a hunter request several times in a step, whom nobody counts for, could fill it.
-
-    Args:
-        counters: rows of LANES.
-        counter: CONTESTS_WON or a verdict.
-        happened: whether there is something to count.
-    """
-    row, shift = counter_place(counter, s)
-    full = (1 << s.counter_bits) - 1
-    word = bits_of(counters[row + lane])
-    counts = happened & ((word >> shift) & full != full)
-    counters[row + lane] = number_of(select(counts, word + (1 << shift), word))

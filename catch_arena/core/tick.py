@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from catch_arena.core.addresses import by_address
 from catch_arena.core.arbiter import RequestTable
-from catch_arena.core.catching import resolve_requests, write_answers
+from catch_arena.core.catching import resolve_requests
 from catch_arena.core.controllers import apply_actions
 from catch_arena.core.dropouts import drop_out, write_active
 from catch_arena.core.episodes import (
@@ -133,4 +133,3 @@ def run(
             write_team_scores(
                 block, s, width, last - first, sections.teams, sections.team_seats, scratch.rows, team_scores
             )
-        write_answers(block, s, last - first, sections.answers[first:last])

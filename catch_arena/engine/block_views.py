@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
-from catch_arena.core.state import LANES, Regions, slot_rows, target_order_rows
+from catch_arena.core.state import LANES, Regions, slot_rows
 
 
 def row_of(offset: int) -> int:
@@ -26,7 +26,7 @@ class BlockViews:
         hunters, prey = config.hunters, config.prey
         num_blocks, num_rows = len(blocks), row_of(regions.end)
         slot = slot_rows(config.targets_move)
-        first_hunter, first_target, first_order, first_prey, first_counter, end = map(row_of, regions)
+        first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = blocks.reshape(num_blocks, num_rows, LANES)
         """All rows; the arena's own come first."""
         self.hunters = self.fields[:, first_hunter:first_target].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
@@ -34,14 +34,11 @@ class BlockViews:
         self.targets = self.fields[:, first_target:first_order].reshape(num_blocks, config.max_targets, slot, LANES)
         """[block, slot, row, lane]."""
         self.target_orders = self.fields[:, first_order:first_prey].reshape(
-            num_blocks, hunters, target_order_rows(config.targets_seen), LANES
+            num_blocks, hunters, config.targets_seen, LANES
         )
-        """In which order each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
-        self.prey = self.fields[:, first_prey:first_counter].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
+        """Which slot each seat sees at each rank, ABSENT for none: [block, seat, rank, lane]."""
+        self.prey = self.fields[:, first_prey:end].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
         """[block, index, row, lane]."""
-        self.counters = self.fields[:, first_counter:end].reshape(num_blocks, hunters, -1, LANES)
-        """What is counted of each seat's episode: [block, seat, row, lane], see `state.count`."""
-
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
         self.target_digest = [row_of(offset) for offset in digest]
         """A.8: which of a slot's rows stand in the digest, in their order."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
-from catch_arena.core.state import COUNTER_BITS, COUNTERS, LANES, MOTIONS, SeatLimits, Settings, slot_rows
+from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, slot_rows
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
 from catch_arena.errors import ConfigError, require_type
 
@@ -49,7 +49,6 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         start_radius_m=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
         initial_targets=config.initial_targets,
         slot_size=slot_rows(config.targets_move) * LANES,
-        **_counters_of(config.max_steps),
         targets_move=int(config.targets_move),
         target_motion=_number_of("target_motion", config.target_motion, MOTIONS, "MOTIONS in core/state.py"),
         target_speed_mps=float(config.target_speed_mps),
@@ -89,13 +88,6 @@ def _number_of(setting: str, word: str, numbers: Mapping[str, int], table: str) 
     if word not in numbers:
         raise ConfigError(f"{setting} must have a number for {word!r} in the core: add the word to {table}")
     return numbers[word]
-
-
-def _counters_of(steps: int) -> dict[str, int]:
-    """How counters lie that reach that number of steps: `state.count`."""
-    bits = steps.bit_length()
-    per_row = COUNTER_BITS // bits
-    return {"counter_bits": bits, "counters_per_row": per_row, "counters_size": -(-COUNTERS // per_row) * LANES}
 
 
 def _spawned_in_full(config: ArenaConfig) -> float:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core import dropouts, placing, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
-from catch_arena.core.catching import ANSWER_COLUMNS
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.episodes import FINAL_TEAM_SCORE
 from catch_arena.core.memory import (
@@ -45,6 +44,7 @@ from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
+_ANSWER: Final = slice(row_of(state.REQUESTED_NUMBER), row_of(state.WINNER) + 1)
 _HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -100,7 +100,7 @@ class Engine:
         team_play = config.teams is not None
         figures = FINAL_TEAM_SCORE + (1 if team_play else 0)
         columns = max(hunters * observation_size(config), prey * seen_by_prey)
-        scratch = scratch_shapes(hunters, prey, num_rows, columns, team_play=team_play)
+        scratch = scratch_shapes(hunters, config.hunters_seen, prey, num_rows, columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
                 settings=np.array(settings, dtype=np.float64),
@@ -114,7 +114,6 @@ class Engine:
                 prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
                 blocks=zeros(num_blocks, num_rows * LANES),
                 breakdowns=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
-                answers=zeros(rows_with_infos, hunters, ANSWER_COLUMNS),
                 observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
                 prey_breakdowns=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
@@ -190,8 +189,6 @@ class Engine:
         self.team_scores = sections.team_scores
         """R11.1: the sums of the scores of each team's hunters: (B, teams), or (B, 0) without teams."""
         self._prey_commands = sections.prey_commands
-        self.answers = sections.answers
-        """R5.6: (B, H, 4), see `memory.Sections`; or (0, H, 4) where infos are not wanted."""
         begin = offset_of("blocks", memory)
         self._kept, self._kept_by_all = memory[begin:], offset_of("final_observations", memory) - begin
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
@@ -199,6 +196,11 @@ class Engine:
         """What stands of each arena beside the blocks: (B, bytes) each."""
         settings = settings_in(sections.settings, ALL_OPTIONS)
         self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
+        self.answers = self._views.hunters[0, :, _ANSWER, 0]
+        """R5.6: of the requests in the first arena's last step the target's number, 0 for none; the verdict, 0 for no
+        request, and then the others are an older one's; the distance [micrometres] and the winner's seat, -1 for none:
+        (H, 4).
+        """
 
     # playing
 
@@ -332,7 +334,7 @@ class Engine:
         rows = np.take_along_axis(rows, oldest_first[:, :, None], axis=1)
         placing.place_all(self._memory, arenas, hunters + 0.0, rows, steps)
         self.ends[arenas] = 0
-        for told in (self.rewards, self.parts, self.answers):
+        for told in (self.rewards, self.parts):
             told[arenas[: len(told)]] = 0.0
         self._observe_blocks_of(arenas)
 
@@ -371,8 +373,7 @@ class Engine:
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
-        order = self._views.target_orders[block, seat, :, lane]
-        for rank, slot in enumerate(order.copy().view(np.uint8)):  # a slot is a byte: see RANKS_PER_WORD
+        for rank, slot in enumerate(self._views.target_orders[block, seat, :, lane].astype(np.int64)):
             if slot == state.ABSENT:
                 break
             if self.config.target_name(int(self._views.targets[block, slot, row_of(state.NUMBER), lane])) == name:

@@ -64,14 +64,11 @@ def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ru
     found = []
     steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
     for seat, me in enumerate(views.hunter_rows(arena).tolist()):
-        number, verdict, evidence = (
-            me[row_of(offset)] for offset in (state.REQUESTED_NUMBER, state.VERDICT, state.EVIDENCE)
-        )
+        number, verdict, distance, winner = me[row_of(state.REQUESTED_NUMBER) : row_of(state.WINNER) + 1]
         if verdict == NO_REQUEST:
             continue
         step = steps if verdict == Verdict.MATCH_OVER else steps - 1
         target = config.target_name(int(number)) if number else None
-        distance, winner = state.distance_in(evidence), state.winner_in(evidence)
         found.append(Ruling.of_numbers(verdict, seat, target, distance, winner, step))
     return tuple(found)
 

@@ -655,7 +655,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def _full_infos(self) -> dict[str, dict[str, Any]]:
         engine = self._engine
-        answers, parts, masks = engine.answers[0].tolist(), engine.parts[0].copy(), engine.masks[0].copy()
+        answers, parts, masks = engine.answers.tolist(), engine.parts[0].copy(), engine.masks[0].copy()
         infos: dict[str, dict[str, Any]] = {}
         for agent, seat in self._hunters_here:
             infos[agent] = info = _NO_ANSWER.copy()

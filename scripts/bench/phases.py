@@ -89,7 +89,7 @@ def _next_block_read_ahead(
     prefetch_part(ahead, 0, 1)
 
 
-_RIVALS = "note_positions", "measure_rivals", "count_ranks", "sort_keys", "resolve_ties"
+_RIVALS = "note_positions", "measure_rivals", "sort_keys", "resolve_ties"
 _PHASES: dict[str, tuple[ModuleType, dict[str, Any]]] = {
     "intake and hosted controllers": (tick, {"apply_actions": _nothing}),
     "arbiter and commit": (tick, {"resolve_requests": _nothing}),

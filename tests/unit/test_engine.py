@@ -7,7 +7,6 @@ from catch_arena.core import state
 from catch_arena.core.memory import Sections, sections_of
 from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
-from catch_arena.engine.core_settings import settings_of
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.policy import Limits
@@ -37,7 +36,9 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     assert (engine.rewards[row] == 0).all()
     assert (engine.parts[row] == 0).all()
     assert {ruling.verdict for ruling in engine.rulings(row)} == {Verdict.MATCH_OVER}
-    assert engine.answers[row].tolist() == [[0, Verdict.MATCH_OVER, -1, -1]] * engine.config.hunters
+    assert [(ruling.verdict, ruling.target, ruling.distance_um, ruling.winner) for ruling in engine.rulings(row)] == [
+        (Verdict.MATCH_OVER, None, None, None)
+    ] * engine.config.hunters
     assert all(engine.digest(r) not in others for r in range(5) if not engine.ends[r])
 
     engine.reset([77], arenas=[row])
@@ -56,13 +57,13 @@ def test_lanes_that_are_no_arenas_get_no_answers(control):
     for _ in range(80):
         engine.step(rng.integers(0, 9, (5, 4)), rng.uniform(-1, 1, (5, 4, 2)).astype(np.float32))
     (block,) = engine.blocks
-    s = settings_of(engine.config, with_parts=True)
     for seat in range(4):
-        for row in (state.VERDICT, state.REQUESTED_NUMBER, state.EVIDENCE):
+        for row in (state.VERDICT, state.REQUESTED_NUMBER, state.DISTANCE, state.WINNER):
             assert not block[state.seat_at(seat) + row :][5 : state.LANES].any()
-    counters = block[state.regions_of(s).counters :].reshape(-1, state.LANES)
-    assert not counters[:, 5:].any()
-    assert counters[:, :5].any()
+    seats = block[state.seat_at(0) : state.seat_at(4)].reshape(4, -1, state.LANES)
+    tallies = seats[:, state.TALLIES // state.LANES :]
+    assert not tallies[:, :, 5:].any()
+    assert tallies[:, :, :5].any()
 
 
 def test_who_is_not_alive_cannot_be_killed():
@@ -151,7 +152,7 @@ def test_what_is_kept_together_lies_together():
     config = scenario("duel", prey=1, target_motion="wander", teams=((0,), (1,)), dropout_rate=0.1)
     engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
     sections, others = sections_of(engine._memory), sections_of(plain._memory)
-    told = ("breakdowns", "answers", "observations", "masks", "prey_breakdowns", "prey_observations", "ends")
+    told = ("breakdowns", "observations", "masks", "prey_breakdowns", "prey_observations", "ends")
     told += ("active", "prey_active", "team_scores")
     of_auto_reset = ("final_observations", "final_masks", "lengths", "records")
     of_auto_reset += ("prey_final_observations", "prey_records")

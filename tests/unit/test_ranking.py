@@ -1,4 +1,4 @@
-"""R7.1's order of rivals: those that are equally far, and the two ways to find it."""
+"""R7.1's order of rivals: those that are equally far."""
 
 from functools import cmp_to_key
 from itertools import pairwise, product
@@ -10,14 +10,13 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import unkept_entry
 from catch_arena.core.ranking import (
-    count_ranks,
     is_listed_first,
     measure_rivals,
     note_positions,
-    pack_order,
     precedes,
     resolve_ties,
     sort_keys,
+    write_order,
 )
 from catch_arena.core.state import (
     ABSENT,
@@ -26,7 +25,6 @@ from catch_arena.core.state import (
     HUNTER_ROWS,
     LANES,
     MOST,
-    RANKS_PER_WORD,
     SCORE,
     SINE,
     SPEED,
@@ -73,34 +71,22 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 
 
 @unkept_entry
-def count(block, seat, width, s, teams, positions, keys, ranks, packed):
+def sort(block, seat, width, lanes, s, teams, positions, keys, tied, order):
     block, positions, keys = by_address(block), by_address(positions), by_address(keys)
-    ranks, packed = by_address(ranks), by_address(packed)
-    for first in range(0, span(width), len(width)):
-        note_positions(block, first, width, s, positions)
-        measure_rivals(block, seat, first, width, s, 0.0, positions, keys)
-        count_ranks(block, seat, first, width, s, teams, keys, ranks, packed)
-
-
-@unkept_entry
-def sort(block, seat, width, lanes, s, teams, positions, keys, tied, packed):
-    block, positions, keys = by_address(block), by_address(positions), by_address(keys)
-    tied, packed = by_address(tied), by_address(packed)
+    tied, order = by_address(tied), by_address(order)
     for first in range(0, span(width), len(width)):
         note_positions(block, first, width, s, positions)
         measure_rivals(block, seat, first, width, s, 0.0, positions, keys)
         sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
         resolve_ties(block, seat, first, width, lanes, s, teams, keys, tied)
-        pack_order(keys, s.hunters, s.hunters_seen, first, width, packed)
+        write_order(keys, s.hunters, s.hunters_seen, first, width, order)
 
 
 @pytest.mark.rule("R7.1")
 @pytest.mark.parametrize("width", [SINGLE, HALF, WIDE], ids=["one", "four", "eight"])
 @pytest.mark.parametrize("hunters", [2, 3, 4, 8, 9, 20])
-def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sorted(hunters, width) -> None:
-    """On a coarse grid, where most are equally far from somebody, and many stand alike; some have withdrawn. A third
-    way says the same: Python's own sort. More than eight are not counted.
-    """
+def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width) -> None:
+    """On a coarse grid, where most are equally far from somebody, and many stand alike; some have withdrawn."""
     rng = np.random.default_rng(hunters)
     s = settings_of(ArenaConfig(hunters=hunters), with_parts=False)
     lanes = LANES if len(width) > 1 else 1
@@ -116,20 +102,13 @@ def test_r7_1_few_rivals_that_are_counted_come_in_the_order_of_many_that_are_sor
             block[at : at + LANES] = rng.random(LANES) < 0.1
         teams = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
-            counted, sorted_ = np.zeros(LANES), np.zeros(LANES)
-            if hunters <= RANKS_PER_WORD:
-                ranks = np.zeros(hunters * LANES)
-                count(block, seat, width, s, teams, positions, keys, ranks, counted)
-            sort(block, seat, width, lanes, s, teams, positions, keys, flags, sorted_)
+            order = np.zeros(s.hunters_seen * LANES)
+            sort(block, seat, width, lanes, s, teams, positions, keys, flags, order)
             for lane in range(lanes):
-                orders = [
-                    [slot_at_rank(packed, rank, lane) for rank in range(s.hunters_seen)]
-                    for packed in (counted if hunters <= RANKS_PER_WORD else sorted_, sorted_)
-                ]
-                assert orders[0] == orders[1]
+                seen = [slot_at_rank(order, rank, lane) for rank in range(s.hunters_seen)]
                 expected, ties = by_python(block, seat, hunters, lane, teams)
                 tied += ties
-                assert orders[0] == (expected + [ABSENT] * RANKS_PER_WORD)[: s.hunters_seen]
+                assert seen == (expected + [ABSENT] * s.hunters_seen)[: s.hunters_seen]
     assert tied > 20 or hunters == 2
 
 

@@ -1,15 +1,12 @@
 """The map of the arena memory: no two things share a row, and the digest reads what A.8 lists."""
 
-import numpy as np
 import pytest
 from oracle.arena import OracleArena
 from oracle.arithmetic import to_float32
 
 from catch_arena.config import MAX_HUNTERS, MAX_PREY, MAX_TARGETS, ArenaConfig
 from catch_arena.core import state
-from catch_arena.core.jit import Block, unkept_entry
 from catch_arena.core.state import LANES
-from catch_arena.engine.core_settings import settings_of
 from catch_arena.envs.parallel import parallel_env
 from catch_arena.layout import (
     MovingTargetFeatures,
@@ -22,6 +19,7 @@ from catch_arena.layout import (
     state_columns,
 )
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.verdicts import Verdict
 
 ARENA = [
     "TIME",
@@ -53,8 +51,10 @@ HUNTER = [
     "WITHDRAWN",
     "REQUESTED_NUMBER",
     "VERDICT",
-    "EVIDENCE",
+    "DISTANCE",
+    "WINNER",
     "REWARD_SUM",
+    "CONTESTS_WON",
 ]
 PREY = ["PREY_SLOT", "TIMES_CAUGHT", "CAUGHT_AT", "CAUGHT_BY", "PREY_WITHDRAWN", "PREY_REWARD_SUM"]
 
@@ -62,7 +62,9 @@ PREY = ["PREY_SLOT", "TIMES_CAUGHT", "CAUGHT_AT", "CAUGHT_BY", "PREY_WITHDRAWN",
 def test_every_row_has_one_owner():
     """Rows are numbered without gap or overlap, and the digest reads them in A.8's order."""
     assert [getattr(state, name) // LANES for name in ARENA] == list(range(state.ARENA_ROWS))
-    assert [getattr(state, name) // LANES for name in HUNTER] == list(range(state.HUNTER_ROWS))
+    assert [getattr(state, name) // LANES for name in HUNTER] == list(range(len(HUNTER)))
+    tallies = [(state.TALLIES + verdict * LANES) // LANES for verdict in Verdict]
+    assert tallies == list(range(len(HUNTER), state.HUNTER_ROWS))
     assert ARENA[state.ARENA_DIGEST_ROWS] == "ALIVE"
     digest = [HUNTER[row // LANES] for row in state.HUNTER_DIGEST]
     assert digest == [*HUNTER[:5], "DISTANCE_INTEGRAL", "BEARING_INTEGRAL", "ACTIVE", "SCORE", "AT_WALL", "WITHDRAWN"]
@@ -131,47 +133,3 @@ def test_the_global_view_has_a_column_for_each_number_that_the_book_names(config
     assert len(table) == len(env.state()) == numbers
     assert len({column.name for column in table}) == len(table)
     assert all(column.low <= number <= column.high for column, number in zip(table, env.state(), strict=True))
-
-
-@unkept_entry
-def _count(counters: Block, counter: int, lane: int, s: state.Settings) -> None:
-    state.count(counters, counter, lane, True, s)
-
-
-@pytest.mark.parametrize("steps", [1, 600, 2**15, 10**9])
-def test_counters_share_rows_and_never_spill(steps):
-    """Each takes as many as an episode has steps, the others and other lanes stay as they are; a full one stays so."""
-    s = settings_of(SCENARIOS["standard"].replace(max_cycles=steps), with_parts=False)
-    room = (1 << s.counter_bits) - 1
-    assert room >= steps
-    rows = np.zeros(s.counters_size)
-    for counter in range(state.COUNTERS):
-        for _ in range(min(counter + 1, room)):
-            _count(rows, counter, 3, s)
-    shown = [state.counted(rows, counter, 3, s) for counter in range(state.COUNTERS)]
-    assert shown == [min(counter + 1, room) for counter in range(state.COUNTERS)]
-    lanes = rows.reshape(-1, LANES)
-    assert not np.delete(lanes, 3, axis=1).any()
-    assert np.isfinite(lanes).all()
-    full = (1 << s.counter_bits * s.counters_per_row) - 1
-    assert full < 1 << state.COUNTER_BITS
-    rows.view(np.int64)[:] = full
-    assert np.isfinite(rows).all()
-    _count(rows, state.COUNTERS - 1, 3, s)
-    assert (rows.view(np.int64) == full).all()
-
-
-@unkept_entry
-def packed_and_back(distance_um: float, winner: float) -> tuple[float, float]:
-    evidence = state.evidence_of(distance_um, winner)
-    return state.distance_in(evidence), state.winner_in(evidence)
-
-
-def test_r5_6_a_verdict_s_evidence_comes_back_as_it_was() -> None:
-    """Of every seat and of none, at all kinds of distances in the largest arena."""
-    farthest = int(np.ceil(5000.0 * np.sqrt(2.0) * 1e6))
-    distances = [-1, 0, 1, 299_999, 300_000, farthest - 1, farthest]
-    distances += np.random.default_rng(1).integers(0, farthest, 200).tolist()
-    for distance in distances:
-        for winner in range(-1, MAX_HUNTERS):
-            assert packed_and_back(float(distance), float(winner)) == (distance, winner)
