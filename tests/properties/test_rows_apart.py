@@ -312,9 +312,6 @@ def test_every_row_draws_its_own_lots(policy: str) -> None:
         for row, oracle in enumerate(oracles):
             oracle.step(standing)
             assert by_seat(batch.rulings(row), config) == oracle.rulings, f"row {row}, step {step}"
-            for told, found in zip(batch.answers[row].tolist(), oracle.rulings, strict=True):
-                verdict, number, distance, winner = found or (0, *told[:1], *told[2:])  # those of an older one stay
-                assert told == [number or 0, verdict, *(-1 if one is None else one for one in (distance, winner))]
             assert [one.number for one in batch.world(row).targets] == [one.number for one in oracle.alive]
             met |= {(row > 0, found[0]) for found in oracle.rulings if found}
     judged = (Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.SERVICE_DOWN)
