@@ -287,8 +287,8 @@ class Sandbox:
                 del self._processes[key]
 
     def kill(self) -> None:
-        """Kill all agents, from any thread: whoever waits for an answer finds the end."""
-        for process in self._processes.values():
+        """Kill all agents, from any thread: whoever waits for an answer finds the end, and may forget its agent."""
+        for process in list(self._processes.values()):
             process.kill()
 
     def close(self) -> None:

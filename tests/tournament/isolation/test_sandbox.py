@@ -23,7 +23,7 @@ from catch_arena.tournament.entrants import enter, shipped
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
-from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox
 from catch_arena.tournament.match_loop import play
 
 SHORT = scenario("duel", time_limit_s=10)
@@ -260,3 +260,19 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
 def test_limits_that_cannot_be_are_named(values, message):
     with pytest.raises(ConfigError, match=message):
         AgentLimits.of(**values)
+
+
+def test_all_are_killed_though_who_waits_for_one_forgets_it_meanwhile(sandbox, monkeypatch):
+    """As the thread does that hears first of an agent's end, while a window is closed."""
+    entrants = enter([alone("idle"), alone("nearest")], inspector(sandbox))
+    processes = [sandbox.start(one) for one in entrants]
+    kill = AgentProcess.kill
+
+    def forgotten(process):
+        kill(process)
+        sandbox.end(entrants[processes.index(process)])
+
+    monkeypatch.setattr(AgentProcess, "kill", forgotten)
+    sandbox.kill()
+    monkeypatch.undo()
+    assert sandbox.pids == []
