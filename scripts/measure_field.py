@@ -69,7 +69,7 @@ def scores_of(name: str, agents: list[str], matches: int, seed: int) -> tuple[ND
     with progress_bar(name) as show:
         for step in range(config.max_steps):
             field.act(observations, infos["action_mask"], choices, commands)
-            observations, caught, _, _, infos = arena.step({"cmd_vel": commands, "catch": choices})
+            observations, caught, _, _, infos = arena.step(choices, commands)
             scores += caught
             show(step + 1, config.max_steps)
     return who, scores

@@ -133,10 +133,10 @@ def stepper_of_batch() -> Callable[[], int]:
     """The same of a batch of them, on one thread."""
     arena = VectorArena("tag", BATCH, num_threads=1)
     arena.reset(seed=1)
-    actions = {side: np.full((BATCH, count, 2), 0.5, dtype=np.float32) for side, count in (("hunter", 3), ("prey", 1))}
+    commands = np.full((BATCH, 4, 2), 0.5, dtype=np.float32)
 
     def step() -> int:
-        arena.step(actions)
+        arena.step(commands=commands)
         return BATCH
 
     return step

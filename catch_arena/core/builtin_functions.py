@@ -9,7 +9,6 @@ from typing import Any, Final, TypeVar
 
 import numba.core.types
 from numba.core import cgutils
-from numba.core.imputils import RefType, iternext_impl
 from numba.extending import lower_builtin, models, register_model
 
 from catch_arena.core.extending import INT64, Emitter, compiled_as, packed, unpacked, whole_number
@@ -100,15 +99,15 @@ def _(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
 
 
 @lower_builtin("iternext", _Counter)
-@iternext_impl(RefType.UNTRACKED)
-def _(_context: Any, builder: Any, _signature: Any, arguments: Any, result: Any) -> None:
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     place, stop, step = unpacked(builder, arguments[0])
     here = builder.load(place)
     up = builder.icmp_signed(">", step, INT64(0))
     more = builder.select(up, builder.icmp_signed("<", here, stop), builder.icmp_signed(">", here, stop))
-    result.set_valid(more)
-    result.yield_(here)
     builder.store(builder.add(here, step, flags=["nsw"]), place)
+    result = cgutils.create_struct_proxy(signature.return_type)(context, builder)
+    result.first, result.second = here, more
+    return result._getvalue()  # noqa: SLF001 - which is how Numba's own documentation has it
 
 
 def _is_number(of: Any) -> bool:

@@ -9,11 +9,14 @@ from catch_arena.core.random import drops_out, seed_of
 from catch_arena.core.state import (
     AT_REST,
     LANES,
+    NO_TARGET,
+    PREY_SLOT,
     SEED_HIGH,
     SEED_LOW,
     STEP,
     WITHDRAWN,
     Settings,
+    prey_of,
     seat_of,
 )
 
@@ -39,13 +42,17 @@ def drop_out(block: Block, s: Settings, lanes: int) -> None:
 
 @outlined
 def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
-    """R1.6, R1.7: who takes part: 1, or 0 for who has dropped out or was withdrawn; `active`, (lanes, H), is the
+    """R1.6, R1.7, R12.3: 1 for hunters that take part and for prey that is in play; `active`, (lanes, N), is the
     result.
     """
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for lane in range(lanes):
             active[lane, seat] = 1 if me[WITHDRAWN + lane] == 0.0 else 0
+    for index in range(s.prey):
+        me = prey_of(block, index, s)
+        for lane in range(lanes):
+            active[lane, s.hunters + index] = 0 if me[PREY_SLOT + lane] == NO_TARGET else 1
 
 
 @entry

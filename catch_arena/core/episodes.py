@@ -10,13 +10,19 @@ from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import begin_prey, write_prey_records
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
-from catch_arena.core.rewards import Breakdowns, Rewards
+from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
     CONTESTS_WON,
     DISTANCE,
     ENDED,
+    FINAL_CONTESTS_WON,
+    FINAL_RANK,
+    FINAL_REWARD_SUM,
+    FINAL_SCORE,
+    FINAL_TALLIES,
+    FINAL_TEAM_SCORE,
     LANES,
     REQUESTED_NUMBER,
     REWARD_SUM,
@@ -42,15 +48,6 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, group, select
 from catch_arena.core.workspace import Scratch
-from catch_arena.verdicts import Verdict
-
-# columns of a record: one hunter's episode in figures
-FINAL_SCORE: Final = 0
-FINAL_RANK: Final = 1  # R6.1, R11.1: 1 + how many teams have more
-FINAL_REWARD_SUM: Final = 2
-FINAL_CONTESTS_WON: Final = 3
-FINAL_TALLIES: Final = 4  # how often each verdict was met, in the order of Verdict
-FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # where there are teams
 
 _ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
 """What a hunter is told of its request."""
@@ -61,7 +58,7 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
     """An episode in figures, as it stands in one lane.
 
     Args:
-        record: the result, (H, figures).
+        record: the result, (N, figures); the rows of the hunters are written.
     """
     score = FINAL_TEAM_SCORE if s.has_teams else FINAL_SCORE
     for seat in range(s.hunters):
@@ -163,16 +160,14 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 
 
 @phase
-def restore_finished(
-    block: Block, s: Settings, lanes: int, scratch: Scratch, rewards: Rewards, breakdowns: Breakdowns
-) -> None:
+def restore_finished(block: Block, s: Settings, lanes: int, scratch: Scratch, rewards: Rewards, parts: Parts) -> None:
     """R1.5: arenas that had ended are played with the others of their block, and then put back as they were kept, but
     for the answers, which were MATCH_OVER (R5.2): nothing moves after the end.
 
     Args:
         scratch: see `workspace.Scratch`, for the block before the step.
-        rewards: (lanes, H), or none; those of arenas that had ended become 0.
-        breakdowns: (lanes, H, 1 + parts), or none; the same.
+        rewards: those of arenas that had ended become 0.
+        parts: the same.
     """
     for lane in range(lanes):
         if scratch.snapshot[ENDED + lane] == RUNNING:
@@ -181,10 +176,9 @@ def restore_finished(
             now, then = seat_of(block, seat), seat_of(scratch.snapshot, seat)
             for offset in _ANSWER:
                 then[offset + lane] = now[offset + lane]
-            if len(breakdowns) == 0:
-                rewards[lane, seat] = 0.0
-            for column in range(breakdowns.shape[2] if len(breakdowns) > 0 else 0):
-                breakdowns[lane, seat, column] = 0.0
+            rewards[lane, seat] = 0.0
+            for column in range(parts.shape[2] if len(parts) > 0 else 0):
+                parts[lane, seat, column] = 0.0
         for row in range(len(block) // LANES):
             block[row * LANES + lane] = scratch.snapshot[row * LANES + lane]
 
@@ -214,7 +208,6 @@ def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sect
         sections.lengths[arena] = block[STEP + lane]
         write_record(block, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
-            keep_rows(sections.prey_observations[arena], sections.prey_final_observations[arena])
-            write_prey_records(block, s, lane, sections.prey_records[arena])
+            write_prey_records(block, s, lane, sections.records[arena])
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         begin(block, s, lane, sections.start_poses, next_seed(seed))

@@ -51,7 +51,7 @@ Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
 
 
 class Sections(NamedTuple):
-    """B arenas in blocks, H hunters, D columns, K targets seen; P prey, of E columns; T threads.
+    """B arenas in blocks; N agents, H hunters and then P prey; K targets seen; T threads.
 
     Each field's type names its elements and the number of dimensions. What a scenario or a batch does not need has no
     numbers. The order matters where a line says so: sections are saved and copied together with their neighbours.
@@ -86,50 +86,36 @@ class Sections(NamedTuple):
     prey_references: Doubles2
     gathered_prey: Doubles2
     snapshot: Doubles2
-    prey_commands: Floats3
-    """R12.2: (B, P, 2), the actions of the step that is played."""
     # ---- saved, from here to the end; all but the blocks have a row for each arena ----
     blocks: Doubles2
     """(blocks, rows * LANES): see `state`."""
-    breakdowns: Doubles3
-    """(B, H, 1 + parts): the reward, and R6.2's parts in the order of `state.PART_NAMES`; or none, and then
-    `rewards`.
-    """
+    rewards: Doubles2
+    """R6.2, R12.5: (B, N)."""
+    parts: Doubles3
+    """R6.2: (B, H, parts), in the order of `state.PART_NAMES`; or none."""
+    prey_parts: Doubles3
+    """R12.5: (B, P, parts), in the order of `state.PREY_PART_NAMES`; or none."""
     observations: Floats3
-    """R7.1: (B, H, D)."""
+    """R7.1, R12.4: (B, N, columns); those of the side that sees less are followed by zeros."""
     masks: Flags3
     """R7.2: (B, H, K + 1)."""
-    prey_breakdowns: Doubles3
-    """(B, P, 1 + parts): the reward, and R12.5's parts in the order of `state.PREY_PART_NAMES`; or none, and
-    then `prey_rewards`.
-    """
-    prey_observations: Floats3
-    """R12.4: (B, P, E)."""
     ends: Flags1
     """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
-    rewards: Floats2
-    """(B, H), or none where there are breakdowns."""
-    prey_rewards: Floats2
-    """(B, P), or none where there are breakdowns."""
     active: Flags2
-    """R1.7: 1 for hunters that take part, (B, H); or none where nobody drops out."""
-    prey_active: Flags2
-    """R12.3: 1 for prey that is in play, (B, P)."""
+    """R1.7, R12.3: 1 for hunters that take part and prey that is in play, (B, N); or none where nobody drops out and
+    there is no prey.
+    """
     team_scores: Doubles2
     """R11.1: (B, teams)."""
     # ---- what only auto_reset keeps: last, since engines without it take a saved state up to here ----
     final_observations: Floats3
-    """(B, H, D): of the latest episode that ended; or none, and then arenas that have ended stand still."""
+    """(B, N, columns): of the latest episode that ended; or none, and then arenas that have ended stand still."""
     final_masks: Flags3
     """(B, H, K + 1): the masks that belong to them."""
     lengths: Floats1
     """(B,): that episode's steps."""
     records: Floats3
-    """(B, H, figures): that episode in figures, see `episodes`."""
-    prey_final_observations: Floats3
-    """(B, P, E): as `final_observations`."""
-    prey_records: Floats3
-    """(B, P, PREY_RECORD_COLUMNS): see `prey`."""
+    """(B, N, figures): that episode in figures, see FINAL_SCORE and what follows it in state.py."""
 
 
 _KINDS_OF_SECTIONS: Final[dict[str, Section]] = {

@@ -355,7 +355,7 @@ def write(
     slots: int,
     teams: NDArray[np.int64],
     scratch: Scratch,
-    out: Numbers,
+    observations: NDArray[np.float32],
     arena: int,
     ahead: Block,
 ) -> None:
@@ -366,13 +366,13 @@ def write(
 
     Args:
         slots: how many slots are in use in any lane.
-        out: the observations of the whole batch, flat.
+        observations: those of the whole batch, (B, N, columns); the hunters' are written.
         arena: which of the batch is the first lane.
         ahead: see `prefetch_part`.
     """
     compute_time_left(block, s, width, scratch.rows)
-    columns = SELF_WIDTH + s.targets_seen * target_width(s) + s.hunters_seen * rival_width(s)
-    stride = s.hunters * columns
+    columns, out = observations.shape[2], flat(observations)
+    stride = observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = scratch.staging if apart else out
@@ -448,8 +448,8 @@ def observe(
             update_heading(body_of(targets, slot, s), width)
     for group_first in range(0, lanes, len(width)):
         rank_seen(block, s, group_first, width, lanes, slots, sections, scratch)
-    observations, ahead = flat(sections.observations), block_after(sections.blocks, first)
-    write(block, s, width, lanes, slots, sections.teams, scratch, observations, first, ahead)
+    ahead = block_after(sections.blocks, first)
+    write(block, s, width, lanes, slots, sections.teams, scratch, sections.observations, first, ahead)
     write_masks(block, s, lanes, sections.masks[first:last])
     if s.prey > 0:
         observe_as_prey(block, s, width, first, lanes, sections, scratch)

@@ -20,6 +20,9 @@ from catch_arena.core.state import (
     CAUGHT_AT,
     CAUGHT_BY,
     ENDED,
+    FINAL_RANK,
+    FINAL_REWARD_SUM,
+    FINAL_SCORE,
     LANES,
     NO_TARGET,
     PREY_REWARD_SUM,
@@ -45,12 +48,6 @@ from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import sqrt
 from catch_arena.core.workspace import Scratch, prey_reference_of
 
-# columns of a record: one prey's episode in figures
-PREY_TIMES_CAUGHT: Final = 0
-PREY_RANK: Final = 1  # R12.5: 1 + how many are ahead
-PREY_FINAL_REWARD_SUM: Final = 2
-PREY_RECORD_COLUMNS: Final = 3
-
 # rows of a reference, of each prey from phase 2 to its reward
 IN_PLAY: Final = 0 * LANES  # 1 where it was not out on S_t, else 0
 HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t, -1 where there is none or nobody asks
@@ -75,11 +72,10 @@ def command_prey(
     """R12.2: prey's velocities for this step, and from where R12.5's gain is counted.
 
     Args:
-        commands: (lanes, P, 2), fractions of the limits in [-1, 1].
         scratch: see `workspace.Scratch`; the references are written.
     """
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me, agent = prey_of(block, index, s), s.hunters + index
         reference = prey_reference_of(scratch, index)
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
@@ -90,10 +86,10 @@ def command_prey(
                 continue
             at = slot * s.slot_size + lane
             speed = clamp(
-                np.float64(commands[lane, index, 0]) * s.target_speed_mps, s.prey_min_speed_mps, s.target_speed_mps
+                np.float64(commands[lane, agent, 0]) * s.target_speed_mps, s.prey_min_speed_mps, s.target_speed_mps
             )
             turn_rate = clamp(
-                np.float64(commands[lane, index, 1]) * s.target_turn_rate_radps,
+                np.float64(commands[lane, agent, 1]) * s.target_turn_rate_radps,
                 -s.target_turn_rate_radps,
                 s.target_turn_rate_radps,
             )
@@ -156,15 +152,6 @@ def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
                 spawn_next(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s, now)
 
 
-@outlined
-def write_prey_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
-    """R12.3: 1 for prey that is in play, 0 for who is out; `active`, (lanes, P), is the result."""
-    for index in range(s.prey):
-        me = prey_of(block, index, s)
-        for lane in range(lanes):
-            active[lane, index] = 0 if me[PREY_SLOT + lane] == NO_TARGET else 1
-
-
 @rule
 def prey_parts(me: Block, reference: Block, targets: Block, lane: int, s: Settings) -> tuple[float, float, float]:
     """R12.5: the parts of what one prey gets that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
@@ -188,15 +175,15 @@ def reward_prey(
     had_ended: bool,
     targets: Block,
     scratch: Scratch,
-    rewards: NDArray[np.float32],
-    breakdowns: NDArray[np.float64],
+    rewards: NDArray[np.float64],
+    parts: NDArray[np.float64],
 ) -> None:
-    """R12.5: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
+    """R12.5: the weighted sum of the parts, and the parts where there is room for them.
 
     Args:
         had_ended: whether some of them had ended before this step: those get nothing.
-        rewards: (lanes, P), or none.
-        breakdowns: (lanes, P, 1 + parts), the sum and the parts in the order of `state.PREY_PART_NAMES`, or none.
+        rewards: (lanes, N), of which prey's are written.
+        parts: (lanes, P, parts), in the order of `state.PREY_PART_NAMES`; or none.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
@@ -209,13 +196,11 @@ def reward_prey(
                 caught, survived, gained = prey_parts(me, reference, targets, lane, s)
                 total = s.caught_weight * caught + s.survived_weight * survived + s.gained_weight * gained
                 me[PREY_REWARD_SUM + lane] += total
-            if len(breakdowns) == 0:
-                rewards[lane, index] = np.float32(total)
-            else:
-                breakdowns[lane, index, 0] = total
-                breakdowns[lane, index, 1] = caught
-                breakdowns[lane, index, 2] = survived
-                breakdowns[lane, index, 3] = gained
+            rewards[lane, s.hunters + index] = total
+            if len(parts) > 0:
+                parts[lane, index, 0] = caught
+                parts[lane, index, 1] = survived
+                parts[lane, index, 2] = gained
 
 
 @rule
@@ -236,16 +221,16 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
     """An episode in figures, as it stands in one lane.
 
     Args:
-        record: the result, (P, PREY_RECORD_COLUMNS).
+        record: the result, (N, figures); the rows of prey are written.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
         rank = 1.0
         for other in range(s.prey):
             rank += 1.0 if is_ahead(prey_of(block, other, s), me, lane) else 0.0
-        record[index, PREY_TIMES_CAUGHT] = me[TIMES_CAUGHT + lane]
-        record[index, PREY_RANK] = rank
-        record[index, PREY_FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]
+        record[s.hunters + index, FINAL_SCORE] = me[TIMES_CAUGHT + lane]
+        record[s.hunters + index, FINAL_RANK] = rank
+        record[s.hunters + index, FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]
 
 
 @entry

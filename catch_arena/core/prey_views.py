@@ -220,11 +220,12 @@ def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, 
 
 
 @phase
-def copy_lanes(staging: Numbers, columns: int, lanes: int, stride: int, out: Numbers, at: int) -> None:
+def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: int, out: Numbers, at: int) -> None:
     """What was put together apart, since the group has lanes that are no arenas.
 
     Args:
         staging: see `workspace.Scratch`.
+        start: where that of the first lane begins there.
         columns: how many are there, from the first on.
         stride: see `transfers.Place`.
         out: observations, flat.
@@ -232,7 +233,7 @@ def copy_lanes(staging: Numbers, columns: int, lanes: int, stride: int, out: Num
     """
     for lane in range(lanes):
         for column in range(columns):
-            out[at + lane * stride + column] = staging[lane * stride + column]
+            out[at + lane * stride + column] = staging[start + lane * stride + column]
 
 
 @outlined
@@ -243,12 +244,12 @@ def observe_as_prey(
 
     Args:
         arena: which of the batch is the first lane.
-        sections: see `memory`; `prey_observations` is the result.
+        sections: see `memory.Sections`; prey's rows of `observations` are the result.
     """
     gather_prey(block, s, lanes, targets_of(block, s), scratch)
-    out = flat(sections.prey_observations)
-    columns = sections.prey_observations.shape[2]
-    stride = s.prey * columns
+    out = flat(sections.observations)
+    columns = sections.observations.shape[2]
+    stride = sections.observations.shape[1] * columns
     for index in range(s.prey):
         me, caught = gathered_of(scratch, index), prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
         for side in range(2):  # in a loop, so that what it calls is compiled once
@@ -259,11 +260,12 @@ def observe_as_prey(
             for first in range(0, lanes, len(width)):
                 rank_bodies(me, bodies, first, width, lanes, scratch.keys, scratch.rows[:LANES])
                 apart = lanes - first < len(width)
-                begin = (arena + first) * stride + index * columns
-                place = Place(scratch.staging if apart else out, 0 if apart else begin, stride)
+                staged = (s.hunters + index) * columns
+                begin = (arena + first) * stride + staged
+                place = Place(scratch.staging if apart else out, staged if apart else begin, stride)
                 if of_hunters:
                     write_self(block, caught, me, s, first, width, place)
                 write_bodies(me, bodies, first, width, scratch, place)
                 if apart:
                     written = bodies.first_column + bodies.ranks * _BODY_WIDTH
-                    copy_lanes(scratch.staging, written, lanes - first, stride, out, begin)
+                    copy_lanes(scratch.staging, staged, written, lanes - first, stride, out, begin)

@@ -42,10 +42,10 @@ _PartRows: Final = _named("_PartRows", PART_NAMES)
 _ROW_OF: Final = _PartRows(*range(LANES, (1 + len(PART_NAMES)) * LANES, LANES))
 """Of each part: where its row begins in scratch memory, behind that of the sum."""
 
-Rewards = NDArray[np.float32]
-"""(lanes, H): the sum."""
-Breakdowns = NDArray[np.float64]
-"""(lanes, H, 1 + parts): the sum, and R6.2's parts in the order of `state.PART_NAMES`."""
+Rewards = NDArray[np.float64]
+"""(lanes, N), of which the hunters' are written here."""
+Parts = NDArray[np.float64]
+"""(lanes, H, parts): R6.2's parts, in the order of `state.PART_NAMES`; or none."""
 
 
 @phase
@@ -123,14 +123,12 @@ def share_rewards(
     teams: NDArray[np.int64],
     team_rows: Block,
     rewards: Rewards,
-    breakdowns: Breakdowns,
 ) -> None:
     """R11.2: what each seat gets of what its team has earned, instead of what it has earned by itself.
 
     Args:
         team_rows: see `workspace.Scratch`; what each seat has earned is there, and what it gets is written over it.
-        rewards: the result, or none.
-        breakdowns: the result in its first column, or none.
+        rewards: the result.
     """
     earned = team_rows[s.hunters * LANES :]
     for first in range(s.hunters):
@@ -153,13 +151,9 @@ def share_rewards(
                     shared = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
                     me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + shared
                     earned[seat * LANES + lane] = shared
-    parts_wanted = len(breakdowns) > 0
     for seat in range(s.hunters):
         for lane in range(lanes):
-            if parts_wanted:
-                breakdowns[lane, seat, 0] = earned[seat * LANES + lane]
-            else:
-                rewards[lane, seat] = np.float32(earned[seat * LANES + lane])
+            rewards[lane, seat] = earned[seat * LANES + lane]
 
 
 @phase
@@ -172,18 +166,18 @@ def reward_hunters(
     in_teams: bool,
     scratch: Scratch,
     rewards: Rewards,
-    breakdowns: Breakdowns,
+    parts: Parts,
 ) -> None:
-    """R6.2: the sum of the parts, and the parts where there is room for them, and `rewards` where there is not.
+    """R6.2: the weighted sum of the parts, and the parts where there is room for them.
 
     Args:
         in_teams: whether there are teams: as it stands where this is called, so that nothing asks for it in the loops.
-        rewards: the result, or none.
-        breakdowns: the result, or none.
+        rewards: the result.
+        parts: the result, or none.
     """
     catches = scratch.rows[:LANES]
     amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
-    parts_wanted, is_shared = len(breakdowns) > 0, in_teams and s.team_share > 0.0
+    parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
     count_catches(block, s, width, teams, in_teams, catches, scratch.team_rows)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -232,13 +226,10 @@ def reward_hunters(
             amounts[_ROW_OF.progress + lane] = progress
             amounts[_ROW_OF.time + lane] = elapsed
             amounts[_ROW_OF.mate_catch + lane] = mate
-        if parts_wanted:
-            for lane in range(lanes):
-                for column in range(1 + len(PART_NAMES)):
-                    breakdowns[lane, seat, column] = amounts[column * LANES + lane]
-        elif not is_shared:
-            for lane in range(lanes):
-                rewards[lane, seat] = np.float32(amounts[lane])
+        for lane in range(lanes):
+            rewards[lane, seat] = amounts[lane]
+            for column in range(len(PART_NAMES) if parts_wanted else 0):
+                parts[lane, seat, column] = amounts[(1 + column) * LANES + lane]
 
 
 @outlined
@@ -250,12 +241,12 @@ def reward_teams(
     teams: NDArray[np.int64],
     scratch: Scratch,
     rewards: Rewards,
-    breakdowns: Breakdowns,
+    parts: Parts,
 ) -> None:
     """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
-    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, breakdowns)
+    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, parts)
     if s.team_share > 0.0:
-        share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards, breakdowns)
+        share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards)
 
 
 @outlined
@@ -296,10 +287,10 @@ def reward(
     teams: NDArray[np.int64],
     scratch: Scratch,
     rewards: Rewards,
-    breakdowns: Breakdowns,
+    parts: Parts,
 ) -> None:
     """R6.2, R11.2: what each hunter gets for this step; arguments as of `reward_hunters`."""
     if s.has_teams:
-        reward_teams(block, s, width, lanes, teams, scratch, rewards, breakdowns)
+        reward_teams(block, s, width, lanes, teams, scratch, rewards, parts)
     else:
-        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, breakdowns)
+        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, parts)

@@ -126,6 +126,14 @@ MALFORMED_REQUEST: Final = -2  # what is asked for is no rank with a target, or 
 NEVER_SPAWNED: Final = -3  # no target has had the name
 ALREADY_GONE: Final = -4  # a target had it
 
+# columns of a record: an agent's episode in figures
+FINAL_SCORE: Final = 0  # of prey, how often it was caught
+FINAL_RANK: Final = 1  # R6.1, R11.1, R12.5: 1 + how many teams have more, or how many prey are ahead
+FINAL_REWARD_SUM: Final = 2
+FINAL_CONTESTS_WON: Final = 3  # of hunters, as all that follows
+FINAL_TALLIES: Final = 4  # how often each verdict was met, in the order of Verdict
+FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # where there are teams
+
 PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
 """R6.2's parts of a hunter's reward, in the order in which they are written."""
 PREY_PART_NAMES: Final = ("caught", "survived", "gained")

@@ -21,7 +21,7 @@ from catch_arena.core.jit import Block, entry, phase
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
-from catch_arena.core.prey import command_prey, return_prey, reward_prey, write_prey_active
+from catch_arena.core.prey import command_prey, return_prey, reward_prey
 from catch_arena.core.rewards import reward, write_team_scores
 from catch_arena.core.spawner import spawn_through
 from catch_arena.core.state import LANES, STILL, Options, Settings, targets_of
@@ -46,7 +46,7 @@ def play(
     """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`."""
     lanes = last - first
     targets = targets_of(block, s)
-    rewards, breakdowns = sections.rewards[first:last], sections.breakdowns[first:last]
+    rewards, parts = sections.rewards[first:last], sections.parts[first:last]
     had_ended = some_ended(block, lanes)
     if had_ended:
         take_snapshot(block, scratch.snapshot)
@@ -57,19 +57,18 @@ def play(
     if s.target_motion != STILL:
         command_targets(block, s, width, lanes, targets, scratch.rows)
     if s.prey > 0:
-        command_prey(block, s, lanes, targets, sections.prey_commands[first:last], scratch)
+        command_prey(block, s, lanes, targets, commands[first:last], scratch)
     resolve_requests(block, s, width, lanes, targets, limits, given_requests, scratch)
     move(block, s, width, lanes, targets, scratch.rows)
     spawn_through(block, targets, lanes, s)
     if s.prey > 0:
         return_prey(block, s, lanes, targets)
     end_test(block, s, width)
-    reward(block, s, width, lanes, sections.teams, scratch, rewards, breakdowns)
+    reward(block, s, width, lanes, sections.teams, scratch, rewards, parts)
     if had_ended:
-        restore_finished(block, s, lanes, scratch, rewards, breakdowns)
+        restore_finished(block, s, lanes, scratch, rewards, parts)
     if s.prey > 0:
-        prey_rewards, prey_breakdowns = sections.prey_rewards[first:last], sections.prey_breakdowns[first:last]
-        reward_prey(block, s, lanes, had_ended, targets, scratch, prey_rewards, prey_breakdowns)
+        reward_prey(block, s, lanes, had_ended, targets, scratch, rewards, sections.prey_parts[first:last])
     write_ends(block, lanes, sections.ends[first:last])
 
 
@@ -101,7 +100,8 @@ def run(
         resets: (n, 2), arenas and the seeds with which they begin.
         playing: whether a step is played, or the arenas only observe.
         choices: (B, H), ranks or 0; may be empty where no seat's control reads them.
-        commands: (B, H, 2), fractions of the limits in [-1, 1]; may be empty in the same way.
+        commands: (B, N, 2), fractions of the limits in [-1, 1], of the hunters and then of prey; may be empty in the
+            same way.
         given_requests: of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory)
@@ -124,10 +124,8 @@ def run(
             observe(block, s, view_width, first, last, sections, scratch)
             if passes_left > 0:
                 begin_again(block, s, first, last, sections)
-        if s.dropout_rate > 0.0:
+        if s.dropout_rate > 0.0 or s.prey > 0:
             write_active(block, s, last - first, sections.active[first:last])
-        if s.prey > 0:
-            write_prey_active(block, s, last - first, sections.prey_active[first:last])
         if s.has_teams:
             team_scores = sections.team_scores[first:last]
             write_team_scores(

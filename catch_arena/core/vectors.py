@@ -19,7 +19,6 @@ import numpy as np
 from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils
-from numba.core.typeconv.castgraph import Conversion
 from numba.extending import lower_cast, models, register_model
 
 from catch_arena.core.addresses import ArrayAt
@@ -104,9 +103,10 @@ class Vector(types.Type):
         self.dtype, self.count = dtype, count
         super().__init__(f"Vector({dtype} x {count})")
 
-    def can_convert_from(self, _context: Any, other: Any) -> Any:
-        """A number becomes a vector that has it in every lane."""
-        return Conversion.safe if isinstance(other, types.Number | types.Boolean) else None
+    def can_convert_from(self, context: Any, other: Any) -> Any:
+        """A number becomes a vector that has it in every lane, as safely as an int64 becomes a float64."""
+        is_number = isinstance(other, types.Number | types.Boolean)
+        return context.can_convert(types.int64, types.float64) if is_number else None
 
 
 class Lanes(types.Type):

@@ -1,5 +1,7 @@
 """The memory of a batch of arenas by what lies in it: views of the blocks of core/state.py, without a copy."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,9 @@ from catch_arena.core.state import LANES, Regions, slot_rows
 def row_of(offset: int) -> int:
     """The row at one of core/state.py's offsets, which count numbers, LANES to a row."""
     return offset // LANES
+
+
+_HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 
 
 class BlockViews:
@@ -56,3 +61,18 @@ class BlockViews:
         slots = self.prey_rows(arena)[:, row_of(state.PREY_SLOT)].astype(np.int64)
         numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
         return np.where(slots == state.NO_TARGET, 0.0, numbers)
+
+    def state(self, arena: int) -> NDArray[np.float64]:
+        """A.8: the numbers of one arena's state, (n,), in the order in which the digest reads them."""
+        block, lane = divmod(arena, LANES)
+        own = self.fields[block, :, lane]
+        alive = int(own[row_of(state.ALIVE)])
+        numbers = [
+            own[: state.ARENA_DIGEST_ROWS],
+            self.hunters[block, :, _HUNTER_DIGEST, lane].T.reshape(-1),
+            self.targets[block, :alive, self.target_digest, lane].T.reshape(-1),
+        ]
+        if self.prey.size:
+            times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]
+            numbers.append(np.column_stack((self.prey_numbers(arena), times)).reshape(-1))
+        return np.concatenate(numbers)

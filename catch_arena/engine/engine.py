@@ -15,7 +15,6 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core import dropouts, placing, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.core.episodes import FINAL_TEAM_SCORE
 from catch_arena.core.memory import (
     DTYPES,
     Bytes,
@@ -28,8 +27,8 @@ from catch_arena.core.memory import (
     whole_lines,
     zeros,
 )
-from catch_arena.core.prey import PREY_RECORD_COLUMNS, withdraw_prey_at
-from catch_arena.core.state import ALL_OPTIONS, LANES, PART_NAMES, PREY_PART_NAMES
+from catch_arena.core.prey import withdraw_prey_at
+from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import BlockViews, row_of
@@ -43,7 +42,6 @@ from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
-_HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 _ANSWER: Final = slice(row_of(state.REQUESTED_NUMBER), row_of(state.WINNER) + 1)
 _HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
@@ -51,8 +49,6 @@ _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
-_NO_PREY: Final = np.zeros(0)
-"""For engines that copy it."""
 
 
 class Engine:
@@ -66,7 +62,8 @@ class Engine:
         num_threads: how many may play.
         any_control: whether `controls` may differ by arena.
 
-    All arrays below are the engine's own and change with every step: copy what is to be kept.
+    All arrays below are the engine's own and change with every step: copy what is to be kept. Of N agents the H hunters
+    come first, by seat, and then the P prey, by index.
     """
 
     def __init__(
@@ -96,11 +93,11 @@ class Engine:
         self.threads = Threads(max(1, min(num_threads, self._chunks)))
         rows_with_infos = num_arenas if with_infos else 0
         kept = num_arenas if auto_reset else 0
-        seen_by_prey = prey_observation_size(config)
+        agents, columns = hunters + prey, observation_size(config)
+        columns = max(columns, prey_observation_size(config)) if prey else columns
         team_play = config.teams is not None
         figures = FINAL_TEAM_SCORE + (1 if team_play else 0)
-        columns = max(hunters * observation_size(config), prey * seen_by_prey)
-        scratch = scratch_shapes(hunters, config.hunters_seen, prey, num_rows, columns, team_play=team_play)
+        scratch = scratch_shapes(hunters, config.hunters_seen, prey, num_rows, agents * columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
                 settings=np.array(settings, dtype=np.float64),
@@ -111,25 +108,19 @@ class Engine:
                 limits=limits_by_seat(config),
                 teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
                 team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
-                prey_commands=zeros(num_arenas, prey, 2, dtype=np.float32),
                 blocks=zeros(num_blocks, num_rows * LANES),
-                breakdowns=zeros(rows_with_infos, hunters, 1 + len(PART_NAMES)),
-                observations=zeros(num_arenas, hunters, observation_size(config), dtype=np.float32),
+                rewards=zeros(num_arenas, agents),
+                parts=zeros(rows_with_infos, hunters, len(PART_NAMES)),
+                prey_parts=zeros(rows_with_infos, prey, len(PREY_PART_NAMES)),
+                observations=zeros(num_arenas, agents, columns, dtype=np.float32),
                 masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
-                prey_breakdowns=zeros(rows_with_infos, prey, 1 + len(PREY_PART_NAMES)),
-                prey_observations=zeros(num_arenas, prey, seen_by_prey, dtype=np.float32),
                 ends=zeros(num_arenas, dtype=np.int8),
-                rewards=zeros(num_arenas - rows_with_infos, hunters, dtype=np.float32),
-                prey_rewards=zeros(num_arenas - rows_with_infos, prey, dtype=np.float32),
-                active=zeros(num_arenas if config.dropout_rate > 0.0 else 0, hunters, dtype=np.int8),
-                prey_active=zeros(num_arenas, prey, dtype=np.int8),
+                active=zeros(num_arenas if config.dropout_rate > 0.0 or prey else 0, agents, dtype=np.int8),
                 team_scores=zeros(num_arenas, len(config.teams or ())),
-                final_observations=zeros(kept, hunters, observation_size(config), dtype=np.float32),
+                final_observations=zeros(kept, agents, columns, dtype=np.float32),
                 final_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
                 lengths=zeros(kept, dtype=np.float32),
-                records=zeros(kept, hunters, figures, dtype=np.float32),
-                prey_final_observations=zeros(kept, prey, seen_by_prey, dtype=np.float32),
-                prey_records=zeros(kept, prey, PREY_RECORD_COLUMNS, dtype=np.float32),
+                records=zeros(kept, agents, figures, dtype=np.float32),
                 **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
             )
         )
@@ -148,47 +139,34 @@ class Engine:
         """R4.1, R4.4: how each hunter is driven, in the numbers of `controllers.CONTROLS`: (B, H). The config's, until
         somebody writes others; what they read of `choices` and `commands` must then be there.
         """
-        self.observations = sections.observations
-        """R7.1: (B, H, D)."""
-        self.masks = sections.masks
-        """R7.2: (B, H, K + 1)."""
-        self.rewards: NDArray[Any] = sections.breakdowns[:, :, 0] if self.with_infos else sections.rewards
-        """R6.2: (B, H), float64 with the parts and float32 without."""
-        self.parts = sections.breakdowns[:, :, 1:]
+        self.rewards = sections.rewards
+        """R6.2, R12.5: (B, N)."""
+        self.parts = sections.parts
         """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, parts), or
         (0, H, parts) without infos.
         """
+        self.prey_parts = sections.prey_parts
+        """R12.5: likewise, in the order of `state.PREY_PART_NAMES`: (B, P, parts), or (0, P, parts)."""
+        self.observations = sections.observations
+        """R7.1, R12.4: (B, N, columns); those of the side that sees less are followed by zeros."""
+        self.masks = sections.masks
+        """R7.2: (B, H, K + 1)."""
         self.ends = sections.ends
         """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
+        self.active = sections.active.view(np.bool_)
+        """R1.6, R1.7, R12.3: which hunters take part, and which prey is not out: (B, N), or (0, N) where nobody drops
+        out and there is no prey.
+        """
+        self.team_scores = sections.team_scores
+        """R11.1: the sums of the scores of each team's hunters: (B, teams), or (B, 0) without teams."""
         self.final_observations = sections.final_observations
-        """With auto_reset the last observations of the latest episode that ended in each arena: (B, H, D)."""
+        """With auto_reset the last observations of the latest episode that ended in each arena: (B, N, columns)."""
         self.final_masks = sections.final_masks
         """And the masks that belong to them: (B, H, K + 1)."""
         self.lengths = sections.lengths
         """With auto_reset that episode's steps: (B,)."""
         self.records = sections.records
-        """And it in figures, in the columns of core/episodes.py, the last of which is there with teams: (B, H, F)."""
-        self.prey_observations = sections.prey_observations
-        """R12.4: (B, P, E)."""
-        self.prey_rewards: NDArray[Any] = (
-            sections.prey_breakdowns[:, :, 0] if self.with_infos else sections.prey_rewards
-        )
-        """R12.5: (B, P), as `rewards`."""
-        self.prey_parts = sections.prey_breakdowns[:, :, 1:]
-        """R12.5: the parts of the last reward, unweighted, in the order of `state.PREY_PART_NAMES`: (B, P, parts),
-        or (0, P, parts) without infos.
-        """
-        self.prey_final_observations = sections.prey_final_observations
-        """With auto_reset as `final_observations`: (B, P, E)."""
-        self.prey_records = sections.prey_records
-        """With auto_reset as `records`, in the columns of core/prey.py: (B, P, PREY_RECORD_COLUMNS)."""
-        self.active = sections.active.view(np.bool_)
-        """R1.6, R1.7: which hunters take part: (B, H), or (0, H) where nobody drops out."""
-        self.prey_active = sections.prey_active.view(np.bool_)
-        """R12.3: which prey is not out: (B, P)."""
-        self.team_scores = sections.team_scores
-        """R11.1: the sums of the scores of each team's hunters: (B, teams), or (B, 0) without teams."""
-        self._prey_commands = sections.prey_commands
+        """And it in figures, in the columns FINAL_SCORE and so on of core/state.py: (B, N, figures)."""
         begin = offset_of("blocks", memory)
         self._kept, self._kept_by_all = memory[begin:], offset_of("final_observations", memory) - begin
         of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
@@ -219,7 +197,6 @@ class Engine:
             seeds = np.array([checked_seed(seed) for seed in seeds], dtype=np.uint64)
         self.rewards[chosen] = 0.0
         self.ends[chosen] = 0
-        self.prey_rewards[chosen] = 0.0
         if self.with_infos:
             self.parts[chosen] = 0.0
             self.prey_parts[chosen] = 0.0
@@ -233,21 +210,17 @@ class Engine:
         self,
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
-        prey_commands: NDArray[np.float32] | None = None,
         requests: RequestTable = _NO_REQUESTS,
     ) -> None:
         """R1.4: one step of every arena.
 
         Args:
             choices: (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none.
-            commands: (B, H, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What no
-                seat's control reads may be an empty array.
-            prey_commands: where there is prey (B, P, 2) float32, the same for prey, in [-1, 1].
+            commands: (B, N, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What nobody
+                reads may be an empty array.
             requests: of a single arena, instead of what the hunters ask for: a table of `arbiter`, (n, columns),
                 of which REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all else is written.
         """
-        if prey_commands is not None:
-            self._prey_commands[:] = prey_commands
         blocks, chunks = len(self.blocks), self._chunks
         if self.threads.size == 1:
             self._run(0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
@@ -276,14 +249,12 @@ class Engine:
             self._observe(adjoining[0], adjoining[-1] + 1, resets)
             resets = _NO_RESETS  # all have begun
 
-    def withdraw(self, arena: int, seat: int) -> None:
-        """R1.6: the hunter stands still from now on, and the others do not see it."""
-        dropouts.withdraw_at(self._memory, arena, seat)
-        self.observe(arena)
-
-    def withdraw_prey(self, arena: int, index: int) -> None:
-        """R12.5: the prey stands still from now on."""
-        withdraw_prey_at(self._memory, arena, index)
+    def withdraw(self, arena: int, agent: int) -> None:
+        """R1.6, R12.5: the agent, one of N, stands still from now on; a hunter is not seen by the others any more."""
+        if agent < self.config.hunters:
+            dropouts.withdraw_at(self._memory, arena, agent)
+        else:
+            withdraw_prey_at(self._memory, arena, agent - self.config.hunters)
         self.observe(arena)
 
     def place(
@@ -390,24 +361,7 @@ class Engine:
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
         """A.8: the numbers of one arena's state, (n,), in the order in which the digest reads them."""
-        block, lane = divmod(arena, LANES)
-        own = self._views.fields[block, :, lane]
-        alive = int(own[row_of(state.ALIVE)])
-        return np.concatenate(
-            (
-                own[: state.ARENA_DIGEST_ROWS],
-                self._views.hunters[block, :, _HUNTER_DIGEST, lane].T.reshape(-1),
-                self._views.targets[block, :alive, self._views.target_digest, lane].T.reshape(-1),
-                self._prey_digest(arena),
-            )
-        )
-
-    def _prey_digest(self, arena: int) -> NDArray[np.float64]:
-        """A.8: what stands of prey in the digest: (3 P,)."""
-        if not self.config.prey:
-            return _NO_PREY
-        times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]
-        return np.column_stack((self._views.prey_numbers(arena), times)).reshape(-1)
+        return self._views.state(arena)
 
     def digest(self, arena: int = 0) -> bytes:
         """A.8: eight bytes that stand for one arena's state."""
@@ -444,9 +398,9 @@ class Engine:
 
     def saved_sizes(self, *, alone: bool) -> tuple[int, int]:
         """How long a saved state can be, of one arena or of all: without what only `auto_reset` keeps, and with it."""
-        figures = (math.prod(section.shape[1:]) for section in (self.lengths, self.records, self.prey_records))
+        figures = (math.prod(section.shape[1:]) for section in (self.lengths, self.records))
         records = [self.num_arenas * count * self.records.itemsize for count in figures]
-        views = (self.observations, self.masks, self.prey_observations)
+        views = (self.observations, self.masks)
         own = [*records, *(section.nbytes for section in views)]
         if not alone:
             return self._kept_by_all, self._kept_by_all + sum(map(whole_lines, own))

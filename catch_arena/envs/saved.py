@@ -1,25 +1,80 @@
-"""What envs ask of a saved state before they go on from it: the engine believes whatever it is given."""
+"""States of arenas that envs save and go on from. The engine believes whatever it is given: here it is checked."""
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.engine import Engine
+from catch_arena.equality import equal
 from catch_arena.errors import ConfigError
+from catch_arena.text import in_short
 
 
-def require_memory(engine: Engine, memory: object, *, alone: bool) -> NDArray[np.uint8]:
-    """The memory of a saved state, as an engine of an equal config keeps it.
+class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has no hash in any case
+    """A batch of arenas, or one of them. Two are equal in every bit."""
+
+    config: str
+    """The digest of the arena's config."""
+    num_envs: int | None
+    """Of the batch; None for a single row."""
+    controls: NDArray[np.int8]
+    """How hunters are driven, as `VectorArena.set_controls` takes it: (B, H), or (H,) of a row."""
+    memory: NDArray[np.uint8]
+    """As the engine keeps it; what only auto_reset keeps comes last."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SavedState) and equal(tuple(self), tuple(other))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+
+def save_all(engine: Engine) -> SavedState:
+    """R10.2: the state of all arenas."""
+    return SavedState(engine.config.digest, engine.num_arenas, engine.controls.copy(), engine.save())
+
+
+def save_row(engine: Engine, arena: int) -> SavedState:
+    """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
+    return SavedState(engine.config.digest, None, engine.controls[arena].copy(), engine.save_row(arena))
+
+
+def restore_all(engine: Engine, saved: SavedState) -> None:
+    """Go on from what `require_saved` has let pass."""
+    engine.restore(saved.memory)
+    engine.controls[:] = saved.controls
+
+
+def restore_row(engine: Engine, arena: int, saved: SavedState) -> None:
+    """The same in one arena."""
+    engine.restore_row(arena, saved.memory)
+    engine.controls[arena] = saved.controls
+
+
+def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
+    """A state that an engine can go on from.
 
     Args:
+        saved: what was saved.
         engine: that goes on from it.
-        memory: what was saved.
-        alone: whether it is that of one arena.
+        alone: whether it has to be that of one arena.
 
     Raises:
         ConfigError: for anything else, such as what another version of this package has kept.
     """
-    sizes = engine.saved_sizes(alone=alone)
-    if isinstance(memory, np.ndarray) and memory.dtype == np.uint8 and memory.shape in [(size,) for size in sizes]:
-        return memory
-    got = f"one of {memory.dtype} {memory.shape}" if isinstance(memory, np.ndarray) else type(memory).__name__
-    raise ConfigError(f"a saved state must be an array of uint8 ({sizes[-1]},), got {got}")
+    if not isinstance(saved, SavedState):
+        raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+    if saved.config != engine.config.digest:
+        raise ConfigError(f"saved must come from an arena of equal config, {engine.config.digest}, got {saved.config}")
+    num_envs = None if alone else engine.num_arenas
+    if saved.num_envs != num_envs:
+        wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
+        raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
+    sizes, memory = engine.saved_sizes(alone=alone), saved.memory
+    if not isinstance(memory, np.ndarray) or memory.dtype != np.uint8 or memory.shape not in [(n,) for n in sizes]:
+        got = f"one of {memory.dtype} {memory.shape}" if isinstance(memory, np.ndarray) else type(memory).__name__
+        raise ConfigError(f"a saved state must be an array of uint8 ({sizes[-1]},), got {got}")
+    shape = engine.controls.shape[alone:]
+    if np.shape(saved.controls) != shape:
+        raise ConfigError(f"a saved state must have controls {shape}, got {np.shape(saved.controls)}")

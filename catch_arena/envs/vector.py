@@ -1,20 +1,19 @@
 """Many arenas at once: the engine's own arrays, for those who learn."""
 
 import copy as copy_module
-from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
-from typing import Any, Final, Literal, NamedTuple, TypeVar, cast
+from collections.abc import Callable, Iterable
+from typing import Any, Final, TypeVar, cast
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control, require_flag
-from catch_arena.core import episodes, prey, state
+from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, require_flag
+from catch_arena.core import state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
-from catch_arena.envs.saved import require_memory
+from catch_arena.envs.saved import SavedState, require_saved, restore_all, restore_row, save_all, save_row
 from catch_arena.envs.spaces import (
     action_space,
     choice_array,
@@ -24,7 +23,6 @@ from catch_arena.envs.spaces import (
     prey_observation_space,
     velocity_space,
 )
-from catch_arena.equality import equal
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
@@ -43,63 +41,41 @@ _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 T = TypeVar("T")
 
 Results = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
-"""Without prey; with prey the first two are dicts of such arrays."""
 Begun = tuple[NDArray[np.float32], dict[str, Any]]
-"""Likewise."""
-
-
-class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has no hash in any case
-    """What `VectorArena.save` and `save_row` give. Two are equal in every bit."""
-
-    config: str
-    """The digest of the arena's config."""
-    num_envs: int | None
-    """Of the batch; None for a single row."""
-    controls: NDArray[np.int8]
-    """How hunters are driven, as `set_controls` takes it: (B, H), or (H,) of a row."""
-    memory: NDArray[np.uint8]
-    """As the engine keeps it; what only auto_reset keeps comes last."""
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, SavedState) and equal(tuple(self), tuple(other))
-
-    def __ne__(self, other: object) -> bool:
-        return not self == other
 
 
 class VectorArena:
-    """A batch of arenas in lockstep. B arenas, H hunters in each, D numbers seen by each of them, K targets among them.
+    """A batch of arenas in lockstep. B arenas; in each of them N agents, H hunters by seat and then P prey by index; D
+    numbers seen by each, K targets among them.
 
-    Actions, by the scenario's control:
+    Agents act by two arrays, either of which may be left out if nobody reads it:
 
-    - target: (B, H) whole numbers: 0 to hold, or a target's rank in view;
-    - velocity: (B, H, 2) numbers in [-1, 1]: linear and angular velocity as fractions of the limits; finite numbers
-      out of bounds are clipped;
-    - full, or controls that differ by seat: {"cmd_vel": (B, H, 2), "catch": (B, H)}; what a seat's control does not
-      read must be legal too, and is ignored.
+    - `choices`: (B, H) whole numbers, of hunters under target and full control: 0, or a target's rank in view;
+    - `commands`: (B, N, 2) numbers in [-1, 1], of hunters under velocity and full control and of prey: linear and
+      angular velocity as fractions of the limits; finite numbers out of bounds are clipped.
+
+    What an agent's control does not read must be legal too, and is ignored.
+
+    Observations are (B, N, D) float32; where one side sees less than the other, zeros follow
+    (`observation_space(agent)` has an agent's own numbers). Rewards are (B, N) float32. Prey that is out keeps its row.
 
     Episodes that end begin anew at once (Gymnasium's SAME_STEP autoreset): the observations are then those of the new
     episode, and `infos` keeps those of the old one. With `auto_reset=False` (Gymnasium's DISABLED) an arena that has
     ended stands still, whatever it is told, until `reset` names it.
 
-    Where there is prey, P in each arena that see E numbers, everything that is given or taken for each agent is a dict
-    of two arrays, {"hunter": ..., "prey": ...}: actions, the second of which is (B, P, 2) numbers in [-1, 1];
-    observations, (B, H, D) and (B, P, E); rewards, (B, H) and (B, P); `final_obs`; and `episode`, whose second part has
-    `length`, `return`, `times_caught` and `rank` (1 is who was caught least), all (B, P). Prey that is out keeps its
-    row: its actions must be legal, and are ignored.
-
     `infos` holds, always the same arrays:
 
-    - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent under velocity control;
-    - `active`, where hunters drop out: (B, H) bool, who has not (R1.7); all play on as under `dropouts="fixed"`;
+    - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent where no hunter chooses;
+    - `active`, where hunters drop out or there is prey: (B, N) bool, who has not (R1.7), and which prey is not out
+      (R12.3); all play on as under `dropouts="fixed"`;
     - `team_score`, where there are teams: (B, teams) float64, the sums of their scores (R11.1);
-    - `prey_active`, where there is prey: (B, P) bool, who is not out (R12.3);
     - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
-      (B, H, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (where there are masks),
-      and `episode`, a dict with `length` [steps], `return` (rewards summed), `score`, `team_score` (without teams the
-      same), `rank` (1 is best, equal scores share it, team-mates too), `contests_won` and `contests_lost`, all (B, H),
-      and `verdicts`, (B, H, 11), how often each verdict was met, in the order of `Verdict`. Rows whose episode ended
-      earlier keep what they had; all but `_final_obs` and `final_mask` are float32.
+      (B, N, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (where there are masks),
+      and `episode`, a dict with `length` [steps], `return` (rewards summed) and `rank` (1 is best, of each side by
+      itself; equals share it, team-mates too), all (B, N); of hunters `score`, `team_score` (without teams the same),
+      `contests_won` and `contests_lost`, all (B, H), and `verdicts`, (B, H, 11), how often each verdict was met, in the
+      order of `Verdict`; of prey `times_caught`, (B, P). Rows whose episode ended earlier keep what they had; all but
+      `_final_obs` and `final_mask` are float32.
 
     Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
     own. A step allocates no memory, unless actions come in other types than int64 and float32.
@@ -110,8 +86,7 @@ class VectorArena:
         num_threads: how many threads play, at least 4096 hunters each (results do not depend on it).
         auto_reset: whether ended episodes begin anew at once.
         copy: whether arrays of their own are returned.
-        any_control: whether arenas may differ in their hunters' controls, by `set_controls`; actions have the form of
-            full control then.
+        any_control: whether arenas may differ in their hunters' controls, by `set_controls`.
         overrides: fields of ArenaConfig.
 
     Raises:
@@ -139,7 +114,11 @@ class VectorArena:
         self.num_prey: Final = self.config.prey
         self.auto_reset: Final = auto_reset
         self._copy = copy
-        self._kinds: Final = set(CONTROLS if any_control else self.config.controls)
+        kinds = set(CONTROLS if any_control else self.config.controls)
+        self._any_control = any_control
+        self._choosing: Final = kinds != {"velocity"}
+        self._driving: Final = kinds != {"target"} or self.config.prey > 0
+        """Whether anybody reads choices, and commands."""
         self._begun = False
         self._converted: dict[str, NDArray[Any]] = {}
         """Room for actions of other types than the engine's, once some have come."""
@@ -152,53 +131,42 @@ class VectorArena:
                 num_threads=num_threads,
                 any_control=any_control,
             )
+            self._rewards = np.zeros(self._engine.rewards.shape, dtype=np.float32)
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
         self._infos = self._make_infos()
 
     def _make_infos(self) -> dict[str, Any]:
-        engine, infos = self._engine, dict[str, Any]()
-        if self._kinds != {"velocity"}:
+        engine, hunters, infos = self._engine, self.num_hunters, dict[str, Any]()
+        if self._choosing:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
-        if self.config.dropout_rate > 0.0:
+        if engine.active.size:
             infos["active"] = engine.active
         if self.config.teams is not None:
             infos["team_score"] = engine.team_scores
-        if self.num_prey:
-            infos["prey_active"] = engine.prey_active
         if engine.auto_reset:
-            records, prey_records, lengths = engine.records, engine.prey_records, engine.lengths[:, None]
-            tallies = records[:, :, episodes.FINAL_TALLIES : episodes.FINAL_TEAM_SCORE]
-            team_score = episodes.FINAL_SCORE if self.config.teams is None else episodes.FINAL_TEAM_SCORE
+            records, of_hunters = engine.records, engine.records[:, :hunters]
+            tallies = of_hunters[:, :, state.FINAL_TALLIES : state.FINAL_TEAM_SCORE]
+            team_score = state.FINAL_SCORE if self.config.teams is None else state.FINAL_TEAM_SCORE
             infos["_final_obs"] = self._ended
-            infos["final_obs"] = self._by_side(engine.final_observations, engine.prey_final_observations)
-            if "action_mask" in infos:
+            infos["final_obs"] = engine.final_observations
+            if self._choosing:
                 infos["final_mask"] = engine.final_masks
-            infos["episode"] = self._by_side(
-                {
-                    "length": np.broadcast_to(lengths, records.shape[:2]),
-                    "return": records[:, :, episodes.FINAL_REWARD_SUM],
-                    "score": records[:, :, episodes.FINAL_SCORE],
-                    "team_score": records[:, :, team_score],
-                    "rank": records[:, :, episodes.FINAL_RANK],
-                    "contests_won": records[:, :, episodes.FINAL_CONTESTS_WON],
-                    "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
-                    "verdicts": tallies,
-                },
-                {
-                    "length": np.broadcast_to(lengths, prey_records.shape[:2]),
-                    "return": prey_records[:, :, prey.PREY_FINAL_REWARD_SUM],
-                    "times_caught": prey_records[:, :, prey.PREY_TIMES_CAUGHT],
-                    "rank": prey_records[:, :, prey.PREY_RANK],
-                },
-            )
+            infos["episode"] = {
+                "length": np.broadcast_to(engine.lengths[:, None], records.shape[:2]),
+                "return": records[:, :, state.FINAL_REWARD_SUM],
+                "rank": records[:, :, state.FINAL_RANK],
+                "score": of_hunters[:, :, state.FINAL_SCORE],
+                "team_score": of_hunters[:, :, team_score],
+                "contests_won": of_hunters[:, :, state.FINAL_CONTESTS_WON],
+                "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
+                "verdicts": tallies,
+            }
+            if self.num_prey:
+                infos["episode"]["times_caught"] = records[:, hunters:, state.FINAL_SCORE]
         return infos
-
-    def _by_side(self, of_hunters: Any, of_prey: Any) -> Any:
-        """What is given for each agent: where there is prey, both sides' by their names."""
-        return {"hunter": of_hunters, "prey": of_prey} if self.num_prey else of_hunters
 
     def __repr__(self) -> str:
         prey = f" and {self.num_prey} prey" if self.num_prey else ""
@@ -211,38 +179,23 @@ class VectorArena:
         """End the threads that were started. The arena is as it was, and can be played on."""
         self._engine.threads.close()
 
-    def observation_space(self, seat: int | Literal["hunter", "prey"] = 0) -> spaces.Space[Any]:
-        """R7.1: what the hunter of that seat sees; the mask is in `infos`. By side, "hunter": what each hunter
-        sees, where all have one control; "prey": what each prey sees (R12.4).
-        """
-        if seat == "prey":
-            self._require_prey()
+    def observation_space(self, agent: int = 0) -> spaces.Box:
+        """R7.1, R12.4: what that agent sees, one of N; the masks are in `infos`."""
+        if self._agent(agent) >= self.num_hunters:
             return prey_observation_space(self.config)
-        return observation_space(self.config.replace(mask_in_observation=False), self._control_of(seat))
+        config = self.config.replace(mask_in_observation=False)
+        return cast(spaces.Box, observation_space(config, config.controls[agent]))
 
-    def action_space(self, seat: int | Literal["hunter", "prey"] = 0) -> spaces.Space[Any]:
-        """R4.1, R4.4: what the hunter of that seat may do. By side, "hunter": what each hunter may do, where all have
-        one control; "prey": what each prey may do (R12.2).
-        """
-        if seat == "prey":
-            self._require_prey()
-            return velocity_space()
-        return action_space(self.config, self._control_of(seat))
+    def action_space(self, agent: int = 0) -> spaces.Space[Any]:
+        """R4.1, R4.4, R12.2: what that agent may do, one of N."""
+        is_prey = self._agent(agent) >= self.num_hunters
+        return velocity_space() if is_prey else action_space(self.config, self.config.controls[agent])
 
-    def _require_prey(self) -> None:
-        if not self.num_prey:
-            raise ConfigError("seat must be a hunter's in an arena without prey, got 'prey'")
-
-    def _control_of(self, seat: object) -> Control:
-        if seat == "hunter":
-            if len(set(self.config.controls)) > 1:
-                raise ConfigError("seat must be a number where hunters differ in their control, got 'hunter'")
-            seat = 0
-        number = whole_number(seat)
-        if number is None or not 0 <= number < self.num_hunters:
-            sides = "'hunter' or 'prey'" if self.num_prey else "or 'hunter'"
-            raise ConfigError(f"seat must be a whole number from 0 to {self.num_hunters - 1}, {sides}, got {seat!r}")
-        return self.config.controls[number]
+    def _agent(self, agent: int) -> int:
+        number, last = whole_number(agent), self.num_hunters + self.num_prey - 1
+        if number is None or not 0 <= number <= last:
+            raise ConfigError(f"agent must be a whole number from 0 to {last}, got {agent!r}")
+        return number
 
     # playing
 
@@ -336,19 +289,18 @@ class VectorArena:
         _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
     def _begun_with(self) -> Begun:
-        engine = self._engine
-        return self._handed_out((self._by_side(engine.observations, engine.prey_observations), dict(self._infos)))
+        return self._handed_out((self._engine.observations, dict(self._infos)))
 
-    def step(self, actions: ArrayLike | Mapping[str, Any]) -> Results:
+    def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> Results:
         """R1.4: one step of every arena.
 
         Args:
-            actions: see above.
+            choices: (B, H), see above.
+            commands: (B, N, 2), see above.
 
         Returns:
-            observations (B, H, D) float32, rewards (B, H) float32, terminations (B,) and truncations (B,) bool, infos;
-            where there is prey, observations and rewards of each side. Without `copy=True` the next call writes into
-            the same arrays: copy what you keep.
+            observations (B, N, D) float32, rewards (B, N) float32, terminations (B,) and truncations (B,) bool, infos.
+            Without `copy=True` the next call writes into the same arrays: copy what you keep.
 
         Raises:
             ActionError: that names the first arena and agent whose action is not legal; nothing has moved then.
@@ -356,21 +308,17 @@ class VectorArena:
         """
         self._require_begun("step")
         engine = self._engine
-        engine.step(*self._checked(actions))
+        engine.step(self._checked_choices(choices), self._checked_commands(commands))
+        np.copyto(self._rewards, engine.rewards, casting="same_kind")
         self._update_ends()
         return self._handed_out(
-            (
-                self._by_side(engine.observations, engine.prey_observations),
-                self._by_side(engine.rewards, engine.prey_rewards),
-                self._terminations,
-                self._truncations,
-                dict(self._infos),
-            )
+            (engine.observations, self._rewards, self._terminations, self._truncations, dict(self._infos))
         )
 
-    def check_actions(self, actions: ArrayLike | Mapping[str, Any]) -> None:
+    def check_actions(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> None:
         """Raise the ActionError that `step` would raise for these actions; nothing moves."""
-        self._checked(actions)
+        self._checked_choices(choices)
+        self._checked_commands(commands)
 
     def set_controls(self, controls: ArrayLike, arenas: ArrayLike | None = None) -> None:
         """R4.1, R4.4: how hunters are driven from now on; the arena plays what a one-arena env of such a config does.
@@ -390,7 +338,7 @@ class VectorArena:
         self._engine.controls[chosen] = given
 
     def _require_any_control(self) -> None:
-        if len(self._kinds) < len(CONTROLS):
+        if not self._any_control:
             raise ConfigError("any_control must be True for arenas to have controls of their own, got False")
 
     def _update_ends(self) -> None:
@@ -399,55 +347,39 @@ class VectorArena:
         np.equal(ends, _TRUNCATED, out=self._truncations)
         np.logical_or(self._terminations, self._truncations, out=self._ended)
 
-    def _checked(self, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32] | None]:
-        """What the engine is handed."""
-        if not self.num_prey:
-            if isinstance(actions, Mapping) and {"hunter", "prey"} & set(actions):
-                raise ActionError(
-                    f"actions must be those of the hunters alone where there is no prey, got {_named(actions)}"
-                )
-            return *self._checked_actions("actions", actions), None
-        if not isinstance(actions, Mapping) or set(actions) != {"hunter", "prey"}:
-            raise ActionError(f"actions must be a mapping with hunter and prey, got {_named(actions)}")
-        hunters = self._checked_actions("actions['hunter']", actions["hunter"])
-        return *hunters, self._checked_commands("actions['prey']", actions["prey"], self.num_prey, "prey")
-
-    def _checked_actions(self, what: str, actions: Any) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-        controls = self._kinds
-        if controls == {"target"}:
-            return self._checked_choices(what, actions), _NO_COMMANDS
-        if controls == {"velocity"}:
-            return _NO_CHOICES, self._checked_commands(what, actions, self.num_hunters)
-        if not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
-            raise ActionError(f"{what} must be a mapping with cmd_vel and catch, got {_named(actions)}")
-        choices = self._checked_choices("catch", actions["catch"])
-        return choices, self._checked_commands("cmd_vel", actions["cmd_vel"], self.num_hunters)
-
-    def _checked_choices(self, what: str, given: Any) -> NDArray[np.int64]:
-        ranks = self.config.targets_seen
-        choices = _array(what, given, choice_array, 2)
+    def _checked_choices(self, given: Any) -> NDArray[np.int64]:
+        shape, ranks = (self.num_envs, self.num_hunters), self.config.targets_seen
+        if given is None:
+            if self._choosing:
+                raise ActionError(f"choices must be {shape} whole numbers where hunters choose, got None")
+            return _NO_CHOICES
+        choices = _array("choices", given, choice_array, 2)
         if choices.dtype.kind not in "iu":
-            raise ActionError(f"{what} must be whole numbers, got {_named(given)}")
-        self._require_shape(what, choices, (self.num_envs, self.num_hunters))
+            raise ActionError(f"choices must be whole numbers, got {_named(given)}")
+        _require_shape("choices", choices, shape)
         if choices.min() < 0 or choices.max() > ranks:
-            self._blame(what, f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
+            self._blame("choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
         if choices.dtype == np.int64 and choices.flags.carray:
             return choices
-        return self._as_type(what, choices, np.int64)  # every rank fits
+        return self._as_type("choices", choices, np.int64)  # every rank fits
 
-    def _checked_commands(self, what: str, given: Any, agents: int, side: str = "hunter") -> NDArray[np.float32]:
-        commands = _array(what, given, command_array, 3)
+    def _checked_commands(self, given: Any) -> NDArray[np.float32]:
+        shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
+        if given is None:
+            if self._driving:
+                raise ActionError(f"commands must be {shape} numbers where agents drive themselves, got None")
+            return _NO_COMMANDS
+        commands = _array("commands", given, command_array, 3)
         if commands.dtype.kind not in "fiu":
-            raise ActionError(f"{what} must be numbers, got {_named(given)}")
-        self._require_shape(what, commands, (self.num_envs, agents, 2))
+            raise ActionError(f"commands must be numbers, got {_named(given)}")
+        _require_shape("commands", commands, shape)
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
             if not np.isfinite(commands).all():
-                illegal = np.any(~np.isfinite(commands), axis=-1)
-                self._blame(what, "two finite numbers", commands, illegal, side)
+                self._blame("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
             commands = clipped(commands)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
-        return self._as_type(what, commands, np.float32)  # rounded
+        return self._as_type("commands", commands, np.float32)  # rounded
 
     def _as_type(self, what: str, given: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
         if what not in self._converted:
@@ -455,18 +387,12 @@ class VectorArena:
         np.copyto(self._converted[what], given, casting="unsafe")
         return self._converted[what]
 
-    @staticmethod
-    def _require_shape(what: str, given: NDArray[Any], shape: tuple[int, ...]) -> None:
-        if given.shape != shape:
-            raise ActionError(f"{what} must have the shape {shape}, got {given.shape}")
-
-    @staticmethod
-    def _blame(
-        what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_], side: str = "hunter"
-    ) -> None:
-        arena, index = (int(found) for found in np.argwhere(illegal)[0])
-        value = given[arena, index].tolist()
-        raise ActionError(f"{what} must be {requirement}, got {value} in arena {arena} for {side}_{index}")
+    def _blame(self, what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
+        arena, row = (int(found) for found in np.argwhere(illegal)[0])
+        agent = (*self.config.hunter_names, *self.config.prey_names)[row]
+        raise ActionError(
+            f"{what} must be {requirement}, got {given[arena, row].tolist()} in arena {arena} for {agent}"
+        )
 
     def _handed_out(self, results: T) -> T:
         return cast(T, _copied(results)) if self._copy else results
@@ -497,8 +423,7 @@ class VectorArena:
             EpisodeError: before the first reset.
         """
         self._require_begun("save")
-        engine = self._engine
-        return SavedState(self._config_digest, self.num_envs, engine.controls.copy(), engine.save())
+        return save_all(self._engine)
 
     def restore(self, saved: SavedState) -> Begun:
         """Go on from a saved state, bit for bit, the figures of past episodes included.
@@ -509,17 +434,16 @@ class VectorArena:
         Raises:
             ConfigError: for what was not saved from as many arenas of an equal config.
         """
-        memory = self._memory_of(saved, self.num_envs, self._engine.controls)
-        self._engine.restore(memory)
-        self._engine.controls[:] = saved.controls
+        require_saved(saved, self._engine, alone=False)
+        self._require_controls(saved, self._engine.controls)
+        restore_all(self._engine, saved)
         self._begun = True
         self._update_ends()
         return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: the state of one arena, which any row of an arena of equal config can take."""
-        arena, engine = self._row("save_row", arena), self._engine
-        return SavedState(self._config_digest, None, engine.controls[arena].copy(), engine.save_row(arena))
+        return save_row(self._engine, self._row("save_row", arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
         """Go on, in one arena, from a saved row.
@@ -531,28 +455,15 @@ class VectorArena:
             ConfigError: for a row that is not there, and what is no saved row of an equal config.
         """
         arena = self._row("restore_row", arena)
-        memory = self._memory_of(saved, None, self._engine.controls[arena])
-        self._engine.restore_row(arena, memory)
-        self._engine.controls[arena] = saved.controls
+        require_saved(saved, self._engine, alone=True)
+        self._require_controls(saved, self._engine.controls[arena])
+        restore_row(self._engine, arena, saved)
         self._update_ends()
         return self._begun_with()
 
-    @cached_property
-    def _config_digest(self) -> str:
-        return self.config.digest
-
-    def _memory_of(self, saved: SavedState, num_envs: int | None, controls: NDArray[np.int8]) -> NDArray[np.uint8]:
-        if not isinstance(saved, SavedState) or saved.config != self._config_digest:
-            raise ConfigError("a saved state must come from an arena of equal config, got another's")
-        if saved.num_envs != num_envs:
-            wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
-            raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
-        memory = require_memory(self._engine, saved.memory, alone=num_envs is None)
-        if np.shape(saved.controls) != controls.shape:
-            raise ConfigError(f"a saved state must have controls {controls.shape}, got {np.shape(saved.controls)}")
+    def _require_controls(self, saved: SavedState, controls: NDArray[np.int8]) -> None:
         if (saved.controls != controls).any():
             self._require_any_control()
-        return memory
 
     def clone(self) -> "VectorArena":
         """An arena of its own in the same state, as `copy.deepcopy` makes it too."""
@@ -624,6 +535,11 @@ def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np
         raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
 
 
+def _require_shape(what: str, given: NDArray[Any], shape: tuple[int, ...]) -> None:
+    if given.shape != shape:
+        raise ActionError(f"{what} must have the shape {shape}, got {given.shape}")
+
+
 def _array(what: str, given: Any, read: Callable[[Any, int], NDArray[Any]], axes: int) -> NDArray[Any]:
     try:
         return read(given, axes)
@@ -643,6 +559,4 @@ def _named(given: object) -> str:
     """What was given, in a few words."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
-    if isinstance(given, Mapping):
-        return f"a mapping with {' and '.join(map(str, given)) or 'nothing'}"[:80]
     return f"{given!r}"[:80]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,6 @@ from catch_arena.replay.state_differences import on_one_line, state_differences,
 from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
-
-_NO_PREY: Final = np.zeros((0, 2), dtype=np.float32)
 
 
 def _in_words(command: NDArray[np.float32]) -> str:
@@ -92,19 +90,17 @@ class Replay(ReplayContent):
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
         engine: Engine,
-        prey_commands: NDArray[np.float32] | None = None,
     ) -> None:
         """One more step: its actions, which are copied, and the state that it led to.
 
         Args:
             choices: (H,).
-            commands: (H, 2).
+            commands: (N, 2), those of prey after the hunters'.
             engine: whose first arena is recorded.
-            prey_commands: (P, 2), where there is prey.
         """
         self.choices.append(choices.copy())
-        self.commands.append(commands.copy())
-        self.prey_commands.append(_NO_PREY if prey_commands is None else prey_commands.copy())
+        self.commands.append(commands[: self.config.hunters].copy())
+        self.prey_commands.append(commands[self.config.hunters :].copy())
         self.note(engine)
 
     def copy(self) -> "Replay":
@@ -121,12 +117,9 @@ class Replay(ReplayContent):
         yield engine
         for step in range(self.steps):
             for agent in self.withdrawn_before(step):
-                if agent < self.config.hunters:
-                    engine.withdraw(0, agent)
-                else:
-                    engine.withdraw_prey(0, agent - self.config.hunters)
-            prey_commands = self.prey_commands[step][None] if self.config.prey else None
-            engine.step(self.choices[step][None], self.commands[step][None], prey_commands)
+                engine.withdraw(0, agent)
+            commands = np.concatenate((self.commands[step], self.prey_commands[step]))
+            engine.step(self.choices[step][None], commands[None])
             yield engine
 
     def worlds(self) -> Iterator[World]:

@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, require_flag
 from catch_arena.core.controllers import CONTROLS
+from catch_arena.envs.saved import SavedState
 from catch_arena.envs.spaces import choice_array, clipped, command_array
-from catch_arena.envs.vector import SavedState, VectorArena
+from catch_arena.envs.vector import VectorArena
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
-from catch_arena.layout import Column, columns
+from catch_arena.layout import Column, columns, prey_observation_size
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
@@ -148,8 +149,8 @@ class LearnerBatch:
         """What each column is divided by, (D,), or None."""
         low, high = bounds.T if self.scale is None else (bounds / self.scale[:, None]).T
         self.observation_space: Final = spaces.Box(low, high, dtype=np.float32)
-        shape = (self.num_envs, config.hunters)
-        self._choices, self._commands = np.zeros(shape, np.int64), np.zeros((*shape, 2), np.float32)
+        shape, agents = (self.num_envs, config.hunters), config.hunters + config.prey
+        self._choices, self._commands = np.zeros(shape, np.int64), np.zeros((self.num_envs, agents, 2), np.float32)
         self._rotation = np.arange(self.num_envs) - 1
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
         self._rows = np.arange(self.num_envs)[:, None]
@@ -216,15 +217,16 @@ class LearnerBatch:
             EpisodeError: before the first reset.
         """
         self._require_begun("step")
-        given = self._of_arenas(actions) if self.opponents is None else self._placed(actions)
+        self._place(actions)
+        hunters = self.config.hunters
         if self.opponents is not None or self._prey is not None:
-            self.arena.check_actions(self._with_prey(given))  # now: agents that have acted cannot take it back
+            self.arena.check_actions(self._choices, self._commands)  # now: agents that have acted cannot take it back
         if self.opponents is not None:
-            self.opponents.act(self._seen, self._masks, self._choices, self._commands)
+            self.opponents.act(self._seen, self._masks, self._choices, self._commands[:, :hunters])
         if self._prey is not None:
-            self._prey.act(self._seen_by_prey)
+            self._commands[:, hunters:] = self._prey.act(self._seen_by_prey)
         seats = self._seats  # of the episodes that end here
-        observations, rewards, terminations, truncations, infos = self.arena.step(self._with_prey(given))
+        observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
         self._take(observations, infos)
         over = np.flatnonzero(terminations | truncations)
         figures: Figures = {}
@@ -234,7 +236,7 @@ class LearnerBatch:
             last, masks = self._seen, self._masks
             if "final_obs" in infos:
                 last, masks = self._of_hunters(infos["final_obs"]), infos.get("final_mask", self._masks)
-                episode = self._of_hunters(infos["episode"])
+                episode = {name: table for name, table in infos["episode"].items() if name != "times_caught"}
                 figures = {name: self._flat(table[places]) for name, table in episode.items()}
                 if self.opponents is not None:
                     others = self.opponents.seated[over]
@@ -248,7 +250,7 @@ class LearnerBatch:
         return LearnerStep(
             self._observations(self._seen),
             self.masks,
-            self._of_hunters(rewards)[self._rows, seats].reshape(-1),
+            rewards[self._rows, seats].reshape(-1),
             np.repeat(terminations, self.learners),
             np.repeat(truncations, self.learners),
             (over[:, None] * self.learners + np.arange(self.learners)).reshape(-1),
@@ -307,19 +309,14 @@ class LearnerBatch:
         """
         return copy.deepcopy(self)
 
-    def _take(self, observations: Any, infos: Mapping[str, Any]) -> None:
+    def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
         self._seen = self._of_hunters(observations)
         self._masks = infos.get("action_mask", self._masks)
         if self._prey is not None:
-            self._seen_by_prey = observations["prey"]
+            self._seen_by_prey = observations[:, self.config.hunters :, : prey_observation_size(self.config)]
 
-    def _of_hunters(self, by_side: Any) -> Any:
-        """Of what `VectorArena` gives by side, where there is prey, that of the hunters."""
-        return by_side if self._prey is None else by_side["hunter"]
-
-    def _with_prey(self, given: Any) -> Any:
-        """The hunters' actions, and those of prey where there is any."""
-        return given if self._prey is None else {"hunter": given, "prey": self._prey.commands}
+    def _of_hunters(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
+        return observations[:, : self.config.hunters, : len(self.columns)]
 
     def _begin(self, arenas: NDArray[np.int64]) -> None:
         """Episodes begin: whoever plays in them does."""
@@ -347,23 +344,8 @@ class LearnerBatch:
         if not self._begun:
             raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
-    def _of_arenas(self, actions: Any, part: str = "") -> Any:
-        """(N, ...) as (B, H, ...)."""
-        if isinstance(actions, Mapping):
-            return {name: self._of_arenas(value, name) for name, value in actions.items()}
-        chooses = part == "catch" or self._control == CONTROLS["target"]
-        try:
-            given = choice_array(actions, 1) if chooses else command_array(actions, 2)
-        except ValueError:
-            raise ActionError(f"actions must be rows of equal length, got {in_short(actions)}") from None
-        if given.shape[:1] != (self.num_rows,):
-            raise ActionError(f"actions must be those of {self.num_rows} learners, got the shape {given.shape}")
-        return given.reshape(self.num_envs, self.learners, *given.shape[1:])
-
-    def _placed(self, actions: Any) -> dict[str, NDArray[Any]]:
-        """The learners' actions at their seats, and zeros elsewhere; the arena checks them."""
-        self._choices.fill(0)
-        self._commands.fill(0)
+    def _place(self, actions: Any) -> None:
+        """Write the learners' actions at their seats, and zeros elsewhere; the arena checks them."""
         named = actions
         if self._control == CONTROLS["target"]:
             named = {"catch": actions}
@@ -371,20 +353,27 @@ class LearnerBatch:
             named = {"cmd_vel": actions}
         elif not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
             raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {type(actions).__name__}")
-        for name, table in (("catch", self._choices), ("cmd_vel", self._commands)):
-            if name not in named:
-                continue
-            if isinstance(named[name], Mapping):
-                raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
-            given = self._of_arenas(named[name], name)
-            if given.dtype.kind not in ("iu" if name == "catch" else "fiu"):
-                kind = "whole numbers" if name == "catch" else "numbers"
-                raise ActionError(f"actions must be {kind}, got {in_short(named[name])}")
-            if given.shape[2:] != table.shape[2:]:
-                wanted = (self.num_rows, *table.shape[2:])
-                raise ActionError(f"actions must have the shape {wanted}, got {(self.num_rows, *given.shape[2:])}")
-            table[self._rows, self._seats] = given if name == "catch" else clipped(given)
-        return {"cmd_vel": self._commands, "catch": self._choices}
+        self._choices.fill(0)
+        self._commands.fill(0)
+        if "catch" in named:
+            self._choices[self._rows, self._seats] = self._of_arenas(named["catch"], choice_array, "iu", ())
+        if "cmd_vel" in named:
+            given = self._of_arenas(named["cmd_vel"], command_array, "fiu", (2,))
+            self._commands[self._rows, self._seats] = clipped(given)
+
+    def _of_arenas(self, given: Any, read: Any, kinds: str, shape: tuple[int, ...]) -> NDArray[Any]:
+        """(N, ...) as (B, learners, ...)."""
+        if isinstance(given, Mapping):
+            raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
+        try:
+            table: NDArray[Any] = read(given, 1 + len(shape))
+        except ValueError:
+            raise ActionError(f"actions must be rows of equal length, got {in_short(given)}") from None
+        if table.dtype.kind not in kinds:
+            raise ActionError(f"actions must be {'numbers' if shape else 'whole numbers'}, got {in_short(given)}")
+        if table.shape != (self.num_rows, *shape):
+            raise ActionError(f"actions must have the shape {(self.num_rows, *shape)}, got {table.shape}")
+        return table.reshape(self.num_envs, self.learners, *shape)
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])

@@ -5,7 +5,8 @@ By public names only: `--against` measures older versions with this file.
 
 import mmap
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -79,26 +80,34 @@ def _played(
     if ranks_differ:
         ranks += np.arange(config.hunters) % (infos["action_mask"].shape[-1] - 1)
     velocities = np.random.default_rng(1).uniform(-1, 1, (envs, config.hunters, 2)).astype(np.float32)
-    actions = {"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control]
+    actions = {"target": (ranks,), "velocity": (None, velocities), "full": (ranks, velocities)}[control]
+    if "choices" not in signature(arena.step).parameters:  # of an older commit, where they were one argument
+        actions = ({"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control],)
     if envs >= _AGES * _NEIGHBOURS:  # a smaller one plays whole episodes in a turn
         spread(arena, actions)
-    return lambda: arena.step(actions), config.hunters, _work(config, arena.observation_space())
+    return lambda: arena.step(*actions), config.hunters, _work(config, arena.observation_space())
 
 
-def spread(arena: catch_arena.VectorArena, actions: object) -> None:
+def spread(arena: catch_arena.VectorArena, actions: Sequence[Any]) -> None:
     """Have the arenas at all ages of an episode, and neighbours at the same one: late in an episode a step costs more
     than early, so a turn that is shorter than an episode would depend on where it begins, and on how many came before.
     """
     few = catch_arena.VectorArena(arena.config, _NEIGHBOURS)
     few.reset(1)
-    first = {name: one[:_NEIGHBOURS] for name, one in actions.items()} if isinstance(actions, dict) else None
+    first = [_few(one) for one in actions]
     saved = []
     for age in range(_AGES):
         saved += [few.save_row(row) for row in range(_NEIGHBOURS)]
         for _ in range(arena.config.max_steps * age // _AGES, arena.config.max_steps * (age + 1) // _AGES):
-            few.step(first or actions[:_NEIGHBOURS])
+            few.step(*first)
     for row in range(arena.num_envs):
         arena.restore_row(row, saved[row % len(saved)])
+
+
+def _few(actions: Any) -> Any:
+    if isinstance(actions, dict):
+        return {name: _few(one) for name, one in actions.items()}
+    return None if actions is None else actions[:_NEIGHBOURS]
 
 
 def batch(envs: int, threads: int = 1, control: str = "target") -> Subject:

@@ -7,6 +7,7 @@ from catch_arena import SCENARIOS, Limits, VectorArena, View, scenario
 from catch_arena.agents.nearest import Agent as Nearest
 from catch_arena.agents.search import Agent
 from catch_arena.batch_policy import BatchView
+from catch_arena.layout import observation_size
 from catch_arena.lookahead import RolloutArena, Scene, Weights, drive_to, look_ahead
 from catch_arena.tournament.match_loop import play
 
@@ -23,13 +24,16 @@ def views_of(name, steps=12, rows=3):
     arena = VectorArena(config, rows, copy=True)
     seen, _ = arena.reset(seed=4)
     limits = [Limits.of(config, seat) for seat in range(config.hunters)]
-    agent, prey = made(), np.zeros((rows, config.prey, 2), np.float32)
+    agent, columns = made(), observation_size(config)
+    rest = np.zeros((rows, config.hunters + config.prey, 2), np.float32)
     for _ in range(steps):
-        seen = seen["hunter"] if config.prey else seen
+        seen = seen[:, : config.hunters, :columns]
         views = [BatchView(seen[:, seat], np.zeros((rows, 0), np.int8), limits[seat]) for seat in range(config.hunters)]
         yield views
-        commands = np.stack([agent.act_batch(view) for view in views], axis=1).astype(np.float32)
-        seen, *_ = arena.step({"hunter": commands, "prey": prey} if config.prey else commands)
+        commands = rest.copy()
+        for seat, view in enumerate(views):
+            commands[:, seat] = agent.act_batch(view)
+        seen, *_ = arena.step(commands=commands)
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -137,7 +141,7 @@ def test_the_light_arena_plays_much_as_the_engine_does():
             commands = np.zeros((1, 4, 2), np.float32)
             its = Scene.of(view)
             commands[:, 0] = drive_to(its, np.zeros(1, np.intp))
-            seen, rewards, *_ = arena.step(commands)
+            seen, rewards, *_ = arena.step(commands=commands)
             played += 1
             if rewards[0, 0]:
                 break
@@ -158,7 +162,7 @@ def chased(scenario, target):
             expected = RolloutArena(scene, Weights())._races_s()[0, 0, 0, 0]
         commands = np.zeros((1, 4, 2), np.float32)
         commands[:, 0] = drive_to(scene, np.zeros(1, np.intp))
-        seen, rewards, *_ = arena.step(commands)
+        seen, rewards, *_ = arena.step(commands=commands)
         if rewards[0, 0]:
             return expected, step / 10
     raise AssertionError("it was not caught")

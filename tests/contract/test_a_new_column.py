@@ -78,10 +78,10 @@ for name, config in {
     engine.reset(range(arenas))
     source, seen, seen_by_prey = np.random.default_rng(7), [], []
     for _ in range(20):
-        commands, prey = (source.uniform(-1.0, 1.0, (arenas, n, 2)).astype(np.float32) for n in (5, config.prey))
-        engine.step(np.zeros((arenas, 5), np.int64), commands, prey)
-        seen.append(engine.observations.copy())
-        seen_by_prey.append(engine.prey_observations.copy())
+        commands = [source.uniform(-1.0, 1.0, (arenas, n, 2)).astype(np.float32) for n in (5, config.prey)]
+        engine.step(np.zeros((arenas, 5), np.int64), np.concatenate(commands, axis=1))
+        seen.append(engine.observations[:, :5, :len(columns(config))].copy())
+        seen_by_prey.append(engine.observations[:, 5:, :len(prey_columns(config))].copy())
     for side, numbers, table in (("hunter", seen, columns(config)), ("prey", seen_by_prey, prey_columns(config))):
         names = [column.name for column in table]
         told |= {f"{name} {side}": np.array(numbers), f"{name} {side} names": np.array(names)}

@@ -55,7 +55,7 @@ def in_a_batch(form):
 def in_a_batch_under_full_control(form):
     arena = VectorArena(DUEL, 1, any_control=True)
     arena.reset(seed=[SEED])
-    arena.step({"cmd_vel": np.zeros((1, 2, 2)), "catch": ((form, 0),)})
+    arena.step(((form, 0),), np.zeros((1, 2, 2)))
     return arena.digest(0)
 
 
@@ -180,9 +180,6 @@ def driven(control, form):
     def action(pair):
         return pair if control == "velocity" else {"cmd_vel": pair, "catch": 0}
 
-    def batch_action(*pairs):
-        return [pairs] if control == "velocity" else {"cmd_vel": [pairs], "catch": [[0, 0]]}
-
     def parallel():
         arena = parallel_env(DUEL, control=control)
         arena.reset(seed=SEED)
@@ -199,7 +196,7 @@ def driven(control, form):
     def batch():
         arena = VectorArena(DUEL, 1, control=control)
         arena.reset(seed=[SEED])
-        arena.step(batch_action(form, (0.0, 0.0)))
+        arena.step([[0, 0]], [[form, (0.0, 0.0)]])
         return arena.digest(0)
 
     def of_learners():
@@ -235,18 +232,17 @@ def test_what_is_no_velocity_is_refused_and_not_clipped(control, name):
 def test_clipping_leaves_the_callers_array_as_it_was():
     """And prey's velocities are clipped too."""
     arena, twin = (VectorArena("tag", 2) for _ in range(2))
-    given = {
-        "hunter": np.full((2, arena.num_hunters, 2), 3.0, np.float32),
-        "prey": np.full((2, arena.num_prey, 2), -3.0, np.float32),
-    }
+    hunters, agents = arena.num_hunters, arena.num_hunters + arena.num_prey
+    given = np.full((2, agents, 2), 3.0, np.float32)
+    given[:, hunters:] = -3.0
     for each in (arena, twin):
         each.reset(seed=1)
-    arena.step(given)
-    twin.step({"hunter": given["hunter"] / 3, "prey": given["prey"] / 3})
+    arena.step(commands=given)
+    twin.step(commands=given / 3)
 
     assert arena.digest(1) == twin.digest(1)
-    assert (given["hunter"] == 3).all()
-    assert (given["prey"] == -3).all()
+    assert (given[:, :hunters] == 3).all()
+    assert (given[:, hunters:] == -3).all()
 
 
 def test_an_agent_that_drives_out_of_bounds_forfeits_in_a_tournament():

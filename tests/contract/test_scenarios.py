@@ -129,11 +129,10 @@ def test_a_batch_plays_what_an_env_plays(name):
     env, batch = catch_arena.parallel_env(config), catch_arena.VectorArena(config, 3, auto_reset=False)
     env.reset(seed=9)
     batch.reset(seed=[8, 9, 10])
-    drives = config.control == "velocity"
-    action = np.array([1.0, 0.3], np.float32) if drives else np.int64(1)
-    actions = np.tile(action, (3, config.hunters, 1) if drives else (3, config.hunters))
+    action = np.array([1.0, 0.3], np.float32) if config.control == "velocity" else np.int64(1)
+    choices, commands = np.ones((3, config.hunters), int), np.full((3, config.hunters, 2), (1.0, 0.3), np.float32)
     while env.agents:
-        batch.step(actions)
+        batch.step(choices, commands)
         env.step(dict.fromkeys(env.agents, action))
         assert env.digest() == batch.digest(1)
 
@@ -146,6 +145,6 @@ def test_who_sees_nothing_can_look_around(name):
     present = [column.name for column in columns(batch.config)].index("target_1.present")
     seen = []
     for _ in range(200):
-        observations = batch.step(np.tile(np.array([1.0, 0.25], np.float32), (8, batch.config.hunters, 1)))[0]
+        observations = batch.step(commands=np.tile(np.array([1.0, 0.25], np.float32), (8, batch.config.hunters, 1)))[0]
         seen.append(observations[..., present] > 0)
     assert np.array(seen[-60:]).any(axis=0).all()

@@ -181,15 +181,15 @@ def some_position(source: Random, oracle: OracleArena) -> Position:
 
 def some_batch_actions(
     source: Random, config: ArenaConfig, arenas: int
-) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Random choices, commands and prey's commands for every row."""
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Random choices and commands for every row."""
     generator = np.random.default_rng(source.getrandbits(64))
     shape = (arenas, config.hunters)
     choices = generator.integers(0, min(3, config.targets_seen) + 1, shape)
-    commands, prey_commands = (
+    of_hunters, of_prey = (
         generator.uniform(-1, 1, (arenas, count, 2)).astype(np.float32) for count in (config.hunters, config.prey)
     )
-    return choices, commands, prey_commands
+    return choices, np.concatenate((of_hunters, of_prey), axis=1)
 
 
 def seen(engine: Engine, row: int) -> list[object]:
@@ -202,8 +202,6 @@ def seen(engine: Engine, row: int) -> list[object]:
         engine.rewards[row].tobytes(),
         engine.parts[row].tobytes(),
         int(engine.ends[row]),
-        engine.prey_observations[row].tobytes(),
-        engine.prey_rewards[row].tobytes(),
         engine.prey_parts[row].tobytes(),
         engine.rulings(row),
         engine.world(row),

@@ -29,8 +29,6 @@ NAMES = (
     "rewards",
     "parts",
     "ends",
-    "prey_observations",
-    "prey_rewards",
     "prey_parts",
     "rulings",
     "world",
@@ -62,8 +60,8 @@ def test_a_row_of_a_batch_equals_an_arena_alone(arenas: int) -> None:
                 alone[row].withdraw(0, seat)
                 if config.prey:
                     index = source.randrange(config.prey)
-                    batch.withdraw_prey(row, index)
-                    alone[row].withdraw_prey(0, index)
+                    batch.withdraw(row, config.hunters + index)
+                    alone[row].withdraw(0, config.hunters + index)
             if step % 7 == 4:
                 row = source.randrange(arenas)
                 hunters = [some_pose(source, config.side_m) for _ in range(config.hunters)]

@@ -65,7 +65,9 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
     assert_same("state", oracle.number_names(), engine.state(row).tolist(), oracle.numbers())
     assert bytes(engine.digest(row)) == oracle.digest(), "digest"
     for seat, observation in enumerate(oracle.observations()):
-        assert_same(f"hunter_{seat}'s observation", names, engine.observations[row, seat].tolist(), observation)
+        seen = engine.observations[row, seat]
+        assert_same(f"hunter_{seat}'s observation", names, seen[: len(observation)].tolist(), observation)
+        assert not seen[len(observation) :].any(), "nothing follows"
     for seat, mask in enumerate(oracle.masks()):
         if mask is not None:
             assert engine.masks[row, seat].tolist() == mask, f"hunter_{seat}'s mask"
@@ -74,25 +76,27 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
         assert_same(
             f"hunter_{seat}'s parts", list(PART_NAMES), engine.parts[row, seat].tolist(), list(oracle.parts[seat])
         )
-    assert_same("rewards", [f"hunter_{seat}" for seat in seats], engine.rewards[row].tolist(), oracle.rewards)
+    agents = [*config.hunter_names, *config.prey_names]
+    assert_same("rewards", agents, engine.rewards[row].tolist(), [*oracle.rewards, *oracle.prey_rewards])
     assert engine.team_scores[row].tolist() == (oracle.team_scores() if config.teams else []), "team scores"
-    taking_part = [not hunter.withdrawn for hunter in oracle.hunters] if config.dropout_rate > 0.0 else []
-    assert engine.active[row : row + 1].ravel().tolist() == taking_part, "active"
+    taking_part = [not hunter.withdrawn for hunter in oracle.hunters]
+    taking_part += [prey.target is not None for prey in oracle.prey]
+    told = config.dropout_rate > 0.0 or config.prey
+    assert engine.active[row : row + 1].ravel().tolist() == (taking_part if told else []), "active"
     compare_prey(engine, oracle, config, row)
     assert bool(engine.ends[row] == TERMINATED) == oracle.terminated, "terminated"
     assert bool(engine.ends[row] == TRUNCATED) == oracle.truncated, "truncated"
 
 
 def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: int) -> None:
-    """What prey sees, its parts, rewards, and whether it is out, and what the world tells of it."""
+    """What prey sees, its parts, and what the world tells of it."""
     names = [column.name for column in prey_columns(config)]
-    agents = list(config.prey_names)
     for index, observation in enumerate(oracle.prey_observations()):
-        assert_same(f"prey_{index}'s observation", names, engine.prey_observations[row, index].tolist(), observation)
+        seen = engine.observations[row, config.hunters + index]
+        assert_same(f"prey_{index}'s observation", names, seen[: len(observation)].tolist(), observation)
+        assert not seen[len(observation) :].any(), "nothing follows"
     for index, parts in enumerate(oracle.prey_parts):
         assert_same(f"prey_{index}'s parts", list(PREY_PART_NAMES), engine.prey_parts[row, index].tolist(), list(parts))
-    assert_same("prey's rewards", agents, engine.prey_rewards[row].tolist(), oracle.prey_rewards)
-    assert engine.prey_active[row].tolist() == [prey.target is not None for prey in oracle.prey], "active"
     told = [(prey.times_caught, prey.caught_by, prey.withdrawn) for prey in engine.world(row).prey]
     found = zip(oracle.prey, oracle.caught_by, strict=True)
     assert told == [(prey.times_caught, caught_by, prey.withdrawn) for prey, caught_by in found], "world"
@@ -103,13 +107,13 @@ def step_both(
 ) -> None:
     """The same step on both."""
     choices, commands = as_arrays(config, actions)
-    engine.step(choices[np.newaxis], commands[np.newaxis], prey_array(prey_actions)[np.newaxis])
+    engine.step(choices[np.newaxis], with_prey(commands, prey_actions)[np.newaxis])
     oracle.step(actions, prey_actions)
 
 
-def prey_array(prey_actions: Sequence[Command]) -> np.ndarray:
-    """One arena's prey actions as the engine takes them: (P, 2)."""
-    return np.array(prey_actions, np.float32).reshape(-1, 2)
+def with_prey(commands: np.ndarray, prey_actions: Sequence[Command]) -> np.ndarray:
+    """One arena's commands as the engine takes them: (N, 2)."""
+    return np.concatenate((commands, np.array(prey_actions, np.float32).reshape(-1, 2)))
 
 
 def play(source: Random, met: set[Any]) -> int:
@@ -133,7 +137,7 @@ def play(source: Random, met: set[Any]) -> int:
             if config.prey and source.random() < 0.04:
                 index = source.randrange(config.prey)
                 history.append(f"withdraw_prey({index}) before step {step}")
-                engine.withdraw_prey(0, index)
+                engine.withdraw(0, config.hunters + index)
                 oracle.withdraw_prey(index)
                 assert_same("state", oracle.number_names(), engine.state(0).tolist(), oracle.numbers())
             if source.random() < 0.08:
@@ -190,7 +194,7 @@ def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
                 oracles[row].withdraw(seat)
             if config.prey and source.random() < 0.2:
                 index = source.randrange(config.prey)
-                batch.withdraw_prey(row, index)
+                batch.withdraw(row, config.hunters + index)
                 oracles[row].withdraw_prey(index)
             if source.random() < 0.2:
                 position = some_position(source, oracles[row])
@@ -199,7 +203,7 @@ def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
             actions = [some_actions(source, config, oracle.masks()) for oracle in oracles]
             prey_actions = [some_prey_actions(source, config) for _ in oracles]
             choices, commands = zip(*(as_arrays(config, own) for own in actions), strict=True)
-            batch.step(np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey_actions]))
+            batch.step(np.stack(choices), np.stack(list(map(with_prey, commands, prey_actions))))
             for row, oracle in enumerate(oracles):
                 oracle.step(actions[row], prey_actions[row])
                 try:

@@ -90,25 +90,30 @@ def test_r10_2_restore_gives_the_observations_and_infos_of_that_moment():
         assert seen(env.restore(saved)) == seen((expected[0], expected[-1]))
 
 
+@pytest.mark.rule("R10.2")
+def test_r10_2_what_follows_a_cut_episode_is_told_as_it_was():
+    """A reset without a seed tells of the end of the episode before, and so does what goes on from there."""
+    env = catch_arena.parallel_env("duel", max_cycles=2)
+    env.reset(seed=1)
+    for _ in range(2):
+        env.step(dict.fromkeys(env.agents, 0))
+    told = env.reset()
+    assert all(info["TimeLimit.truncated"] for info in told[1].values())
+    assert seen(env.restore(env.save())) == seen(told)
+    env.step(dict.fromkeys(env.agents, 0))
+    assert not any(info["TimeLimit.truncated"] for info in env.restore(env.save())[1].values())
+
+
 def batch_actions(source, arena):
     """Legal ones for all."""
-    shape = (arena.num_envs, arena.num_hunters)
-    ranks = source.integers(0, arena.config.targets_seen + 1, shape)
-    commands = source.uniform(-1, 1, (*shape, 2)).astype(np.float32)
-    kinds = set(arena.config.controls)
-    actions = (
-        ranks if kinds == {"target"} else commands if kinds == {"velocity"} else {"cmd_vel": commands, "catch": ranks}
-    )
-    if not arena.num_prey:
-        return actions
-    return {"hunter": actions, "prey": source.uniform(-1, 1, (arena.num_envs, arena.num_prey, 2)).astype(np.float32)}
+    ranks = source.integers(0, arena.config.targets_seen + 1, (arena.num_envs, arena.num_hunters))
+    shape = (arena.num_envs, arena.num_hunters + arena.num_prey, 2)
+    return ranks, source.uniform(-1, 1, shape).astype(np.float32)
 
 
 def turned(actions):
     """Every row's for the next row."""
-    if isinstance(actions, dict):
-        return {name: turned(those) for name, those in actions.items()}
-    return np.roll(actions, 1, axis=0)
+    return tuple(np.roll(those, 1, axis=0) for those in actions)
 
 
 def flat(results):
@@ -133,20 +138,20 @@ def test_r10_2_a_batch_goes_on_from_any_point(match, size, auto_reset):
     arena.reset(seed=some_seed(source))
     draw = np.random.default_rng(match)
     for _ in range(source.randrange(25)):
-        arena.step(batch_actions(draw, arena))
+        arena.step(*batch_actions(draw, arena))
     saved, row = arena.save(), arena.save_row(size - 1)
     twins = [arena.clone(), copy.deepcopy(arena), pickle.loads(pickle.dumps(arena))]  # noqa: S301
     script = [batch_actions(draw, arena) for _ in range(25)]
-    expected = [flat(arena.step(actions)) for actions in script]
+    expected = [flat(arena.step(*actions)) for actions in script]
     last = arena.digest(size - 1)
     other = catch_arena.VectorArena(config, size, auto_reset=auto_reset)
     other.restore(saved)
     arena.restore(saved)
     for again in (arena, other, *twins):
-        assert [flat(again.step(actions)) for actions in script] == expected
+        assert [flat(again.step(*actions)) for actions in script] == expected
     other.restore_row(0, row)
     for actions in script:
-        other.step(turned(actions))
+        other.step(*turned(actions))
     assert other.digest(0) == last
 
 
@@ -271,7 +276,7 @@ def test_what_another_version_has_kept_is_refused_before_anything_changes():
         with pytest.raises(
             ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
         ):
-            env.restore(dataclasses.replace(episode, memory=change(episode.memory)))
+            env.restore(dataclasses.replace(episode, arena=episode.arena._replace(memory=change(episode.arena.memory))))
         with pytest.raises(
             ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
         ):
@@ -282,7 +287,7 @@ def test_what_another_version_has_kept_is_refused_before_anything_changes():
             batch.restore_row(1, row._replace(memory=change(row.memory)))
     for memory, found in ((None, "NoneType"), (row.memory.astype(np.float64), r"one of float64 \(\d+,\)")):
         with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
-            env.restore(dataclasses.replace(episode, memory=memory))
+            env.restore(dataclasses.replace(episode, arena=episode.arena._replace(memory=memory)))
         with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
             batch.restore_row(1, row._replace(memory=memory))
     renamed = catch_arena.parallel_env("duel", agent_names=["hunter_1", "hunter_0"])

@@ -52,7 +52,7 @@ def test_the_order_of_teams_and_of_their_seats_does_not_matter(
     chosen = Random(actions)
     for _ in range(STEPS):
         assert bytes(one.digest(0)) == bytes(other.digest(0)), settings_of(config)
-        for name in ("observations", "rewards", "parts", "prey_observations", "prey_rewards"):
+        for name in ("observations", "rewards", "parts", "prey_parts"):
             assert np.array_equal(getattr(one, name), getattr(other, name)), name
         assert other.team_scores[0].tolist() == one.team_scores[0, order].tolist()
         given_ = some_batch_actions(chosen, config, 1)
@@ -138,11 +138,12 @@ def test_what_prey_does_changes_no_ruling_of_its_step(source: Random, seed: int,
     chosen, otherwise = Random(actions[0]), Random(actions[1])
     for _ in range(STEPS):
         other.restore(one.save())
-        choices, commands, prey_commands = some_batch_actions(chosen, config, 1)
-        changed = some_batch_actions(otherwise, config, 1)[2]
-        active = one.prey_active[0].copy()
-        one.step(choices, commands, prey_commands)
-        other.step(choices, commands, changed)
+        choices, commands = some_batch_actions(chosen, config, 1)
+        changed = commands.copy()
+        changed[:, config.hunters :] = some_batch_actions(otherwise, config, 1)[1][:, config.hunters :]
+        active = one.active[0, config.hunters :].copy()
+        one.step(choices, commands)
+        other.step(choices, changed)
         assert other.rulings(0) == one.rulings(0), settings_of(config)
         assert [prey.caught_by for prey in other.world(0).prey] == [prey.caught_by for prey in one.world(0).prey]
         if not active.any():
@@ -165,21 +166,22 @@ def test_withdrawn_prey_stands_still_and_is_paid_nothing(source: Random, seed: i
         given_ = some_batch_actions(chosen, config, 1)
         one.step(*given_)
         other.step(*given_)
-    one.withdraw_prey(0, index)
-    other.withdraw_prey(0, index)
+    agent = config.hunters + index
+    one.withdraw(0, agent)
+    other.withdraw(0, agent)
     places: dict[str, tuple[float, float]] = {}
     for _ in range(STEPS):
-        choices, commands, prey_commands = some_batch_actions(chosen, config, 1)
-        changed = prey_commands.copy()
-        changed[0, index] = some_batch_actions(otherwise, config, 1)[2][0, index]
+        choices, commands = some_batch_actions(chosen, config, 1)
+        changed = commands.copy()
+        changed[0, agent] = some_batch_actions(otherwise, config, 1)[1][0, agent]
         for target in one.world(0).targets:
             if target.prey == config.prey_names[index]:
                 assert places.setdefault(target.name, (target.x, target.y)) == (target.x, target.y)
         if is_over(one):
             break
-        one.step(choices, commands, prey_commands)
-        other.step(choices, commands, changed)
+        one.step(choices, commands)
+        other.step(choices, changed)
         assert bytes(other.digest(0)) == bytes(one.digest(0)), settings_of(config)
-        assert one.prey_rewards[0, index] == 0
+        assert one.rewards[0, agent] == 0
         assert not one.prey_parts[0, index].any()
         assert one.world(0).prey[index].withdrawn

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from oracle.arena import OracleArena
 from properties.matches import some_actions, some_prey_actions
-from properties.test_engine_equals_oracle import compare, prey_array
+from properties.test_engine_equals_oracle import compare, with_prey
 from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.core.episodes import (
+from catch_arena.core.state import (
     FINAL_CONTESTS_WON,
     FINAL_RANK,
     FINAL_REWARD_SUM,
@@ -102,7 +102,7 @@ def actions_of(
     hunters = [some_actions(source, config, oracle.masks()) for oracle in oracles]
     prey = [some_prey_actions(source, config) for _ in oracles]
     choices, commands = zip(*(as_arrays(config, own) for own in hunters), strict=True)
-    return hunters, prey, [np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey])]
+    return hunters, prey, [np.stack(choices), np.stack(list(map(with_prey, commands, prey)))]
 
 
 def play_in_place(
@@ -119,7 +119,7 @@ def play_in_place(
     hunters = [[(some_velocity(), source.randint(0, ranks)) for _ in range(config.hunters)] for _ in oracles]
     prey = [[some_velocity() for _ in range(config.prey)] for _ in oracles]
     choices, commands = zip(*(as_arrays(config, own) for own in hunters), strict=True)
-    batch.step(np.stack(choices), np.stack(commands), np.stack([prey_array(own) for own in prey]))
+    batch.step(np.stack(choices), np.stack(list(map(with_prey, commands, prey))))
     for row, oracle in enumerate(oracles):
         oracle.step(hunters[row], prey[row])
         compare(batch, oracle, config, names, row)
@@ -145,7 +145,7 @@ def test_rows_that_begin_and_end_apart_play_as_the_oracle_does(name: str) -> Non
             batch.withdraw(2, seat)
             oracles[2].withdraw(seat)
         if step == 7 and config.prey:
-            batch.withdraw_prey(0, 1)
+            batch.withdraw(0, config.hunters + 1)
             oracles[0].withdraw_prey(1)
         over = [oracle.terminated or oracle.truncated for oracle in oracles]
         digests = [bytes(batch.digest(row)) for row in range(ROWS)]
@@ -157,7 +157,6 @@ def test_rows_that_begin_and_end_apart_play_as_the_oracle_does(name: str) -> Non
                 assert bytes(batch.digest(row)) == digests[row]
                 assert not batch.rewards[row].any()
                 assert not batch.parts[row].any()
-                assert not batch.prey_rewards[row].any()
                 assert not batch.prey_parts[row].any()
                 caught_last += any(catcher is not None for catcher in oracle.caught_by)
                 assert all(one.caught_by is None for one in batch.world(row).prey)
@@ -181,7 +180,7 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
     batch.withdraw(2, 1)
     for row, index in ((1, 0), (2, 1)) if config.prey else ():
         oracles[row].withdraw_prey(index)
-        batch.withdraw_prey(row, index)
+        batch.withdraw(row, config.hunters + index)
     paid = np.zeros((MANY_ROWS, config.hunters))
     prey_paid = np.zeros((MANY_ROWS, config.prey))
     won = np.zeros((MANY_ROWS, config.hunters))
@@ -204,11 +203,10 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
                         contests.add((winner, number))
             for winner, _ in contests:
                 won[row, winner] += 1
-            assert batch.rewards[row].tolist() == [np.float32(one) for one in oracle.rewards]
-            assert batch.prey_rewards[row].tolist() == [np.float32(one) for one in oracle.prey_rewards]
+            assert batch.rewards[row].tolist() == [*oracle.rewards, *oracle.prey_rewards]
             if oracle.terminated or oracle.truncated:
                 scores = [hunter.score for hunter in oracle.hunters]
-                figures = batch.records[row]
+                figures, of_prey = np.split(batch.records[row], [config.hunters])
                 assert batch.lengths[row] == step
                 assert figures[:, FINAL_REWARD_SUM].tolist() == [np.float32(one) for one in paid[row]]
                 assert figures[:, FINAL_SCORE].tolist() == scores
@@ -223,7 +221,7 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
                     [one.times_caught, 1 + sum(other < own for other in keys), np.float32(earned)]
                     for one, own, earned in zip(oracle.prey, keys, prey_paid[row], strict=True)
                 ]
-                assert batch.prey_records[row].tolist() == expected
+                assert of_prey[:, [FINAL_SCORE, FINAL_RANK, FINAL_REWARD_SUM]].tolist() == expected
     assert all(oracle.terminated or oracle.truncated for oracle in oracles)
     assert won.any() or "reach_m" not in CONFIGS[name]
 

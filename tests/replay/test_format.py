@@ -208,11 +208,11 @@ def test_any_match_is_read_as_it_was_written(tmp_path):
         engine.reset([match.seed])
         match.note(engine)
         while match.steps < 30 and not engine.ends[0]:
-            choices, commands, prey_commands = some_batch_actions(source, config, 1)
+            choices, commands = some_batch_actions(source, config, 1)
             choices[:, [control == "velocity" for control in config.controls]] = 0
-            commands[:, [control == "target" for control in config.controls]] = 0.0
-            engine.step(choices, commands, prey_commands)
-            match.append(choices[0], commands[0], engine, prey_commands[0])
+            commands[:, : config.hunters][:, [control == "target" for control in config.controls]] = 0.0
+            engine.step(choices, commands)
+            match.append(choices[0], commands[0], engine)
         match.save(tmp_path / "any.replay")
         loaded = Replay.load(tmp_path / "any.replay")
         assert all(map(np.array_equal, loaded.states, match.states)), settings_of(config)

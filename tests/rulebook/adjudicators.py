@@ -13,7 +13,13 @@ from oracle.arena import PART_NAMES, Command, OracleArena
 from catch_arena.config import ArenaConfig
 from catch_arena.core.state import TERMINATED, TRUNCATED
 from catch_arena.errors import EpisodeError
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
+from catch_arena.layout import (
+    RIVAL_COLUMNS,
+    SELF_COLUMNS,
+    observation_size,
+    prey_observation_size,
+    target_columns,
+)
 from catch_arena.verdicts import Ruling, Verdict
 
 Action = Any
@@ -274,22 +280,21 @@ class EngineAdjudicator(Adjudicator):
         self.engine.reset([(seed + 1000 * (row - self.row)) % 2**64 for row in range(self.arenas)])
 
     def play(self, actions: Sequence[Action], prey: Sequence[Command]) -> None:
-        shape = (self.arenas, self.config.hunters)
-        choices = self.others.integers(0, 2, shape)
+        hunters, agents = self.config.hunters, self.config.hunters + self.config.prey
+        choices = self.others.integers(0, 2, (self.arenas, hunters))
         for seat, control in enumerate(self.config.controls):
             if control == "velocity":
                 choices[:, seat] = 0
-        commands = self.others.uniform(-1, 1, (*shape, 2)).astype(np.float32)
-        choices[self.row], commands[self.row] = as_arrays(self.config, actions)
-        prey_commands = self.others.uniform(-1, 1, (self.arenas, self.config.prey, 2)).astype(np.float32)
-        prey_commands[self.row] = np.reshape(prey, (-1, 2))
-        self.engine.step(choices, commands, prey_commands)
+        commands = self.others.uniform(-1, 1, (self.arenas, agents, 2)).astype(np.float32)
+        choices[self.row], commands[self.row, :hunters] = as_arrays(self.config, actions)
+        commands[self.row, hunters:] = np.reshape(prey, (-1, 2))
+        self.engine.step(choices, commands)
 
     def withdraw(self, seat: int) -> None:
         self.engine.withdraw(self.row, seat)
 
     def withdraw_prey(self, index: int) -> None:
-        self.engine.withdraw_prey(self.row, index)
+        self.engine.withdraw(self.row, self.config.hunters + index)
 
     def place(self, hunters: Any, targets: Any = ()) -> None:
         self.engine.place(self.row, hunters=hunters, targets=targets)
@@ -304,7 +309,7 @@ class EngineAdjudicator(Adjudicator):
         return by_seat(self.engine.rulings(self.row), self.config)
 
     def observation(self, seat: int) -> list[float]:
-        return [float(number) for number in self.engine.observations[self.row, seat]]
+        return [float(number) for number in self.engine.observations[self.row, seat, : observation_size(self.config)]]
 
     def mask(self, seat: int) -> list[int]:
         if self.config.controls[seat] == "velocity":
@@ -312,12 +317,13 @@ class EngineAdjudicator(Adjudicator):
         return [int(bit) for bit in self.engine.masks[self.row, seat]]
 
     def prey_observation(self, index: int) -> list[float]:
-        return [float(number) for number in self.engine.prey_observations[self.row, index]]
+        own = self.engine.observations[self.row, self.config.hunters + index, : prey_observation_size(self.config)]
+        return [float(number) for number in own]
 
-    rewards = property(lambda self: [float(reward) for reward in self.engine.rewards[self.row]])
+    rewards = property(lambda self: self.engine.rewards[self.row, : self.config.hunters].tolist())
     parts = property(lambda self: [tuple(float(part) for part in row) for row in self.engine.parts[self.row]])
     team_scores = property(lambda self: list(self.engine.world(self.row).team_scores))
-    prey_rewards = property(lambda self: [float(reward) for reward in self.engine.prey_rewards[self.row]])
+    prey_rewards = property(lambda self: self.engine.rewards[self.row, self.config.hunters :].tolist())
     prey_parts = property(lambda self: [tuple(map(float, row)) for row in self.engine.prey_parts[self.row]])
     caught_by = property(lambda self: [prey.caught_by for prey in self.engine.world(self.row).prey])
     terminated = property(lambda self: bool(self.engine.ends[self.row] == TERMINATED))

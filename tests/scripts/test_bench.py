@@ -236,7 +236,7 @@ def test_a_large_batch_is_at_all_ages_of_an_episode(monkeypatch):
     config = catch_arena.scenario("standard", time_limit_s=9.6)
     arena = catch_arena.VectorArena(config, 1024)
     arena.reset(2)
-    module("ours", monkeypatch).spread(arena, np.ones((1024, 4), dtype=np.int64))
+    module("ours", monkeypatch).spread(arena, [np.ones((1024, 4), dtype=np.int64)])
 
     ages = np.array([arena.world(row).step for row in range(1024)]).reshape(32, 32)
     assert (ages == ages[:, :1]).all()

@@ -10,6 +10,7 @@ import catch_arena
 from catch_arena.agents.contested_by_time import Agent as ContestedByTime
 from catch_arena.agents.triage import Agent as Triage
 from catch_arena.batch_policy import BatchView
+from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.training.destinations import FEATURES, destinations, destinations_of_batch
@@ -21,21 +22,17 @@ def played(scenario, control, steps=40, arenas=3):
     """What hunters see while all chase what is near: limits, observations, masks."""
     config = catch_arena.scenario(scenario, control=control, max_cycles=steps)
     arena = catch_arena.VectorArena(config, arenas)
-    observations, _ = _hunters(*arena.reset(seed=3))
+    columns = observation_size(config)
+    observations = arena.reset(seed=3)[0][:, : config.hunters, :columns]
     source = np.random.default_rng(5)
     for _ in range(steps - 1):
+        choices, commands = np.zeros(observations.shape[:2], int), np.ones((arenas, config.hunters + config.prey, 2))
         if control == "target":
-            actions = source.integers(0, 2, observations.shape[:2])
+            choices = source.integers(0, 2, observations.shape[:2])
         else:
-            actions = source.uniform((0.3, -0.5), 1, (*observations.shape[:2], 2)).astype(np.float32)
-        if config.prey:
-            actions = {"hunter": actions, "prey": np.ones((arenas, config.prey, 2), np.float32)}
-        observations, _ = _hunters(*arena.step(actions)[:1], None)
+            commands[:, : config.hunters] = source.uniform((0.3, -0.5), 1, (*observations.shape[:2], 2))
+        observations = arena.step(choices, commands.astype(np.float32))[0][:, : config.hunters, :columns]
     return Limits.of(config, 0), observations[:, 0]
-
-
-def _hunters(observations, infos):
-    return (observations["hunter"] if isinstance(observations, dict) else observations), infos
 
 
 def view_of(observation, limits):

@@ -9,6 +9,7 @@ import pytest
 import catch_arena
 from catch_arena.batch_policy import BatchPolicy, BatchView
 from catch_arena.errors import AgentError, ConfigError, EpisodeError
+from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.entrants import create_policy, resolve_spec, shipped
@@ -82,21 +83,20 @@ def test_act_and_act_batch_agree(name, scenario):
     config = catch_arena.scenario(scenario, control=control, max_cycles=cycles)
     arena = catch_arena.VectorArena(config, 4)
     arena.reset(seed=8)
-    observations, masks = arena._engine.observations, arena._engine.masks
+    observations, masks = arena._engine.observations[:, :, : observation_size(config)], arena._engine.masks
     one = agent()
     one.reset(0)
     looks = 0
     for _ in range(config.max_steps):
-        actions = np.zeros((4, config.hunters) if control == "target" else (4, config.hunters, 2))
+        choices, commands = np.zeros((4, config.hunters), int), np.zeros((4, config.hunters + config.prey, 2))
         for seat in range(config.hunters):
             limits = Limits.of(config, seat)
             together = np.asarray(one.act_batch(BatchView(observations[:, seat], masks[:, seat], limits)))
             alone = [one.act(View(observations[a, seat].tolist(), masks[a, seat].tolist(), limits)) for a in range(4)]
             np.testing.assert_allclose(together, alone, rtol=0, atol=1e-4 if learned else 1e-9)
-            actions[:, seat] = together
+            (choices if control == "target" else commands)[:, seat] = together
             looks += 4
-        told = actions.astype(int) if control == "target" else actions
-        arena.step({"hunter": told, "prey": np.zeros((4, config.prey, 2))} if config.prey else told)
+        arena.step(choices, commands)
     assert looks == 4 * cycles * config.hunters
     assert isinstance(one, BatchPolicy)
 

@@ -88,7 +88,7 @@ def test_an_agent_acts_alike_alone_and_for_many_and_always_legally(head, scenari
         for seat in range(config.hunters):
             alone = agent.act(View(observations[0, seat].tolist(), masks[0, seat].tolist(), limits))
             np.testing.assert_allclose(actions[0, seat], alone, atol=1e-4)
-        observations, _, _, _, infos = arena.step(actions.astype(np.int64 if agent.control == "target" else np.float32))
+        observations, _, _, _, infos = arena.step(**{"choices" if agent.control == "target" else "commands": actions})
 
 
 def test_a_network_is_written_and_read(tmp_path):

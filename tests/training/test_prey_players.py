@@ -137,7 +137,7 @@ def test_prey_does_not_act_in_a_step_that_is_refused(monkeypatch):
     monkeypatch.setattr(flee, "act", lambda self, view: asked.append(1) or act(self, view))
     batch = LearnerBatch("tag", 3, opponents="nearest")
     batch.reset(seed=1)
-    with pytest.raises(ActionError, match="cmd_vel must be two finite numbers"):
+    with pytest.raises(ActionError, match="commands must be two finite numbers"):
         batch.step(np.full((3, 2), np.inf))
     assert not asked
     batch.step(np.zeros((3, 2)))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core import state
+from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
 from catch_arena.core.memory import Sections, sections_of
 from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
@@ -15,9 +16,9 @@ from catch_arena.verdicts import Verdict
 
 
 def actions(engine, value=1):
-    hunters = engine.config.hunters
+    hunters, prey = engine.config.hunters, engine.config.prey
     choices = np.full((engine.num_arenas, hunters), value, dtype=np.int64)
-    return choices, np.zeros((engine.num_arenas, hunters, 2), dtype=np.float32)
+    return choices, np.zeros((engine.num_arenas, hunters + prey, 2), dtype=np.float32)
 
 
 def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
@@ -46,6 +47,18 @@ def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
     alone.reset([77])
 
     assert engine.digest(row) == alone.digest()
+
+
+def test_a_request_by_name_after_the_end_is_told_too():
+    """R5.2: MATCH_OVER, though no rank in view was chosen."""
+    engine = Engine(scenario("duel", max_cycles=1))
+    engine.reset([1])
+    engine.step(*actions(engine, 0))
+    table = np.zeros((1, REQUEST_COLUMNS), np.int64)
+    table[0, [REQUEST_SEAT, REQUEST_TARGET]] = 1, state.NEVER_SPAWNED
+    engine.step(*actions(engine, 0), requests=table)
+
+    assert [(ruling.hunter, ruling.verdict) for ruling in engine.rulings(0)] == [(1, Verdict.MATCH_OVER)]
 
 
 @pytest.mark.parametrize("control", ["target", "velocity", "full"])
@@ -152,10 +165,8 @@ def test_what_is_kept_together_lies_together():
     config = scenario("duel", prey=1, target_motion="wander", teams=((0,), (1,)), dropout_rate=0.1)
     engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
     sections, others = sections_of(engine._memory), sections_of(plain._memory)
-    told = ("breakdowns", "observations", "masks", "prey_breakdowns", "prey_observations", "ends")
-    told += ("active", "prey_active", "team_scores")
+    told = ("rewards", "parts", "prey_parts", "observations", "masks", "ends", "active", "team_scores")
     of_auto_reset = ("final_observations", "final_masks", "lengths", "records")
-    of_auto_reset += ("prey_final_observations", "prey_records")
 
     for name, section, other in zip(Sections._fields, sections, others, strict=True):
         assert np.shares_memory(section, engine._kept) == (name in ("blocks", *told, *of_auto_reset)), name
@@ -168,7 +179,7 @@ def test_targets_are_put_where_they_have_been_for_some_time():
     engine = Engine(scenario("duel", prey=2, target_motion="wander", target_budget=None, initial_targets=2), 34)
     engine.reset(range(34))
     for _ in range(3):
-        engine.step(*actions(engine), np.zeros((34, 2, 2), np.float32))
+        engine.step(*actions(engine))
     hunters, targets = [(5.0, 5.0, 0.0), (9.0, 9.0, 0.0)], [(5.5, 5.0), (5.0, 6.0)]
     before = [engine.digest(row) for row in range(34)]
     engine.place(33, hunters, targets, ages=[0.2501, 7.0])
@@ -189,14 +200,14 @@ def test_who_is_withdrawn_sits_in_one_row_alone():
     for row in range(34):
         caught = 5.0 if row == 0 else 3.0
         engine.place(row, [(5.0, 5.0, 0.0), (9.0, 9.0, 0.0)], [], [(caught, 5.0, 0.0), (3.0, 8.0, 0.0)])
-    commands = np.ones((34, 2, 2), np.float32)
+    commands = np.ones((34, 4, 2), np.float32)
     for _ in range(3):
-        engine.step(np.ones((34, 2), np.int64), np.zeros_like(commands), commands)
+        engine.step(np.ones((34, 2), np.int64), commands)
     engine.withdraw(32, 1)
     engine.withdraw(31, 0)
-    engine.withdraw_prey(32, 1)
-    engine.withdraw_prey(31, 0)
-    engine.withdraw_prey(0, 0)
+    engine.withdraw(32, 3)
+    engine.withdraw(31, 2)
+    engine.withdraw(0, 2)
     worlds = [engine.world(row) for row in range(34)]
     assert worlds[0].prey[0].target is None
     assert {len(world.targets) for world in worlds} == {2}
@@ -257,9 +268,8 @@ def test_prey_is_never_killed_wherever_it_stands_in_the_list(row):
     engine.reset(range(34))
     targets = [(1.0, 9.0), (9.0, 1.0)]
     engine.place(row, [(5.0, 5.0, 0.0), (2.0, 2.0, 0.0)], targets, [(5.2, 5.0, 0.0), (8.0, 8.0, 0.0)])
-    commands = np.zeros((34, 2, 2), np.float32)
     for _ in range(3):
-        engine.step(*actions(engine), commands)
+        engine.step(*actions(engine))
     alive = engine.world(row).targets
     played = [target.prey for target in alive]
     assert sorted(filter(None, played)) == ["prey_0", "prey_1"]

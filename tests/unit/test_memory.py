@@ -106,7 +106,7 @@ def test_a_section_of_another_type_is_refused():
 @pytest.mark.parametrize("rows", [1, 1 << 18])
 def test_a_copy_shares_no_memory_whatever_its_size(rows):
     """Large pieces have pages of their own, which nothing else may write to, a child process included."""
-    memory, sections = lay_out(some_sections()._replace(rewards=zeros(rows, 3, dtype=np.float32)))
+    memory, sections = lay_out(some_sections()._replace(rewards=zeros(rows, 3)))
     copied = copy_of(memory)
     assert copied.tobytes() == memory.tobytes()
     assert copied.ctypes.data % CACHE_LINE == 0
@@ -120,7 +120,7 @@ def test_a_copy_shares_no_memory_whatever_its_size(rows):
 @pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")
 def test_a_child_process_writes_to_memory_of_its_own():
     """As it does with every other array."""
-    _, sections = lay_out(some_sections()._replace(rewards=zeros(1 << 18, 3, dtype=np.float32)))
+    _, sections = lay_out(some_sections()._replace(rewards=zeros(1 << 18, 3)))
     child = os.fork()
     if child == 0:
         sections.rewards[:] = 1.0

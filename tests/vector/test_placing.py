@@ -31,7 +31,7 @@ def test_an_arena_with_the_bodies_of_another_sees_and_plays_the_same_from_there(
     rng = np.random.default_rng(1)
     shape = (3, played.num_hunters, 2)
     for _ in range(60):
-        before, *_ = played.step(rng.uniform(-0.2, 1.0, shape))
+        before, *_ = played.step(commands=rng.uniform(-0.2, 1.0, shape))
     hunters, targets = zip(*(bodies(played, row) for row in range(3)), strict=True)
     placed = VectorArena(scenario, 3, copy=True, **settings)
     placed.reset(seed=99)
@@ -41,8 +41,8 @@ def test_an_arena_with_the_bodies_of_another_sees_and_plays_the_same_from_there(
     np.testing.assert_array_equal(seen[..., compared], before[..., compared])
     for _ in range(60):
         actions = rng.uniform(-0.2, 1.0, shape)
-        before, *_ = played.step(actions)
-        seen, *_ = placed.step(actions)
+        before, *_ = played.step(commands=actions)
+        seen, *_ = placed.step(commands=actions)
         np.testing.assert_array_equal(seen[..., compared], before[..., compared])
 
 
@@ -71,7 +71,7 @@ def test_targets_are_numbered_by_age_and_those_that_follow_come_from_the_own_see
         arena.reset(seed=seed)
         arena.place(hunters, targets, steps=[30, 0])
         for _ in range(20):
-            arena.step(np.zeros((2, 4, 2), np.float32))
+            arena.step(commands=np.zeros((2, 4, 2), np.float32))
         later.append([(one.x, one.y, one.spawned_ms) for one in arena.world(0).targets[3:]])
     assert later[0] == later[1] != later[2]
     assert later[0]
@@ -82,12 +82,12 @@ def test_what_was_counted_before_counts_no_more():
     arena = VectorArena("standard", 2, control="full", time_limit_s=1.0, spawning=False, initial_targets=1)
     arena.reset(seed=3)
     hunters, targets = np.tile([[1.0, 1.0, 0.0, 0.0]], (1, 4, 1)), [[(9.0, 9.0, 0.0, 0.0, 0.0)]]
-    actions = {"catch": np.full((2, 4), 5), "cmd_vel": np.zeros((2, 4, 2), np.float32)}
+    actions = np.full((2, 4), 5), np.zeros((2, 4, 2), np.float32)
     for _ in range(4):
-        arena.step(actions)
+        arena.step(*actions)
     arena.place(hunters, targets, steps=4, arenas=[1])
     for _ in range(6):
-        *_, infos = arena.step(actions)
+        *_, infos = arena.step(*actions)
     malformed = infos["episode"]["verdicts"][:, :, Verdict.MALFORMED - 1]
     assert malformed.tolist() == [[10.0] * 4, [6.0] * 4]
 

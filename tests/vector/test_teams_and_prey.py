@@ -1,4 +1,4 @@
-"""R11 and R12 in the batch: both sides by their names, and every row plays what one arena plays."""
+"""R11 and R12 in the batch: prey stands behind the hunters, and every row plays what one arena plays."""
 
 import copy
 import pickle
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from catch_arena import VectorArena, parallel_env, scenario
+from catch_arena.core import state
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError
@@ -33,10 +34,22 @@ TEAMS = scenario("squads", side_m=6.0, spawn_frequency_hz=8.0, reach_m=0.6, team
 
 def random_actions(config, num_envs, source):
     """Legal ones, of both sides."""
+    agents = config.hunters + config.prey
     return {
-        "hunter": source.integers(0, config.targets_seen + 1, (num_envs, config.hunters)),
-        "prey": source.uniform(-1, 1, (num_envs, config.prey, 2)).astype(np.float32),
+        "choices": source.integers(0, config.targets_seen + 1, (num_envs, config.hunters)),
+        "commands": source.uniform(-1, 1, (num_envs, agents, 2)).astype(np.float32),
     }
+
+
+def row_of(config, agent):
+    """An agent's place among those of its arena."""
+    side, _, index = agent.partition("_")
+    return int(index) + (config.hunters if side == "prey" else 0)
+
+
+def same(told, row):
+    """Whether the batch tells what the env has told an agent, and zeros behind it."""
+    return told.tobytes() == row[: len(told)].tobytes() and not row[len(told) :].any()
 
 
 @pytest.mark.rule("R12.7")
@@ -52,32 +65,32 @@ def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes
     returns, caught, episodes = np.zeros(config.prey), np.zeros(config.prey), 0
     for _ in range(3 * config.max_steps + 5):
         for agent, told in seen.items():
-            side, _, index = agent.partition("_")
-            assert told.tobytes() == observations[side][row, int(index)].tobytes()
+            assert same(told, observations[row, row_of(config, agent)])
         actions = random_actions(config, 40, source)
-        observations, rewards, terminations, truncations, infos = arena.step(actions)
-        one = {f"hunter_{seat}": int(actions["hunter"][row, seat]) for seat in range(config.hunters)}
-        one |= {f"prey_{index}": actions["prey"][row, index] for index in range(config.prey)}
+        observations, rewards, terminations, truncations, infos = arena.step(**actions)
+        one = {f"hunter_{seat}": int(actions["choices"][row, seat]) for seat in range(config.hunters)}
+        one |= {f"prey_{i}": actions["commands"][row, config.hunters + i] for i in range(config.prey)}
         seen, gained, _, _, notes = env.step({agent: one[agent] for agent in env.agents})
         for agent, reward in gained.items():
-            side, _, index = agent.partition("_")
-            assert np.float32(reward) == rewards[side][row, int(index)]
-            if side == "prey":
-                returns[int(index)] += reward
-                caught[int(index)] += notes[agent]["caught_by"] != -1
+            agent_row = row_of(config, agent)
+            assert np.float32(reward) == rewards[row, agent_row]
+            if agent_row >= config.hunters:
+                returns[agent_row - config.hunters] += reward
+                caught[agent_row - config.hunters] += notes[agent]["caught_by"] != -1
         over = terminations[row] or truncations[row]
         if not over:
             in_play = [prey.target is not None for prey in env.world().prey]
-            assert infos["prey_active"][row].tolist() == in_play
+            assert infos["active"][row].tolist() == [True] * config.hunters + in_play
             continue
         assert infos["_final_obs"][row]
         for agent, told in seen.items():
-            side, _, index = agent.partition("_")
-            assert told.tobytes() == infos["final_obs"][side][row, int(index)].tobytes()
-        figures = infos["episode"]["prey"]
-        np.testing.assert_allclose(figures["return"][row], returns, rtol=1e-5, atol=1e-5)
+            assert same(told, infos["final_obs"][row, row_of(config, agent)])
+        figures = infos["episode"]
+        np.testing.assert_allclose(figures["return"][row, config.hunters :], returns, rtol=1e-5, atol=1e-5)
         assert figures["times_caught"][row].tolist() == caught.tolist()
-        assert figures["rank"][row].tolist() == [1 + sum(other < mine for other in caught) for mine in caught]
+        assert figures["rank"][row, config.hunters :].tolist() == [
+            1 + sum(other < mine for other in caught) for mine in caught
+        ]
         assert (figures["length"][row] == env.world().step).all()
         returns[:], caught[:] = 0.0, 0.0
         seen, notes = env.reset()
@@ -123,47 +136,47 @@ def test_r11_2_a_batch_gives_the_rewards_of_the_one_arena_env():
     np.testing.assert_allclose(infos["episode"]["return"][2], returns, rtol=1e-5)
 
 
-def test_shapes_and_spaces_are_those_of_the_sides():
+def test_shapes_and_spaces_are_those_of_the_agents():
     arena = VectorArena(HUNT, 4)
     observations, infos = arena.reset(seed=1)
-    assert observations["hunter"].shape == (4, 3, observation_size(HUNT))
-    assert observations["prey"].shape == (4, 3, prey_observation_size(HUNT))
-    assert arena.observation_space("prey").shape == (prey_observation_size(HUNT),)
-    assert arena.action_space("prey").shape == (2,)
-    assert arena.observation_space(1).shape == (observation_size(HUNT),)
-    for side in observations:
-        assert arena.observation_space(side).shape == observations[side].shape[2:]
-    assert arena.action_space("hunter") == arena.action_space(1)
-    assert infos["prey_active"].all()
-    with pytest.raises(ConfigError, match="from 0 to 2, 'hunter' or 'prey', got 'fox'"):
-        arena.observation_space("fox")
-    with pytest.raises(ConfigError, match="where hunters differ in their control, got 'hunter'"):
-        VectorArena("duel", control=("target", "full")).action_space("hunter")
-    with pytest.raises(ConfigError, match="seat must be a hunter's in an arena without prey, got 'prey'"):
-        VectorArena("standard", 2).action_space("prey")
+    own, of_prey = observation_size(HUNT), prey_observation_size(HUNT)
+    assert observations.shape == (4, 6, max(own, of_prey))
+    assert [arena.observation_space(agent).shape for agent in (1, 3, 5)] == [(own,), (of_prey,), (of_prey,)]
+    assert (arena.action_space(1).n, arena.action_space(3).shape) == (HUNT.targets_seen + 1, (2,))
+    assert infos["active"].all()
+    with pytest.raises(ConfigError, match="agent must be a whole number from 0 to 5, got 'prey'"):
+        arena.observation_space("prey")
+    with pytest.raises(ConfigError, match="agent must be a whole number from 0 to 3, got 4"):
+        VectorArena("standard", 2).action_space(4)
     source = np.random.default_rng(1)
     for _ in range(HUNT.max_steps):
-        observations, *_ = arena.step(random_actions(HUNT, 4, source))
-        for row in range(4):
-            for index in range(3):
-                assert arena.observation_space("prey").contains(observations["prey"][row, index])
+        observations, *_ = arena.step(**random_actions(HUNT, 4, source))
+        for agent in range(6):
+            space = arena.observation_space(agent)
+            assert all(space.contains(row) for row in observations[:, agent, : space.shape[0]])
+            assert not observations[:, agent, space.shape[0] :].any()
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda actions: actions["hunter"], "actions must be a mapping with hunter and prey, got an array of int64"),
-        (lambda actions: {"hunter": actions["hunter"]}, "hunter and prey, got a mapping with hunter"),
-        (lambda actions: {**actions, "fox": 1}, "hunter and prey, got a mapping with hunter and prey and fox"),
-        (lambda actions: {**actions, "prey": actions["prey"][:, :2]}, "actions['prey'] must have the shape (4, 3, 2)"),
+        (lambda actions: {**actions, "commands": None}, "commands must be (4, 6, 2) numbers where agents drive"),
         (
-            lambda actions: {**actions, "prey": np.where(np.arange(6).reshape(3, 2) == 4, np.nan, actions["prey"])},
-            "actions['prey'] must be two finite numbers, got [nan, ",
+            lambda actions: {**actions, "commands": actions["commands"][:, :3]},
+            "commands must have the shape (4, 6, 2)",
         ),
         (
-            lambda actions: {**actions, "hunter": actions["hunter"] + 99},
-            "actions['hunter'] must be a whole number from",
+            lambda actions: {**actions, "commands": np.where(np.arange(12).reshape(6, 2) == 10, np.nan, 0.5)[None]},
+            "commands must have the shape (4, 6, 2)",
         ),
+        (
+            lambda actions: {
+                **actions,
+                "commands": np.where(np.arange(12).reshape(6, 2) == 10, np.nan, actions["commands"]),
+            },
+            "in arena 0 for prey_2",
+        ),
+        (lambda actions: {**actions, "choices": actions["choices"] + 99}, "choices must be a whole number from"),
     ],
 )
 def test_bad_actions_are_named_and_nothing_moves(change, message):
@@ -171,15 +184,8 @@ def test_bad_actions_are_named_and_nothing_moves(change, message):
     arena.reset(seed=1)
     digest = arena.digest(2)
     with pytest.raises(ActionError, match=re.escape(message)):
-        arena.step(change(random_actions(HUNT, 4, np.random.default_rng(1))))
+        arena.step(**change(random_actions(HUNT, 4, np.random.default_rng(1))))
     assert arena.digest(2) == digest
-
-
-def test_where_there_is_no_prey_no_side_is_named():
-    arena = VectorArena("duel", 2)
-    arena.reset(seed=1)
-    with pytest.raises(ActionError, match="hunters alone where there is no prey, got a mapping with hunter"):
-        arena.step({"hunter": np.zeros((2, 2), np.int64)})
 
 
 def test_an_arena_that_has_ended_stands_still_and_prey_gets_nothing():
@@ -188,13 +194,13 @@ def test_an_arena_that_has_ended_stands_still_and_prey_gets_nothing():
     arena, source = VectorArena(config, 3, auto_reset=False), np.random.default_rng(1)
     arena.reset(seed=1)
     for _ in range(5):
-        observations, rewards, *_ = arena.step(random_actions(config, 3, source))
-    assert rewards["prey"].any()
-    last, digest = observations["prey"].copy(), arena.digest(1)
-    observations, rewards, *_ = arena.step(random_actions(config, 3, source))
-    assert not rewards["prey"].any()
+        observations, rewards, *_ = arena.step(**random_actions(config, 3, source))
+    assert rewards[:, config.hunters :].any()
+    last, digest = observations.copy(), arena.digest(1)
+    observations, rewards, *_ = arena.step(**random_actions(config, 3, source))
+    assert not rewards.any()
     assert arena.digest(1) == digest
-    assert (observations["prey"] == last).all()
+    assert (observations == last).all()
 
 
 def test_states_are_saved_copied_and_pickled_with_prey():
@@ -202,26 +208,27 @@ def test_states_are_saved_copied_and_pickled_with_prey():
     arena, source = VectorArena(HUNT, 6), np.random.default_rng(4)
     arena.reset(seed=2)
     for _ in range(8):
-        arena.step(random_actions(HUNT, 6, source))
+        arena.step(**random_actions(HUNT, 6, source))
     saved, row = arena.save(), arena.save_row(4)
     others = [copy.deepcopy(arena), pickle.loads(pickle.dumps(arena)), arena.clone()]  # noqa: S301 - our own
     actions = random_actions(HUNT, 6, source)
-    after = arena.step(actions)[0]["prey"].copy()
+    after = arena.step(**actions)[0].copy()
     for other in others:
-        assert (other.step(actions)[0]["prey"] == after).all()
+        assert (other.step(**actions)[0] == after).all()
     arena.restore(saved)
     arena.restore_row(0, row)
-    actions["hunter"][0], actions["prey"][0] = actions["hunter"][4], actions["prey"][4]
-    assert (arena.step(actions)[0]["prey"][1:] == after[1:]).all()
+    for given in actions.values():
+        given[0] = given[4]
+    assert (arena.step(**actions)[0][1:] == after[1:]).all()
     assert arena.digest(0) == arena.digest(4)
 
 
 def test_copies_are_the_callers_own_with_prey():
     arena = VectorArena(HUNT, 2, copy=True)
     observations, _ = arena.reset(seed=1)
-    kept = observations["prey"].copy()
-    arena.step(random_actions(HUNT, 2, np.random.default_rng(1)))
-    assert (observations["prey"] == kept).all()
+    kept = observations.copy()
+    arena.step(**random_actions(HUNT, 2, np.random.default_rng(1)))
+    assert (observations == kept).all()
 
 
 @pytest.mark.rule("R12.5")
@@ -230,14 +237,13 @@ def test_r12_5_withdrawn_prey_ranks_last_in_the_figures_of_an_episode():
     engine, source = Engine(HUNT, 3, with_infos=False, auto_reset=True), np.random.default_rng(2)
     engine.reset([1, 2, 3])
     for index in (0, 2):
-        engine.withdraw_prey(1, index)
+        engine.withdraw(1, HUNT.hunters + index)
     for _ in range(HUNT.max_steps):
-        actions = random_actions(HUNT, 3, source)
-        engine.step(actions["hunter"], np.zeros((3, 3, 2), np.float32), actions["prey"])
-    caught, rank, _ = engine.prey_records[1].T
+        engine.step(**random_actions(HUNT, 3, source))
+    caught, rank = engine.records[1, HUNT.hunters :, [state.FINAL_SCORE, state.FINAL_RANK]]
     assert rank[1] == 1
     assert rank[[0, 2]].tolist() == [2 + (caught[2] < caught[0]), 2 + (caught[0] < caught[2])]
     assert caught.any()
     for row in (0, 2):
-        caught, rank, _ = engine.prey_records[row].T
+        caught, rank = engine.records[row, HUNT.hunters :, [state.FINAL_SCORE, state.FINAL_RANK]]
         assert rank.tolist() == [1 + sum(other < mine for other in caught) for mine in caught]

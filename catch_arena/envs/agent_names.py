@@ -1,0 +1,34 @@
+"""What an env calls its agents."""
+
+from collections.abc import Sequence
+
+from catch_arena.errors import ConfigError
+from catch_arena.plain import as_python
+from catch_arena.text import in_short
+
+
+def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
+    """The names of an env's agents.
+
+    Args:
+        given: a pattern with {seat}, a list, or None.
+        usual: what they are called without it.
+
+    Raises:
+        ConfigError: for what gives no different names, one for each.
+    """
+    if given is None:
+        return usual
+    names = as_python(given)
+    if isinstance(given, str) and "{seat" in given:
+        try:
+            names = [given.format(seat=seat) for seat in range(len(usual))]
+        except (ValueError, LookupError, AttributeError, TypeError):
+            raise ConfigError(
+                f'agent_names must be a pattern such as "agent_{{seat}}", or "agent_{{seat:02d}}", got {given!r}'
+            ) from None
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
+        raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {in_short(given)}")
+    if not len(set(names)) == len(names) == len(usual):
+        raise ConfigError(f"agent_names must be {len(usual)} different names, got {in_short(given)}")
+    return list(names)
