@@ -23,10 +23,10 @@ from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import (
     measure_rivals,
     note_positions,
+    pack_order,
     rank_targets,
     resolve_ties,
     sort_keys,
-    write_order,
 )
 from catch_arena.core.state import (
     ABSENT,
@@ -330,7 +330,7 @@ def write_seat(
     targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
     write_targets(block, seat, s, first, width, scratch.target_tiles, targets)
     rivals = Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride)
-    write_rivals(block, seat, rival_order_of(scratch, seat, s), s, first, width, teams, scratch.body_tiles, rivals)
+    write_rivals(block, seat, rival_order_of(scratch, seat), s, first, width, teams, scratch.body_tiles, rivals)
 
 
 @phase
@@ -420,13 +420,13 @@ def rank_seen(
         me = seat_of(block, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
         rank_targets(block, me, targets, first, width, slots, s, reach_limit_m2, keys)
-        write_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
+        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             measure_rivals(block, seat, first, width, s, reach_limit_m2, scratch.positions, keys)
             # one rank more than is seen: a tie at the edge of the view has to be noticed
             sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
             resolve_ties(block, seat, first, width, lanes, s, teams, keys, scratch.rows[:LANES])
-            write_order(keys, s.hunters, s.hunters_seen, first, width, rival_order_of(scratch, seat, s))
+            pack_order(keys, s.hunters, s.hunters_seen, first, width, rival_order_of(scratch, seat))
 
 
 @phase

@@ -15,6 +15,8 @@ from catch_arena.core.state import (
     COSINE,
     LANES,
     MOST,
+    RANK_BITS,
+    RANKS_PER_WORD,
     SCORE,
     SINE,
     SPEED,
@@ -27,7 +29,7 @@ from catch_arena.core.state import (
     seat_of,
 )
 from catch_arena.core.tiles import body_tile
-from catch_arena.core.vectors import Width, any_of, group, select, single_bits, to_float, truncate
+from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
 
 Keys = NDArray[np.int32]
@@ -83,21 +85,25 @@ def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> N
 
 
 @phase
-def write_order(keys: Keys, there: int, ranks: int, first: int, width: Width, order: Block) -> None:
-    """The slots or seats of the first keys, as `state.slot_at_rank` reads them.
+def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Block) -> None:
+    """The slots or seats of the first keys, packed as `state.slot_at_rank` reads them.
 
     Args:
         keys: sorted as far as they are read: rows of LANES.
         there: how many rows have keys.
         ranks: how many ranks are wanted.
-        order: the result, a row for each rank.
+        packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
     """
     lane = group(first, width)
-    for rank in range(ranks):
-        if rank < there:
-            order[rank * LANES + lane] = to_float(item_of(keys[rank * LANES + lane]))
-        else:
-            order[rank * LANES + lane] = float(ABSENT)
+    for rank in range(0, ranks, RANKS_PER_WORD):
+        word = long(keys[lane] & 0)  # 0 in each lane
+        for next_rank in range(RANKS_PER_WORD):
+            if rank + next_rank < min(there, ranks):
+                item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
+                word = word | (item << (RANK_BITS * next_rank))
+            else:
+                word = word | (ABSENT << (RANK_BITS * next_rank))
+        packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
 
 
 @phase

@@ -88,9 +88,14 @@ def long(value: int) -> int:
     return cast("int", np.asarray(value).astype(np.int64)[()])
 
 
-def to_float(value: int) -> float:
-    """An int32 as a float64."""
-    return cast("float", np.asarray(value).astype(np.float64)[()])
+def bits_of(value: float) -> int:
+    """The bits of a float64, as an int64."""
+    return cast("int", np.asarray(value).view(np.int64)[()])
+
+
+def number_of(bits: int) -> float:
+    """The float64 of these bits, an int64."""
+    return cast("float", np.asarray(bits).view(np.float64)[()])
 
 
 # ---- for the compiler ----
@@ -212,6 +217,8 @@ for _symbol, _floats, _integers in (
     (operator.truediv, "fdiv", ""),
     (operator.and_, "", "and_"),
     (operator.or_, "", "or_"),
+    (operator.lshift, "", "shl"),
+    (operator.rshift, "", "ashr"),
 ):
     _operate(_symbol, _arithmetic(_floats, _integers))
 for _symbol, _written in (
@@ -393,4 +400,5 @@ def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instruction
 _convert(single_bits, types.float64, types.int32, ("fptrunc", types.float32), ("bitcast", types.int32))
 _convert(truncate, types.float64, types.int32, ("fptosi", types.int32))
 _convert(long, types.int32, types.int64, ("sext", types.int64))
-_convert(to_float, types.int32, types.float64, ("sitofp", types.float64))
+_convert(bits_of, types.float64, types.int64, ("bitcast", types.int64))
+_convert(number_of, types.int64, types.float64, ("bitcast", types.float64))

@@ -11,12 +11,13 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.extending import compiled_as, fields_as, packed, unpacked
 from catch_arena.core.jit import Block, phase
 from catch_arena.core.memory import SECTIONS, Sections, section_at, type_of_section
-from catch_arena.core.state import LANES, MOST, PART_NAMES, WITHDRAWN, Settings
+from catch_arena.core.state import LANES, MOST, PART_NAMES, RANKS_PER_WORD, WITHDRAWN
 from catch_arena.core.transfers import STREAMED, TILE
 from catch_arena.core.vectors import WIDE
 
 _ROWS: Final = 2 + len(PART_NAMES)
 """As many as `rewards.reward_hunters` needs, which needs the most."""
+_ORDER_ROWS: Final = MOST // RANKS_PER_WORD
 _REFERENCE_ROWS: Final = 3
 _PREY_REFERENCE_ROWS: Final = 4
 GATHERED_SIZE: Final = WITHDRAWN + LANES
@@ -58,9 +59,7 @@ class Scratch(NamedTuple):
     """The block as it was, where some of its arenas have ended."""
 
 
-def scratch_shapes(
-    hunters: int, hunters_seen: int, prey: int, rows: int, columns: int, *, team_play: bool
-) -> dict[str, tuple[int, ...]]:
+def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_play: bool) -> dict[str, tuple[int, ...]]:
     """The shapes of one thread's scratch memory, for blocks of so many rows and, in an arena, observations of so many
     columns.
     """
@@ -74,7 +73,7 @@ def scratch_shapes(
         "requests": (hunters, REQUEST_COLUMNS),
         "rows": (_ROWS * LANES,),
         "requested_slots": (hunters * LANES,),
-        "rival_orders": (hunters * hunters_seen * LANES,),
+        "rival_orders": (hunters * _ORDER_ROWS * LANES,),
         "progress_references": (hunters * _REFERENCE_ROWS * LANES,),
         "team_rows": (2 * hunters * LANES if team_play else 0,),
         "prey_references": (prey * _PREY_REFERENCE_ROWS * LANES,),
@@ -95,10 +94,9 @@ def requested_slots_of(scratch: Scratch, seat: int) -> Block:
 
 
 @phase
-def rival_order_of(scratch: Scratch, seat: int, s: Settings) -> Block:
+def rival_order_of(scratch: Scratch, seat: int) -> Block:
     """R7.1: the rivals of one seat, nearest first, as `state.slot_at_rank` reads them."""
-    size = s.hunters_seen * LANES
-    return scratch.rival_orders[size * seat : size * (seat + 1)]
+    return scratch.rival_orders[_ORDER_ROWS * LANES * seat : _ORDER_ROWS * LANES * (seat + 1)]
 
 
 @phase

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
-from catch_arena.core.state import LANES, Regions, slot_rows
+from catch_arena.core.state import LANES, Regions, slot_rows, target_order_rows
 
 
 def row_of(offset: int) -> int:
@@ -39,9 +39,9 @@ class BlockViews:
         self.targets = self.fields[:, first_target:first_order].reshape(num_blocks, config.max_targets, slot, LANES)
         """[block, slot, row, lane]."""
         self.target_orders = self.fields[:, first_order:first_prey].reshape(
-            num_blocks, hunters, config.targets_seen, LANES
+            num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
-        """Which slot each seat sees at each rank, ABSENT for none: [block, seat, rank, lane]."""
+        """In which order each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
         self.prey = self.fields[:, first_prey:end].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
         """[block, index, row, lane]."""
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST

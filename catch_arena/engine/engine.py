@@ -97,7 +97,7 @@ class Engine:
         columns = max(columns, prey_observation_size(config)) if prey else columns
         team_play = config.teams is not None
         figures = FINAL_TEAM_SCORE + (1 if team_play else 0)
-        scratch = scratch_shapes(hunters, config.hunters_seen, prey, num_rows, agents * columns, team_play=team_play)
+        scratch = scratch_shapes(hunters, prey, num_rows, agents * columns, team_play=team_play)
         memory, sections = lay_out(
             Sections(
                 settings=np.array(settings, dtype=np.float64),
@@ -344,7 +344,8 @@ class Engine:
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
         block, lane = divmod(arena, LANES)
-        for rank, slot in enumerate(self._views.target_orders[block, seat, :, lane].astype(np.int64)):
+        order = self._views.target_orders[block, seat, :, lane]
+        for rank, slot in enumerate(order.copy().view(np.uint8)):  # a slot is a byte: see RANKS_PER_WORD
             if slot == state.ABSENT:
                 break
             if self.config.target_name(int(self._views.targets[block, slot, row_of(state.NUMBER), lane])) == name:

@@ -3,9 +3,6 @@
 from bisect import insort
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.replay import Replay, checked_names, checked_text
@@ -37,11 +34,6 @@ class Recorder:
         if self._names is not None:
             self.replay = Replay(self._config, seed, self._names, self._title)
             self.replay.note(engine)
-
-    def step(self, choices: NDArray[np.int64], commands: NDArray[np.float32], engine: Engine) -> None:
-        """A step was played: choices (H,), commands (N, 2)."""
-        if self.replay is not None:
-            self.replay.append(choices, commands, engine)
 
     def withdraw(self, row: int) -> None:
         """An agent was withdrawn: a hunter's seat, or behind the seats prey's index."""

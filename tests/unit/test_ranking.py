@@ -13,10 +13,10 @@ from catch_arena.core.ranking import (
     is_listed_first,
     measure_rivals,
     note_positions,
+    pack_order,
     precedes,
     resolve_ties,
     sort_keys,
-    write_order,
 )
 from catch_arena.core.state import (
     ABSENT,
@@ -79,7 +79,7 @@ def sort(block, seat, width, lanes, s, teams, positions, keys, tied, order):
         measure_rivals(block, seat, first, width, s, 0.0, positions, keys)
         sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
         resolve_ties(block, seat, first, width, lanes, s, teams, keys, tied)
-        write_order(keys, s.hunters, s.hunters_seen, first, width, order)
+        pack_order(keys, s.hunters, s.hunters_seen, first, width, order)
 
 
 @pytest.mark.rule("R7.1")
@@ -102,7 +102,7 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
             block[at : at + LANES] = rng.random(LANES) < 0.1
         teams = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
-            order = np.zeros(s.hunters_seen * LANES)
+            order = np.zeros(-(-s.hunters_seen // 8) * LANES)
             sort(block, seat, width, lanes, s, teams, positions, keys, flags, order)
             for lane in range(lanes):
                 seen = [slot_at_rank(order, rank, lane) for rank in range(s.hunters_seen)]

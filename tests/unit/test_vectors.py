@@ -12,13 +12,15 @@ from catch_arena.core.vectors import (
     SINGLE,
     WIDE,
     any_of,
+    bits_of,
     each,
     floor,
     group,
+    long,
+    number_of,
     select,
     single_bits,
     sqrt,
-    to_float,
     truncate,
 )
 
@@ -69,7 +71,7 @@ def calculate(a, b, out, width):
         out[13 * SIZE + lane] = select(x != y, 1.0, 0.0)
         out[14 * SIZE + lane] = select((x < y) & (x > 0.0), 1.0, 0.0)
         out[15 * SIZE + lane] = select((x < y) | (x > 0.0), 1.0, 0.0)
-        out[16 * SIZE + lane] = to_float(truncate(select(x > 0.0, 7.9, 3.0)))
+        out[16 * SIZE + lane] = number_of((bits_of(x) & 0xFFFFFFFF) | (long(truncate(select(x > 0.0, 7.0, 3.0))) << 40))
         out[17 * SIZE + lane] = select(first < SIZE // 2, x, 1)
         out[18 * SIZE + lane] = a[(each(first, width) * 5 + 3) & (SIZE - 1)]
         out[19 * SIZE + lane] = 1.0 if any_of(x > 1000.0) else 0.0
@@ -78,6 +80,7 @@ def calculate(a, b, out, width):
 def expected():
     """The same by NumPy, row by row."""
     x, y = NUMBERS, OTHERS
+    high = np.where(x > 0.0, 7, 3).astype(np.int64) << 40
     return np.array(
         [
             x + y,
@@ -96,7 +99,7 @@ def expected():
             x != y,
             (x < y) & (x > 0.0),
             (x < y) | (x > 0.0),
-            np.where(x > 0.0, 7.0, 3.0),
+            ((x.view(np.int64) & 0xFFFFFFFF) | high).view(np.float64),
             np.where(np.arange(SIZE) < SIZE // 2, x, 1),
             x[(np.arange(SIZE) * 5 + 3) % SIZE],
         ]
@@ -113,7 +116,7 @@ def calculate_keys(a, keys, width):
         keys[1 * SIZE + lane] = ((bits + 32) & ~63) | 5
         keys[2 * SIZE + lane] = select(bits < 1 << 20, bits, keys[1 * SIZE + lane])
         keys[3 * SIZE + lane] = select(bits != 0, bits & 7, 9)
-        keys[4 * SIZE + lane] = bits - 2
+        keys[4 * SIZE + lane] = (bits >> 3) - 2
 
 
 def same_bits(one, other):
@@ -154,7 +157,7 @@ def test_int32(made, width):
         with_item,
         np.where(bits < 1 << 20, bits, with_item),
         np.where(bits != 0, bits & 7, 9),
-        bits - 2,
+        (bits >> 3) - 2,
     ]
     assert (keys.reshape(5, SIZE) == right).all()
 
