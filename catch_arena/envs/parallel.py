@@ -175,7 +175,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
         """By row: whether who is no longer active leaves."""
         self._some_leave = any(self._leaves)
-        self._ranks = config.targets_seen
+        self._ranks, self._num_prey = config.targets_seen, config.prey
+        self._mask_in_observation = config.mask_in_observation
+        self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
         self._observation_spaces: dict[str, spaces.Space[Any]] = {}
         self._action_spaces: dict[str, spaces.Space[Any]] = {}
@@ -305,12 +307,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             why = "no episode has begun" if self._seed is None else "this episode is over"
             raise EpisodeError(f"step must follow a reset: {why}")
         self._decode(actions)
-        self._engine.step(self._choices, self._commands)
+        agents, engine = self.agents, self._engine
+        engine.step(self._choices, self._commands)
         if self._recorder.replay is not None:
-            self._recorder.replay.append(self._choices[0], self._commands[0], self._engine)
-        agents, ended = self.agents, self._engine.ends.item()
+            self._recorder.replay.append(self._choices[0], self._commands[0], engine)
+        ended = engine.ends.item()
         if self._some_leave:
-            active = self._engine.active[0].tolist()
+            active = engine.active[0].tolist()
             self._leaving.update(agent for agent, row in self._rows.items() if self._leaves[row] and not active[row])
         terminations, truncations = self._nobody.copy(), self._nobody.copy()
         if ended:
@@ -319,7 +322,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
         self._cut = tuple(agent for agent in agents if truncations[agent]) if ended else ()
-        rewards = dict(zip(self.possible_agents, self._engine.rewards[0].tolist()))  # noqa: B905 - half as long again
+        rewards = dict(zip(self.possible_agents, engine.rewards[0].tolist()))  # noqa: B905 - half as long again
         if len(agents) < len(rewards):
             rewards = {agent: rewards[agent] for agent in agents}
         observations, infos = self._observations(), self._infos()
@@ -386,11 +389,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Return a copy of what each of `agents` observes."""
         seen = self._engine.observations[0].copy()
         observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters_here}
-        if self.config.prey:  # of the two sides one may see less
+        if self._num_prey:  # of the two sides one may see less
             size, of_prey = observation_size(self.config), prey_observation_size(self.config)
             observations = {agent: own[:size] for agent, own in observations.items()}
             observations |= {agent: seen[row, :of_prey] for agent, row in self._prey_here}
-        if self.config.mask_in_observation:
+        if self._mask_in_observation:
             masks = self._engine.masks[0].copy()
             for agent, row in self._hunters_here:
                 if self._controls[row] == "target":
@@ -426,9 +429,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             active = engine.active[0].tolist()
             for agent, row in self._hunters_here:
                 infos[agent]["active"] = active[row]
-        if self.config.teams is not None:
+        if self._team_by_seat:
+            scores = engine.team_scores[0].tolist()
             for agent, row in self._hunters_here:
-                infos[agent]["team_score"] = int(engine.team_scores[0, self.config.team_by_seat[row]])
+                infos[agent]["team_score"] = int(scores[self._team_by_seat[row]])
         if self._prey_here:
             active, caught_by = engine.active[0].tolist(), engine.prey_rows(0)[:, _CAUGHT_BY].tolist()
             parts = engine.prey_parts[0].copy()
