@@ -15,7 +15,7 @@ blocks.
 - math, random: functions and random numbers with the same bits on every machine.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
 - jit, compiler: how it is compiled. cache: compiled code on the disk. extending: how the compiler is told of functions
-  and types of ours; addresses, builtin_functions: arrays, and `range` and its like, as it has them.
+  and types of ours; addresses: arrays as it has them.
 
 Parameters that have the same meaning in every function, which docstrings do not repeat:
 

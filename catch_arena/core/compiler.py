@@ -2,9 +2,8 @@
 
 Numba optimises each function and makes machine code of it, then links it into its callers and does so again there.
 Here the parts are only translated; the whole is linked, optimised and emitted once; branches that are never taken,
-since a setting is 0, are left out; and what Numba says in much code is said in little (`addresses`,
-`builtin_functions`). What is calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1),
-only the time to compile.
+since a setting is 0, are left out; and what Numba says of arrays in much code is said in little (`addresses`). What is
+calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
 
 The passes come from Numba's public `CompilerBase`. What is not public, and may change from one Numba to the next, is
 the library below, what `_Substitute` writes into, and how parts call each other; `USABLE` is false where Numba has
@@ -14,7 +13,7 @@ not what they need, and then all is compiled in Numba's own way.
 import os
 import signal
 import threading
-from collections.abc import Hashable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, ClassVar, Final
 
@@ -32,8 +31,6 @@ import numba.core.types
 import numba.core.untyped_passes
 from numba.core import cgutils
 from numba.core.errors import UnsupportedError
-
-from catch_arena.core.builtin_functions import IN_PLACE_OF
 
 # typed here and there, and not where it matters
 _dynfunc: Any = numba._dynfunc  # noqa: SLF001
@@ -153,7 +150,7 @@ class Whole(_Translated):
 @_machinery.register_pass(mutates_CFG=False, analysis_only=False)
 class _Substitute(_machinery.FunctionPass):  # type: ignore[misc]
     """Fields of a parameter that its type has in `zero` become zeros: Numba then leaves out the branches that would be
-    taken if they were not, before it looks at what is called there. And some of Python's functions become ours.
+    taken if they were not, before it looks at what is called there.
     """
 
     _name = "catch_arena_substitute"
@@ -172,9 +169,6 @@ class _Substitute(_machinery.FunctionPass):  # type: ignore[misc]
         return True
 
     def _in_place_of(self, value: Any, function: Any, parameters: Any) -> Any:
-        if isinstance(value, ir.Global) and isinstance(value.value, Hashable) and value.value in IN_PLACE_OF:
-            ours = IN_PLACE_OF[value.value]
-            return ir.Global(ours.__name__, ours, value.loc)
         if isinstance(value, ir.Expr) and value.op == "getattr":
             source = ir_utils.guard(ir_utils.get_definition, function, value.value)
             zero = getattr(parameters[source.index], "zero", {}) if isinstance(source, ir.Arg) else {}

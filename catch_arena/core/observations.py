@@ -304,8 +304,10 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
         at: where in `out` they belong.
     """
     whole = count - count % STREAMED
-    for offset in range(0, whole, STREAMED):
+    offset = 0
+    while offset < whole:  # and not a range: with Numba's a large batch is a quarter slower
         stream_eight(out, at + offset, staging, offset)
+        offset += STREAMED
     for offset in range(whole, count):
         out[at + offset] = staging[offset]
 
@@ -342,8 +344,10 @@ def prefetch_part(ahead: Block, part: int, parts: int) -> None:
         part: which one, from 0.
         parts: how many there are.
     """
-    for at in range(len(ahead) * part // parts, len(ahead) * (part + 1) // parts, PREFETCHED):
+    at, end = len(ahead) * part // parts, len(ahead) * (part + 1) // parts
+    while at < end:  # see `copy_to_observations`
         prefetch(ahead, at)
+        at += PREFETCHED
 
 
 @phase
