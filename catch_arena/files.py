@@ -125,8 +125,8 @@ def unfinished_file(target: Path, *, ending: str = "", private: bool = False) ->
     unfinished = target.with_name(f".catch-arena-{secrets.token_hex(4)}{ending}")
     replaced = target.exists()
     mode = 0o600 if private or replaced else 0o666
-    os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, mode))
     try:
+        os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, mode))
         yield unfinished
         if replaced and not private:
             shutil.copymode(target, unfinished)

@@ -6,7 +6,7 @@ import stat
 import pytest
 
 from catch_arena.errors import OutputError
-from catch_arena.files import prepare_folder, write_whole
+from catch_arena.files import prepare_folder, unfinished_file, write_whole
 
 
 @pytest.fixture(params=[0o022, 0o077, 0o002])
@@ -53,3 +53,14 @@ def test_a_folder_is_prepared_by_two_at_the_same_time(tmp_path, monkeypatch):
 
     monkeypatch.setattr(type(tmp_path), "touch", touched_and_removed)
     assert prepare_folder(tmp_path / "new") == tmp_path / "new"
+
+
+def test_ctrl_c_while_the_unfinished_file_is_made_leaves_nothing(tmp_path, monkeypatch):
+    def interrupted(_file):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("catch_arena.files.os.close", interrupted)
+        with pytest.raises(KeyboardInterrupt), unfinished_file(tmp_path / "out.gif"):
+            pytest.fail("it was not made")
+    assert list(tmp_path.iterdir()) == []
