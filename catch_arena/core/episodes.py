@@ -1,6 +1,6 @@
 """How an episode begins and ends, and what is kept of it."""
 
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,8 @@ from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
+    ANSWER,
     CONTESTS_WON,
-    DISTANCE,
     ENDED,
     FINAL_CONTESTS_WON,
     FINAL_RANK,
@@ -24,7 +24,6 @@ from catch_arena.core.state import (
     FINAL_TALLIES,
     FINAL_TEAM_SCORE,
     LANES,
-    REQUESTED_NUMBER,
     REWARD_SUM,
     RUNNING,
     SCORE,
@@ -37,8 +36,6 @@ from catch_arena.core.state import (
     THETA,
     TIME,
     TRUNCATED,
-    VERDICT,
-    WINNER,
     Settings,
     X,
     Y,
@@ -48,9 +45,6 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, group, select
 from catch_arena.core.workspace import Scratch
-
-_ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
-"""What a hunter is told of its request."""
 
 
 @outlined
@@ -174,7 +168,7 @@ def restore_finished(block: Block, s: Settings, lanes: int, scratch: Scratch, re
             continue
         for seat in range(s.hunters):
             now, then = seat_of(block, seat), seat_of(scratch.snapshot, seat)
-            for offset in _ANSWER:
+            for offset in ANSWER:
                 then[offset + lane] = now[offset + lane]
             rewards[lane, seat] = 0.0
             for column in range(parts.shape[2] if len(parts) > 0 else 0):

@@ -86,6 +86,8 @@ HUNTER_DIGEST: Final = (
     WITHDRAWN,
 )
 """What stands of a hunter in the digest, in this order (A.8)."""
+ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
+"""What a hunter is told of its request (R5.6): rows that follow each other."""
 AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
 

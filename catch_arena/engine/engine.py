@@ -5,7 +5,7 @@ arbitration check what people give.
 import hashlib
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Final
 
 import numpy as np
@@ -31,7 +31,7 @@ from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
-from catch_arena.engine.block_views import BlockViews, row_of
+from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.engine.world_reading import read_rulings, read_world
@@ -42,7 +42,6 @@ from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
-_ANSWER: Final = slice(row_of(state.REQUESTED_NUMBER), row_of(state.WINNER) + 1)
 _HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -174,7 +173,7 @@ class Engine:
         """What stands of each arena beside the blocks: (B, bytes) each."""
         settings = settings_in(sections.settings, ALL_OPTIONS)
         self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
-        self.answers = self._views.hunters[0, :, _ANSWER, 0]
+        self.answers = self._views.hunters[0, :, ANSWER, 0]
         """R5.6: of the requests in the first arena's last step the target's number, 0 for none; the verdict, 0 for no
         request, and then the others are an older one's; the distance [micrometres] and the winner's seat, -1 for none:
         (H, 4).
@@ -408,6 +407,11 @@ class Engine:
         told = self._views.fields.shape[1] * self._views.fields.itemsize + sum(told.shape[1] for told in self._told)
         of_ends = sum(own) // self.num_arenas
         return (told - of_ends, told) if self.auto_reset else (told, told + of_ends)
+
+    @cached_property
+    def config_digest(self) -> str:
+        """The config's digest, which a saved state has to have: worked out once, as it takes longer than to save."""
+        return self.config.digest
 
     def clone(self) -> "Engine":
         """An engine of its own in the same state."""

@@ -32,12 +32,12 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
 
 def save_all(engine: Engine) -> SavedState:
     """R10.2: the state of all arenas."""
-    return SavedState(engine.config.digest, engine.num_arenas, engine.controls.copy(), engine.save())
+    return SavedState(engine.config_digest, engine.num_arenas, engine.controls.copy(), engine.save())
 
 
 def save_row(engine: Engine, arena: int) -> SavedState:
     """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
-    return SavedState(engine.config.digest, None, engine.controls[arena].copy(), engine.save_row(arena))
+    return SavedState(engine.config_digest, None, engine.controls[arena].copy(), engine.save_row(arena))
 
 
 def restore_all(engine: Engine, saved: SavedState) -> None:
@@ -65,8 +65,8 @@ def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
     """
     if not isinstance(saved, SavedState):
         raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
-    if saved.config != engine.config.digest:
-        raise ConfigError(f"saved must come from an arena of equal config, {engine.config.digest}, got {saved.config}")
+    if saved.config != engine.config_digest:
+        raise ConfigError(f"saved must come from an arena of equal config, {engine.config_digest}, got {saved.config}")
     num_envs = None if alone else engine.num_arenas
     if saved.num_envs != num_envs:
         wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))

@@ -181,15 +181,16 @@ class VectorArena:
 
     def observation_space(self, agent: int = 0) -> spaces.Box:
         """R7.1, R12.4: what that agent sees, one of N; the masks are in `infos`."""
-        if self._agent(agent) >= self.num_hunters:
+        row = self._agent(agent)
+        if row >= self.num_hunters:
             return prey_observation_space(self.config)
         config = self.config.replace(mask_in_observation=False)
-        return cast(spaces.Box, observation_space(config, config.controls[agent]))
+        return cast(spaces.Box, observation_space(config, config.controls[row]))
 
     def action_space(self, agent: int = 0) -> spaces.Space[Any]:
         """R4.1, R4.4, R12.2: what that agent may do, one of N."""
-        is_prey = self._agent(agent) >= self.num_hunters
-        return velocity_space() if is_prey else action_space(self.config, self.config.controls[agent])
+        row = self._agent(agent)
+        return velocity_space() if row >= self.num_hunters else action_space(self.config, self.config.controls[row])
 
     def _agent(self, agent: int) -> int:
         number, last = whole_number(agent), self.num_hunters + self.num_prey - 1

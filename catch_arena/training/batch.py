@@ -224,7 +224,7 @@ class LearnerBatch:
         if self.opponents is not None:
             self.opponents.act(self._seen, self._masks, self._choices, self._commands[:, :hunters])
         if self._prey is not None:
-            self._commands[:, hunters:] = self._prey.act(self._seen_by_prey)
+            self._prey.act(self._seen_by_prey, self._commands[:, hunters:])
         seats = self._seats  # of the episodes that end here
         observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
         self._take(observations, infos)

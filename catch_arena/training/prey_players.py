@@ -51,8 +51,6 @@ class PreyPlayers:
         self._players: dict[Place, Any] = {
             (arena, index): create_policy(spec, "prey") for arena in range(num_envs) for index in range(config.prey)
         }
-        self.commands = np.zeros((num_envs, config.prey, 2), np.float32)
-        """What they did last, which `act` overwrites: (B, P, 2) in [-1, 1]."""
 
     def begin(self, rng: np.random.Generator, arenas: NDArray[np.int64] | None = None) -> None:
         """The prey of these arenas begins anew; that of all without them."""
@@ -61,8 +59,8 @@ class PreyPlayers:
             if begun is None or place[0] in begun:
                 self._call(player, "reset", int(rng.integers(2**63)), place)
 
-    def act(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
-        """R12.2: `commands`, of prey that sees this: (B, P, E).
+    def act(self, observations: NDArray[np.float32], commands: NDArray[np.float32]) -> None:
+        """R12.2: write what prey that sees this, (B, P, E), does into `commands`: (B, P, 2) in [-1, 1].
 
         Raises:
             AgentError: for one that fails.
@@ -70,10 +68,9 @@ class PreyPlayers:
         for place, player in self._players.items():
             answer = self._call(player, "act", self._limits.view(observations[place].tolist(), ()), place)
             try:
-                _, self.commands[place] = checked_action("velocity", f"prey {self._name}", answer, 0)
+                _, commands[place] = checked_action("velocity", f"prey {self._name}", answer, 0)
             except ActionError as error:
                 raise AgentError(f"{error}{_where(place)}") from None
-        return self.commands
 
     def save(self) -> dict[Place, Any]:
         """R10.2: copies of all players, with all that they remember; `restore` takes them back.
@@ -89,7 +86,6 @@ class PreyPlayers:
 
     def __deepcopy__(self, _memo: dict[int, Any]) -> "PreyPlayers":
         twin = copy.copy(self)
-        twin.commands = self.commands.copy()
         twin.restore(self._players)
         return twin
 
