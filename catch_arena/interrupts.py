@@ -132,6 +132,7 @@ def _hear(number: int, _: object) -> None:
 
 def _end() -> "NoReturn":
     """End this process and all that descends from it, without what Python does at its exit."""
+    _Command.unwinds = False  # else `_raise_again` could break this off before the line is printed
     try:
         if _Command.end_descendants is not None:
             _Command.end_descendants()
@@ -150,8 +151,13 @@ def _end() -> "NoReturn":
 def _raise_again(swallowed: "sys.UnraisableHookArgs") -> None:
     """Interrupt again if a destructor or a callback from C has swallowed the interrupt; print nothing."""
     if swallowed.exc_type is KeyboardInterrupt and hasattr(signal, "setitimer"):
-        signal.signal(signal.SIGALRM, signal.default_int_handler)
+        signal.signal(signal.SIGALRM, _interrupt)
         signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
+
+
+def _interrupt(*_: object) -> None:
+    if _Command.unwinds:
+        raise KeyboardInterrupt
 
 
 def _say_nothing(_: object) -> None:

@@ -93,6 +93,21 @@ def test_whatever_becomes_of_the_interrupt_the_command_ends_with_one_line(tmp_pa
     assert interrupted(tmp_path, command(*lines), 0.01, 0.05) == (130, "", LINE)
 
 
+def test_a_second_interrupt_is_not_broken_off_by_what_repeats_the_first(tmp_path):
+    """A destructor swallows the first, which is raised again a moment later: here while the second ends descendants."""
+    lines = (
+        "interrupts._Command.end_descendants = lambda: time.sleep(0.5)",
+        "class Held:",
+        "    def __del__(self):",
+        f"        {LOOP}",
+        "held = Held()",
+        "del held",
+        "os.kill(os.getpid(), signal.SIGINT)",
+        LOOP,
+    )
+    assert interrupted(tmp_path, command(*lines)) == (130, "", LINE)
+
+
 def test_all_that_descend_from_it_end_with_it(tmp_path):
     """One ends when it is asked to, and one is deaf to that; each has a child of its own."""
     lines = (
