@@ -41,7 +41,9 @@ def command(*lines: str) -> str:
     return "\n    ".join(["def command():", *([] if BEGUN in "".join(lines) else [BEGUN]), *lines])
 
 
-UNWINDS = command("try:", f"    {LOOP}", "finally:", "    print('tidied up', flush=True)")
+TRY = ("try:", f"    {BEGUN}", f"    {LOOP}")  # begun within it: an interrupt may come at once
+
+UNWINDS = command(*TRY, "finally:", "    print('tidied up', flush=True)")
 
 
 @pytest.mark.parametrize(
@@ -63,8 +65,7 @@ def test_a_signal_unwinds_what_is_under_way(tmp_path, number, status, line):
 BREAKS_A_THREAD = (
     "ends = threading.Event()",
     "threading.Thread(target=lambda: ends.wait() and 1 / 0).start()",
-    "try:",
-    f"    {LOOP}",
+    *TRY,
     "finally:",
     "    ends.set()",
     "    time.sleep(0.2)",
@@ -75,14 +76,14 @@ BREAKS_A_THREAD = (
     "lines",
     [
         ("while True:", "    try:", f"        {LOOP}", "    except BaseException: pass"),
-        ("try:", f"    {LOOP}", "finally:", f"    {LOOP}"),
-        ("try:", f"    {LOOP}", "except BaseException:", "    raise ImportError('half imported') from None"),
+        (*TRY, "finally:", f"    {LOOP}"),
+        (*TRY, "except BaseException:", "    raise ImportError('half imported') from None"),
         ("class Held:", "    def __del__(self):", f"        {LOOP}", "held = Held()", "del held", LOOP),
         ("lock = threading.Lock()", "lock.acquire()", "lock.acquire()"),
         ("threading.Thread(target=threading.Event().wait).start()",),
         ("import atexit", "atexit.register(threading.Event().wait)"),
         BREAKS_A_THREAD,
-        ("interrupts.also_say(lambda: 1 / 0)", LOOP),
+        ("interrupts.also_say(lambda: 1 / 0)", BEGUN, LOOP),
     ],
     ids=[
         *("swallows", "hangs_at_the_end", "another_error", "a_destructor", "a_lock", "a_thread", "at_exit"),
@@ -126,7 +127,7 @@ def test_all_that_descend_from_it_end_with_it(tmp_path):
 
 
 def test_the_line_says_more_where_there_is_more_to_say(tmp_path):
-    says = command("interrupts.also_say(lambda: 'not all is lost')", LOOP)
+    says = command("interrupts.also_say(lambda: 'not all is lost')", BEGUN, LOOP)
     assert interrupted(tmp_path, says) == (130, "", "catch-arena: interrupted: not all is lost\n")
 
 
@@ -169,7 +170,7 @@ SAVES_WHEN_IT_IS_INTERRUPTED = (
 
 @pytest.mark.parametrize(
     "lines",
-    [("try:", f"    {LOOP}", "finally:", f"    {SAVES}"), SAVES_WHEN_IT_IS_INTERRUPTED],
+    [(*TRY, "finally:", f"    {SAVES}"), SAVES_WHEN_IT_IS_INTERRUPTED],
     ids=["at_the_end", "under_way"],
 )
 def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
@@ -177,7 +178,7 @@ def test_what_must_not_be_lost_is_saved_first(tmp_path, lines):
 
 
 def test_a_second_interrupt_ends_what_hangs_after_it_has_saved(tmp_path):
-    program = started(tmp_path, command("try:", f"    {LOOP}", "finally:", f"    {SAVES}", f"    {LOOP}"))
+    program = started(tmp_path, command(*TRY, "finally:", f"    {SAVES}", f"    {LOOP}"))
     program.interrupt()
     assert program.process.stdout.readline() == "saved\n"
     program.interrupt()
