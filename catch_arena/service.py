@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.arbitration import rulings_of, target_asked_for
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import episode_seed
-from catch_arena.envs.spaces import require_pose
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
+from catch_arena.plain import as_python, real_number
 from catch_arena.replay import Replay, checked_names, checked_text
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
@@ -183,7 +183,7 @@ class ArenaService:
             EpisodeError: where no episode is under way, or where it is recorded.
         """
         self._require_play("spawn")
-        require_pose(self._config, x, y, theta)
+        _require_pose(self._config, x, y, theta)
         number = self._engine.spawn(0, x, y, theta)
         if not number:
             return ""
@@ -346,3 +346,15 @@ class ArenaService:
 def response(ruling: Ruling) -> CatchTurtleResponse:
     """R5.2: what catch_turtle answers."""
     return CatchTurtleResponse(ruling.success)
+
+
+def _require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
+    """A position in the arena [m] and an angle of at most 1000 [rad]."""
+    for axis, value in (("x", x), ("y", y)):
+        number = real_number(as_python(value))
+        if number is None or not 0.0 <= number <= config.side_m:
+            raise ActionError(f"spawn: {axis} must lie in [0, {config.side_m:g}], got {value!r}")
+    angle = real_number(as_python(theta))
+    if angle is None or not -MAX_HEADING_RAD <= angle <= MAX_HEADING_RAD:
+        limits = f"[{-MAX_HEADING_RAD:g}, {MAX_HEADING_RAD:g}]"
+        raise ActionError(f"spawn: theta must lie in {limits}, got {theta!r}")

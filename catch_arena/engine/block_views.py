@@ -64,6 +64,21 @@ class BlockViews:
         numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
         return np.where(slots == state.NO_TARGET, 0.0, numbers)
 
+    def targets_seen(self, arena: int, seat: int) -> list[int]:
+        """R7.1: the numbers of the targets that one hunter sees, by rank."""
+        block, lane = divmod(arena, LANES)
+        slots = self.target_orders[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
+        seen = slots[np.cumsum(slots == state.ABSENT) == 0]
+        numbers: list[int] = self.targets[block, seen, row_of(state.NUMBER), lane].astype(int).tolist()
+        return numbers
+
+    def seeds(self) -> NDArray[np.uint64]:
+        """The seeds of the episodes under way, of all lanes: (blocks * LANES,)."""
+        high, low = (
+            self.fields[:, row_of(offset)].reshape(-1).astype(np.uint64) for offset in (state.SEED_HIGH, state.SEED_LOW)
+        )
+        return (high << np.uint64(32)) | low
+
     def state(self, arena: int) -> NDArray[np.float64]:
         """A.8: the numbers of one arena's state, (n,), in the order in which the digest reads them."""
         block, lane = divmod(arena, LANES)

@@ -3,7 +3,6 @@ arbitration check what people give.
 """
 
 import hashlib
-import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from typing import Any, Final
@@ -24,11 +23,10 @@ from catch_arena.core.memory import (
     offset_of,
     sections_of,
     settings_in,
-    whole_lines,
     zeros,
 )
 from catch_arena.core.prey import withdraw_prey_at
-from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES
+from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES, Settings
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
@@ -42,11 +40,13 @@ from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
+SavedBytes = tuple[Bytes, Bytes]
 _HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 _NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 _NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
+_NO_BYTES: Final = np.zeros(0, dtype=np.uint8)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 
 
@@ -61,8 +61,9 @@ class Engine:
         num_threads: how many may play.
         any_control: whether `controls` may differ by arena.
 
-    All arrays below are the engine's own and change with every step: copy what is to be kept. Of N agents the H hunters
-    come first, by seat, and then the P prey, by index.
+    `rewards`, `observations` and so on are arrays of `core.memory.Sections`, which gives their shapes and units. They
+    change with every step: copy what is to be kept. Of N agents the H hunters come first, by seat, and then the P prey,
+    by index.
     """
 
     def __init__(
@@ -86,44 +87,16 @@ class Engine:
         self.with_infos = with_infos
         self.auto_reset = auto_reset
         self._any_control = any_control
-        hunters, prey, seen = config.hunters, config.prey, config.targets_seen
-        num_blocks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
-        self._chunks = num_blocks * LANES * hunters // _HUNTERS_A_CHUNK
+        num_blocks = -(-num_arenas // LANES)
+        self._chunks = num_blocks * LANES * config.hunters // _HUNTERS_A_CHUNK
         self.threads = Threads(max(1, min(num_threads, self._chunks)))
-        rows_with_infos = num_arenas if with_infos else 0
-        kept = num_arenas if auto_reset else 0
-        agents, columns = hunters + prey, observation_size(config)
-        columns = max(columns, prey_observation_size(config)) if prey else columns
-        team_play = config.teams is not None
-        figures = FINAL_TEAM_SCORE + (1 if team_play else 0)
-        scratch = scratch_shapes(hunters, prey, num_rows, agents * columns, team_play=team_play)
-        memory, sections = lay_out(
-            Sections(
-                settings=np.array(settings, dtype=np.float64),
-                start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
-                controls=np.tile(
-                    np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)
-                ),
-                limits=limits_by_seat(config),
-                teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
-                team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
-                blocks=zeros(num_blocks, num_rows * LANES),
-                rewards=zeros(num_arenas, agents),
-                parts=zeros(rows_with_infos, hunters, len(PART_NAMES)),
-                prey_parts=zeros(rows_with_infos, prey, len(PREY_PART_NAMES)),
-                observations=zeros(num_arenas, agents, columns, dtype=np.float32),
-                masks=zeros(num_arenas, hunters, seen + 1, dtype=np.int8),
-                ends=zeros(num_arenas, dtype=np.int8),
-                active=zeros(num_arenas if config.dropout_rate > 0.0 or prey else 0, agents, dtype=np.int8),
-                team_scores=zeros(num_arenas, len(config.teams or ())),
-                final_observations=zeros(kept, agents, columns, dtype=np.float32),
-                final_masks=zeros(kept, hunters, seen + 1, dtype=np.int8),
-                lengths=zeros(kept, dtype=np.float32),
-                records=zeros(kept, agents, figures, dtype=np.float32),
-                **{name: zeros(self.threads.size, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
+        self._bind_sections(
+            *lay_out(
+                _sections_for(
+                    config, settings, num_arenas, self.threads.size, with_infos=with_infos, auto_reset=auto_reset
+                )
             )
         )
-        self._bind_sections(memory, sections)
         spare = num_arenas - (num_blocks - 1) * LANES
         # in lanes that are no arenas nobody does anything
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
@@ -133,44 +106,19 @@ class Engine:
         self._memory = memory
         self._run: Callable[..., None] = partial(tick.run, *self._variant, memory)
         self.blocks = sections.blocks
-        """The arenas' memory: see core/state.py."""
         self.controls = sections.controls
-        """R4.1, R4.4: how each hunter is driven, in the numbers of `controllers.CONTROLS`: (B, H). The config's, until
-        somebody writes others; what they read of `choices` and `commands` must then be there.
-        """
         self.rewards = sections.rewards
-        """R6.2, R12.5: (B, N)."""
         self.parts = sections.parts
-        """R6.2: the parts of the last reward, unweighted, in the order of `state.PART_NAMES`: (B, H, parts), or
-        (0, H, parts) without infos.
-        """
         self.prey_parts = sections.prey_parts
-        """R12.5: likewise, in the order of `state.PREY_PART_NAMES`: (B, P, parts), or (0, P, parts)."""
         self.observations = sections.observations
-        """R7.1, R12.4: (B, N, columns); those of the side that sees less are followed by zeros."""
         self.masks = sections.masks
-        """R7.2: (B, H, K + 1)."""
         self.ends = sections.ends
-        """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED of core/state.py, (B,)."""
         self.active = sections.active.view(np.bool_)
-        """R1.6, R1.7, R12.3: which hunters take part, and which prey is not out: (B, N), or (0, N) where nobody drops
-        out and there is no prey.
-        """
         self.team_scores = sections.team_scores
-        """R11.1: the sums of the scores of each team's hunters: (B, teams), or (B, 0) without teams."""
         self.final_observations = sections.final_observations
-        """With auto_reset the last observations of the latest episode that ended in each arena: (B, N, columns)."""
         self.final_masks = sections.final_masks
-        """And the masks that belong to them: (B, H, K + 1)."""
         self.lengths = sections.lengths
-        """With auto_reset that episode's steps: (B,)."""
         self.records = sections.records
-        """And it in figures, in the columns FINAL_SCORE and so on of core/state.py: (B, N, figures)."""
-        begin = offset_of("blocks", memory)
-        self._kept, self._kept_by_all = memory[begin:], offset_of("final_observations", memory) - begin
-        of_arenas: tuple[NDArray[Any], ...] = sections[Sections._fields.index("blocks") + 1 :]
-        self._told = [section.view(np.uint8).reshape(self.num_arenas, -1) for section in of_arenas if section.size]
-        """What stands of each arena beside the blocks: (B, bytes) each."""
         settings = settings_in(sections.settings, ALL_OPTIONS)
         self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
         self.answers = self._views.hunters[0, :, ANSWER, 0]
@@ -178,6 +126,18 @@ class Engine:
         request, and then the others are an older one's; the distance [micrometres] and the winner's seat, -1 for none:
         (H, 4).
         """
+        self.caught_by = self._views.prey[0, :, row_of(state.CAUGHT_BY), 0]
+        """R12.3: which seat caught the first arena's prey in its last step, -1 for none: (P,)."""
+        saved, finished = offset_of("blocks", memory), offset_of("final_observations", memory)
+        self._saved, self._finished = memory[saved:finished], memory[finished:]
+        arrays: tuple[NDArray[Any], ...] = sections
+        of_arenas, of_finished = map(Sections._fields.index, ("rewards", "final_observations"))
+        self._saved_rows = self._rows_of(arrays[of_arenas:of_finished])
+        self._finished_rows = self._rows_of(arrays[of_finished:])
+
+    def _rows_of(self, sections: Sequence[NDArray[Any]]) -> list[NDArray[np.uint8]]:
+        """The bytes of each arena in these sections: (B, bytes) each."""
+        return [section.view(np.uint8).reshape(self.num_arenas, -1) for section in sections if section.size]
 
     # playing
 
@@ -324,14 +284,6 @@ class Engine:
 
     # reading
 
-    def hunter_rows(self, arena: int) -> NDArray[np.float64]:
-        """One arena's hunters as core/state.py stores them: (H, HUNTER_ROWS), the engine's own memory."""
-        return self._views.hunter_rows(arena)
-
-    def prey_rows(self, arena: int) -> NDArray[np.float64]:
-        """One arena's prey as core/state.py stores it: (P, PREY_ROWS), the engine's own memory."""
-        return self._views.prey_rows(arena)
-
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: the verdicts of the last step with their evidence, by seat."""
         return read_rulings(self.config, self._views, arena)
@@ -342,22 +294,12 @@ class Engine:
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
-        block, lane = divmod(arena, LANES)
-        order = self._views.target_orders[block, seat, :, lane]
-        for rank, slot in enumerate(order.copy().view(np.uint8)):  # a slot is a byte: see RANKS_PER_WORD
-            if slot == state.ABSENT:
-                break
-            if self.config.target_name(int(self._views.targets[block, slot, row_of(state.NUMBER), lane])) == name:
-                return rank + 1
-        return 0
+        numbers = self._views.targets_seen(arena, seat)
+        return next((rank for rank, number in enumerate(numbers, 1) if self.config.target_name(number) == name), 0)
 
     def seeds(self) -> NDArray[np.uint64]:
         """The seeds of the episodes under way: (B,)."""
-        high, low = (
-            self._views.fields[:, row_of(offset)].reshape(-1)[: self.num_arenas].astype(np.uint64)
-            for offset in (state.SEED_HIGH, state.SEED_LOW)
-        )
-        return (high << np.uint64(32)) | low
+        return self._views.seeds()[: self.num_arenas]
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
         """A.8: the numbers of one arena's state, (n,), in the order in which the digest reads them."""
@@ -369,44 +311,43 @@ class Engine:
 
     # keeping
 
-    def save(self) -> Bytes:
-        """R10.2: all arenas, with what was told of their last step; `restore` takes it back, here or in an engine of an
-        equal config and size. What only `auto_reset` keeps comes last.
+    def save(self) -> SavedBytes:
+        """R10.2: all arenas and what was written of their last step, and apart from it what only `auto_reset` keeps of
+        episodes that have ended; `restore` takes both back, here or in an engine of an equal config and size.
         """
-        return self._kept.copy()
+        return self._saved.copy(), self._finished.copy()
 
-    def restore(self, saved: Bytes) -> None:
-        """Go on from a saved state."""
-        size = min(len(saved), len(self._kept))
-        self._kept[:size] = saved[:size]
+    def restore(self, state_of_all: SavedBytes) -> None:
+        """Go on from a saved state. Its second part is left out if this engine or the other has no `auto_reset`."""
+        self._saved[:], finished = state_of_all
+        if len(finished) == len(self._finished):
+            self._finished[:] = finished
 
-    def save_row(self, arena: int) -> Bytes:
+    def save_row(self, arena: int) -> SavedBytes:
         """R10.2: the same of one arena, which any arena of an engine of an equal config can take."""
-        column = self._views.fields[arena // LANES, :, arena % LANES].copy()
-        return np.concatenate((column.view(np.uint8), *[told[arena] for told in self._told]))
+        rows = [self._column(arena).copy().view(np.uint8), *(rows[arena] for rows in self._saved_rows)]
+        finished = [rows[arena] for rows in self._finished_rows]
+        return np.concatenate(rows), np.concatenate(finished) if finished else _NO_BYTES
 
-    def restore_row(self, arena: int, saved: Bytes) -> None:
-        """Go on, in one arena, from a saved state."""
-        begin = self._views.fields.shape[1] * 8
-        self._views.fields[arena // LANES, :, arena % LANES] = saved[:begin].view(np.float64)
-        for told in self._told:
-            end = begin + told.shape[1]
-            if end > len(saved):  # of an engine without auto_reset
-                break
-            told[arena] = saved[begin:end]
-            begin = end
+    def restore_row(self, arena: int, state_of_one: SavedBytes) -> None:
+        """The same in one arena."""
+        saved, finished = state_of_one
+        column = self._column(arena)
+        column[:] = saved[: column.nbytes].view(np.float64)
+        _write_rows(self._saved_rows, arena, saved[column.nbytes :])
+        if len(finished):
+            _write_rows(self._finished_rows, arena, finished)
 
     def saved_sizes(self, *, alone: bool) -> tuple[int, int]:
-        """How long a saved state can be, of one arena or of all: without what only `auto_reset` keeps, and with it."""
-        figures = (math.prod(section.shape[1:]) for section in (self.lengths, self.records))
-        records = [self.num_arenas * count * self.records.itemsize for count in figures]
-        views = (self.observations, self.masks)
-        own = [*records, *(section.nbytes for section in views)]
+        """How long the two parts of a saved state are, of one arena or of all [bytes]."""
         if not alone:
-            return self._kept_by_all, self._kept_by_all + sum(map(whole_lines, own))
-        told = self._views.fields.shape[1] * self._views.fields.itemsize + sum(told.shape[1] for told in self._told)
-        of_ends = sum(own) // self.num_arenas
-        return (told - of_ends, told) if self.auto_reset else (told, told + of_ends)
+            return len(self._saved), len(self._finished)
+        size, finished = (sum(rows.shape[1] for rows in of) for of in (self._saved_rows, self._finished_rows))
+        return self._column(0).nbytes + size, finished
+
+    def _column(self, arena: int) -> NDArray[np.float64]:
+        """One arena in its block: (rows,), the engine's own memory."""
+        return self._views.fields[arena // LANES, :, arena % LANES]
 
     @cached_property
     def config_digest(self) -> str:
@@ -441,6 +382,48 @@ class Engine:
     def __setstate__(self, state: Bytes) -> None:
         """Take over what another engine holds."""
         self._memory[:] = state
+
+
+def _sections_for(
+    config: ArenaConfig, settings: Settings, num_arenas: int, num_threads: int, *, with_infos: bool, auto_reset: bool
+) -> Sections:
+    """The sections of an engine's memory, in their shapes; tables have their values, all else is 0."""
+    hunters, prey = config.hunters, config.prey
+    agents, columns = hunters + prey, observation_size(config)
+    columns = max(columns, prey_observation_size(config)) if prey else columns
+    num_blocks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
+    team_play = config.teams is not None
+    told, kept = num_arenas if with_infos else 0, num_arenas if auto_reset else 0
+    scratch = scratch_shapes(hunters, prey, num_rows, agents * columns, team_play=team_play)
+    return Sections(
+        settings=np.array(settings, dtype=np.float64),
+        start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
+        controls=np.tile(np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)),
+        limits=limits_by_seat(config),
+        teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
+        team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
+        blocks=zeros(num_blocks, num_rows * LANES),
+        rewards=zeros(num_arenas, agents),
+        parts=zeros(told, hunters, len(PART_NAMES)),
+        prey_parts=zeros(told, prey, len(PREY_PART_NAMES)),
+        observations=zeros(num_arenas, agents, columns, dtype=np.float32),
+        masks=zeros(num_arenas, hunters, config.targets_seen + 1, dtype=np.int8),
+        ends=zeros(num_arenas, dtype=np.int8),
+        active=zeros(num_arenas if config.dropout_rate > 0.0 or prey else 0, agents, dtype=np.int8),
+        team_scores=zeros(num_arenas, len(config.teams or ())),
+        final_observations=zeros(kept, agents, columns, dtype=np.float32),
+        final_masks=zeros(kept, hunters, config.targets_seen + 1, dtype=np.int8),
+        lengths=zeros(kept, dtype=np.float32),
+        records=zeros(kept, agents, FINAL_TEAM_SCORE + (1 if team_play else 0), dtype=np.float32),
+        **{name: zeros(num_threads, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
+    )
+
+
+def _write_rows(sections: Sequence[NDArray[np.uint8]], arena: int, saved: Bytes) -> None:
+    begin = 0
+    for rows in sections:
+        rows[arena] = saved[begin : begin + rows.shape[1]]
+        begin += rows.shape[1]
 
 
 def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:

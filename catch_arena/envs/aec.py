@@ -5,19 +5,17 @@ gives it.
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.parallel import CatchArenaEnv, Infos, SavedEpisode, parallel_env
+from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode, parallel_env
+from catch_arena.envs.results import Infos
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type
 from catch_arena.text import in_short
-
-_CALLERS: Final = ("_actions", "_observations", "infos")
-"""What holds things that belong to the caller, who may write into them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +112,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         """
         if not isinstance(saved, SavedTurn):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
-        self.env.restore_turns(saved.turns, *self._parallel.restore(saved.episode))
+        self._parallel.restore(saved.episode)
+        self.env.restore_turns(saved.turns)
         self._has_reset = self._has_updated = True
 
     def clone(self) -> "CatchArenaAecEnv":
@@ -142,21 +141,12 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
         self._unchanging = frozenset(vars(self)) | {"_unchanging"}
 
     def save_turns(self) -> dict[str, Any]:
-        """All that an episode has changed here, but for what the agents in play were told: the env tells it again."""
-        kept = {name: copy.copy(value) for name, value in vars(self).items() if name not in self._unchanging}
-        gone = [agent for agent in self.agents if agent not in self.env.agents]
-        told = [{agent: those[agent] for agent in gone} for those in (self._observations, self.infos)]
-        return kept | dict(zip(_CALLERS, copy.deepcopy([self._actions, *told]), strict=True))
+        """All that an episode has changed here."""
+        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._unchanging})
 
-    def restore_turns(
-        self, saved: dict[str, Any], observations: dict[str, Any], infos: dict[str, dict[str, Any]]
-    ) -> None:
+    def restore_turns(self, saved: dict[str, Any]) -> None:
         """Take it back, and forget what came after it."""
-        self.__dict__ = {name: vars(self)[name] for name in self._unchanging}
-        self.__dict__.update((name, copy.copy(value)) for name, value in saved.items())
-        self._actions, observations_of_gone, infos_of_gone = copy.deepcopy([saved[name] for name in _CALLERS])
-        self._observations = observations_of_gone | observations
-        self.infos = infos_of_gone | infos if infos_of_gone else infos  # which are made when somebody asks for them
+        self.__dict__ = {name: vars(self)[name] for name in self._unchanging} | copy.deepcopy(saved)
 
     @property
     def unwrapped(self) -> "_Unwrapped":

@@ -6,56 +6,34 @@ import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from catch_arena.config import RULESET, ArenaConfig, Control, require_choice, require_options
+from catch_arena.config import RULESET, ArenaConfig, require_choice, require_options
 from catch_arena.core import state
 from catch_arena.engine import Engine
-from catch_arena.engine.block_views import row_of
 from catch_arena.engine.episode_seeds import episode_seed
+from catch_arena.envs.actions import ActionReader
 from catch_arena.envs.agent_names import checked_agent_names
 from catch_arena.envs.display import RENDER_MODES, Display, notebook_html
 from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.recorder import Recorder
+from catch_arena.envs.results import Infos, Results
 from catch_arena.envs.saved import SavedState, require_saved, restore_row, save_row
-from catch_arena.envs.spaces import (
-    action_space,
-    checked_action,
-    checked_choice,
-    checked_command,
-    checked_full,
-    observation_space,
-    prey_observation_space,
-    require_pose,
-    state_space,
-)
+from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, state_space
 from catch_arena.equality import equal_fields
-from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type, suggest
-from catch_arena.layout import observation_size, prey_observation_size
-from catch_arena.plain import whole_number
+from catch_arena.errors import ConfigError, EpisodeError, require_type
+from catch_arena.layout import observation_size
 from catch_arena.replay import Replay
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
-from catch_arena.verdicts import NO_REQUEST
 from catch_arena.world import World
 
-Infos = Literal["full", "mask", "none"]
-"""R7.2: what an env tells in its infos."""
 Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]
-
-_CAUGHT_BY: Final = row_of(state.CAUGHT_BY)
-_NO_ANSWER: Final = {
-    "verdict": NO_REQUEST,
-    "target": -1,
-    "distance_um": -1,
-    "winner": -1,
-    "TimeLimit.truncated": False,
-}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,34 +134,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
         self.possible_agents = checked_agent_names(agent_names, [*config.hunter_names, *config.prey_names])
         self.agents: list[str] = []
+        self.max_cycles = config.max_steps
         self._nobody: dict[str, bool] = {}
         """False for each of `agents`: a copy takes less than half the time of another dict."""
-        self._here: list[tuple[str, int]] = []
-        self._hunters_here: list[tuple[str, int]] = []
-        self._prey_here: list[tuple[str, int]] = []
-        """`agents` with their rows, all and those of a side."""
-        self.max_cycles = config.max_steps
-        self._infos_level = infos
-        self._display = Display(config, render_mode)
-        self._recorder = Recorder(config)
-        self._rows = {agent: row for row, agent in enumerate(self.possible_agents)}
-        """Where an agent stands in the engine's arrays: hunters by seat, and then prey by index."""
-        prey_drives: tuple[Control] = ("velocity",)
-        self._controls = config.controls + prey_drives * config.prey
-        """By row; prey drives itself."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         self._leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
         """By row: whether who is no longer active leaves."""
         self._some_leave = any(self._leaves)
-        self._ranks, self._num_prey = config.targets_seen, config.prey
-        self._mask_in_observation = config.mask_in_observation
-        self._team_by_seat = () if config.teams is None else config.team_by_seat
-        self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
-        self._observation_spaces: dict[str, spaces.Space[Any]] = {}
-        self._action_spaces: dict[str, spaces.Space[Any]] = {}
-        self._engine = Engine(config)
-        self._choices = np.zeros((1, config.hunters), dtype=np.int64)
-        self._commands = np.zeros((1, len(self.possible_agents), 2), dtype=np.float32)
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
         self._over = True
@@ -191,23 +148,33 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Who leaves with the end of the next step, and who has left."""
         self._cut: tuple[str, ...] = ()
         """Of whom the infos say `TimeLimit.truncated`."""
+        self._infos = infos
+        self._engine = Engine(config)
+        self._actions = ActionReader(config, self.possible_agents)
+        self._results = self._make_results()
+        self._display = Display(config, render_mode)
+        self._recorder = Recorder(config)
+
+    def _make_results(self) -> Results:
+        return Results(self.config, self._engine, self._actions.rows, self._actions.controls, self._infos)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
         own = {
             "possible_agents": self.possible_agents.copy(),
-            "agents": self.agents.copy(),
             "_engine": self._engine.clone(),
-            "_choices": self._choices.copy(),
-            "_commands": self._commands.copy(),
+            "_actions": self._actions.copy(),
             "_leaving": self._leaving.copy(),
             "_recorder": self._recorder.copy(),
             "_display": copy.copy(self._display),
-            "_observation_spaces": {},  # made anew when they are asked for: nobody draws from them
-            "_action_spaces": copy.deepcopy(self._action_spaces, memo),
             "_np_random": copy.deepcopy(self._np_random, memo),
         }
         twin = object.__new__(type(self))
         twin.__dict__ = {**self.__dict__, **own}
+        twin.__dict__.pop("observation_spaces", None)  # made anew when it is asked for: nobody draws from them
+        if "action_spaces" in self.__dict__:
+            twin.action_spaces = copy.deepcopy(self.action_spaces, memo)
+        twin._results = twin._make_results()
+        twin._set_agents(self.agents.copy())
         return twin
 
     def __str__(self) -> str:
@@ -217,32 +184,26 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """R7.1, R12.4: what that agent sees; the same object in every call."""
-        row, made = self._row(agent), self._observation_spaces
-        if agent not in made:  # made when it is asked for: a match asks for none
-            is_hunter = row < self.config.hunters
-            made[agent] = (
-                observation_space(self.config, self._controls[row])
-                if is_hunter
-                else prey_observation_space(self.config)
-            )
-        return made[agent]
+        self._actions.row(agent)
+        return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
         """R4.1, R4.4, R12.2: what that agent may do; the same object in every call."""
-        row, made = self._row(agent), self._action_spaces
-        if agent not in made:
-            made[agent] = action_space(self.config, self._controls[row])
-        return made[agent]
+        self._actions.row(agent)
+        return self.action_spaces[agent]
 
-    @property
+    @cached_property
     def observation_spaces(self) -> dict[str, spaces.Space[Any]]:
         """The observation space of each of `possible_agents`."""
-        return {agent: self.observation_space(agent) for agent in self.possible_agents}
+        made = [observation_space(self.config, control) for control in self.config.controls]
+        made += [prey_observation_space(self.config) for _ in range(self.config.prey)]
+        return dict(zip(self.possible_agents, made, strict=True))
 
-    @property
+    @cached_property
     def action_spaces(self) -> dict[str, spaces.Space[Any]]:
         """The action space of each of `possible_agents`."""
-        return {agent: self.action_space(agent) for agent in self.possible_agents}
+        made = [action_space(self.config, control) for control in self._actions.controls]
+        return dict(zip(self.possible_agents, made, strict=True))
 
     @cached_property
     def state_space(self) -> spaces.Box:
@@ -283,12 +244,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
-        self._set_agents(self.possible_agents[:])
         self._over = False
         self._leaving.clear()
+        self._set_agents(self.possible_agents[:])
         if self.render_mode == "human":
             self.render()
-        return self._observations(), self._infos()
+        return self._results.observations(), self._results.infos(self._cut)
 
     def step(self, actions: Mapping[str, Any]) -> Step:
         """R1.4: one control period; an action for each of `agents`. Actions of agents that have left are ignored.
@@ -306,15 +267,15 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 return {}, {}, {}, {}, {}
             why = "no episode has begun" if self._seed is None else "this episode is over"
             raise EpisodeError(f"step must follow a reset: {why}")
-        self._decode(actions)
-        agents, engine = self.agents, self._engine
-        engine.step(self._choices, self._commands)
+        agents, engine, given = self.agents, self._engine, self._actions
+        given.read(actions, agents)
+        engine.step(given.choices, given.commands)
         if self._recorder.replay is not None:
-            self._recorder.replay.append(self._choices[0], self._commands[0], engine)
+            self._recorder.replay.append(given.choices[0], given.commands[0], engine)
         ended = engine.ends.item()
         if self._some_leave:
             active = engine.active[0].tolist()
-            self._leaving.update(agent for agent, row in self._rows.items() if self._leaves[row] and not active[row])
+            self._leaving.update(agent for agent, row in given.rows.items() if self._leaves[row] and not active[row])
         terminations, truncations = self._nobody.copy(), self._nobody.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
@@ -322,10 +283,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
         self._cut = tuple(agent for agent in agents if truncations[agent]) if ended else ()
-        rewards = dict(zip(self.possible_agents, engine.rewards[0].tolist()))  # noqa: B905 - half as long again
-        if len(agents) < len(rewards):
-            rewards = {agent: rewards[agent] for agent in agents}
-        observations, infos = self._observations(), self._infos()
+        observations, rewards, infos = (
+            self._results.observations(),
+            self._results.rewards(),
+            self._results.infos(self._cut),
+        )
         if ended or self._leaving:
             self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
             self._over = not self.agents
@@ -335,119 +297,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def _set_agents(self, agents: list[str]) -> None:
         self.agents, self._nobody = agents, dict.fromkeys(agents, False)
-        self._here = [(agent, self._rows[agent]) for agent in agents]
-        self._hunters_here = [(agent, row) for agent, row in self._here if row < self.config.hunters]
-        self._prey_here = self._here[len(self._hunters_here) :]
-
-    def _decode(self, actions: Mapping[str, Any]) -> None:
-        """Write the actions, if all are legal ones of agents in play, into the arrays that the engine gets."""
-        if type(actions) is not dict and not isinstance(actions, Mapping):  # the first is known at once
-            raise ActionError(f"actions must map each agent to its action, got {actions!r}")
-        if len(actions) != len(self.agents):
-            self._require_complete(actions)
-        choices, commands, ranks, controls = self._choices[0], self._commands, self._ranks, self._controls
-        try:
-            for agent, row in self._here:
-                action, control = actions[agent], controls[row]
-                if control == "target":
-                    legal = type(action) is int and 0 <= action <= ranks  # the usual case without another call
-                    choices[row] = action if legal else checked_choice(agent, "an action", action, ranks)
-                elif control == "velocity":
-                    commands[0, row, 0], commands[0, row, 1] = checked_command(agent, "an action", action, clip=True)
-                else:
-                    choices[row], command = checked_full(agent, action, ranks, clip=True)
-                    commands[0, row, 0], commands[0, row, 1] = command
-        except KeyError:
-            self._require_complete(actions)
-            raise  # an action's own
-        for agent in self._leaving:  # nobody who has left does anything
-            if agent not in self.agents:
-                row = self._rows[agent]
-                commands[0, row] = 0.0
-                if row < len(choices):
-                    choices[row] = 0
-
-    def _require_complete(self, actions: Mapping[str, Any]) -> None:
-        """An action for each of `agents`, and others only of agents that have left."""
-        for agent in actions:
-            self._row(agent)
-        missing = [agent for agent in self.agents if agent not in actions]
-        if missing:
-            raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
+        self._results.choose(agents)
+        for agent in self._leaving.difference(agents):
+            self._actions.clear(agent)
 
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; nothing moves."""
-        checked_action(self._controls[self._row(agent)], agent, action, self.config.targets_seen, clip=True)
-
-    def _row(self, agent: str) -> int:
-        row = self._rows.get(agent) if isinstance(agent, str) else None
-        if row is None:
-            raise ActionError(f"unknown agent {agent!r}: {suggest(agent, self.possible_agents)}")
-        return row
-
-    def _observations(self) -> dict[str, Any]:
-        """Return a copy of what each of `agents` observes."""
-        seen = self._engine.observations[0].copy()
-        observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters_here}
-        if self._num_prey:  # of the two sides one may see less
-            size, of_prey = observation_size(self.config), prey_observation_size(self.config)
-            observations = {agent: own[:size] for agent, own in observations.items()}
-            observations |= {agent: seen[row, :of_prey] for agent, row in self._prey_here}
-        if self._mask_in_observation:
-            masks = self._engine.masks[0].copy()
-            for agent, row in self._hunters_here:
-                if self._controls[row] == "target":
-                    observations[agent] = {"observation": observations[agent], "action_mask": masks[row]}
-        return observations
-
-    def _infos(self) -> dict[str, dict[str, Any]]:
-        """Return the info of each of `agents`."""
-        if self._infos_level == "full":
-            return self._full_infos()
-        infos: dict[str, dict[str, Any]] = {agent: {} for agent in self.agents}
-        if self._infos_level == "mask":
-            masks = self._engine.masks[0].copy()
-            for agent, row in self._hunters_here:
-                if self._controls[row] != "velocity":
-                    infos[agent]["action_mask"] = masks[row]
-        return infos
-
-    def _full_infos(self) -> dict[str, dict[str, Any]]:
-        engine, controls = self._engine, self._controls
-        answers, parts, masks = engine.answers.tolist(), engine.parts[0].copy(), engine.masks[0].copy()
-        infos: dict[str, dict[str, Any]] = {}
-        for agent, row in self._hunters_here:
-            infos[agent] = info = _NO_ANSWER.copy()
-            number, verdict, distance, winner = answers[row]
-            if verdict:
-                info["verdict"], info["target"] = int(verdict), int(number) or -1
-                info["distance_um"], info["winner"] = int(distance), int(winner)
-            info["reward_parts"] = parts[row]
-            if controls[row] != "velocity":
-                info["action_mask"] = masks[row]
-        if self._hunters_stay:
-            active = engine.active[0].tolist()
-            for agent, row in self._hunters_here:
-                infos[agent]["active"] = active[row]
-        if self._team_by_seat:
-            scores = engine.team_scores[0].tolist()
-            for agent, row in self._hunters_here:
-                infos[agent]["team_score"] = int(scores[self._team_by_seat[row]])
-        if self._prey_here:
-            active, caught_by = engine.active[0].tolist(), engine.prey_rows(0)[:, _CAUGHT_BY].tolist()
-            parts = engine.prey_parts[0].copy()
-            for agent, row in self._prey_here:
-                index = row - self.config.hunters
-                infos[agent] = {
-                    "active": active[row],
-                    "caught_by": int(caught_by[index]),
-                    "reward_parts": parts[index],
-                    "TimeLimit.truncated": False,
-                }
-        for agent in self._cut:
-            if agent in infos:
-                infos[agent]["TimeLimit.truncated"] = True
-        return infos
+        self._actions.require_legal(agent, action)
 
     def withdraw(self, agent: str) -> None:
         """R1.6, R12.5: the agent takes no further part.
@@ -455,7 +311,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         It is among `agents` for one more step, in which none of its requests is granted; that step ends with its
         termination and its last observation. Prey stands still, and can be caught.
         """
-        row = self._row(agent)
+        row = self._actions.row(agent)
         if self._over or agent not in self.agents:
             raise EpisodeError(f"{agent} must be in play to be withdrawn")
         if agent in self._leaving:
@@ -464,43 +320,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaving.add(agent)
         self._recorder.withdraw(row)
 
-    def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
-        """R8.1: a target outside the timer; its name, or "" where the arena is full. A recorded episode takes none."""
-        self._require_changeable("spawn")
-        require_pose(self.config, x, y, theta)
-        number = self._engine.spawn(0, x, y, theta)
-        return self.config.target_name(number) if number else ""
-
-    def kill(self, name: str) -> bool:
-        """R8.1: an alive target leaves uncaught; false without one of that name, and for one that prey plays, which is
-        never killed. A recorded episode takes none.
-        """
-        self._require_changeable("kill")
-        numbers = {target.name: target.number for target in self._engine.world().targets}
-        return isinstance(name, str) and name in numbers and self._engine.kill(0, numbers[name])
-
-    def _require_changeable(self, what: str) -> None:
-        self._require_episode(what)
-        if self._over or self._recorder.replay is not None:
-            why = "this episode is over" if self._over else "a replay could not play it again"
-            raise EpisodeError(f"{what} must fall into an episode that is under way and not recorded: {why}")
-
     def world(self) -> World:
         """The arena in the world frame, for people, rendering and tests."""
         self._require_episode("world")
         return self._engine.world()
-
-    def rank_of(self, seat: int, name: str) -> int:
-        """R7.1: the rank at which a seat sees the target of that name, 0 where it does not.
-
-        Raises:
-            ActionError: for a seat that no hunter has.
-        """
-        self._require_episode("rank_of")
-        number = whole_number(seat)
-        if number is None or not 0 <= number < self.config.hunters:
-            raise ActionError(f"seat must be a whole number from 0 to {self.config.hunters - 1}, got {in_short(seat)}")
-        return self._engine.rank_of(0, number, name)
 
     def hunter_observations(self) -> NDArray[np.float32]:
         """What all hunters observe now (R7.1), by seat, whether they act or have left: (H, D), a copy."""
@@ -573,13 +396,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         restore_row(self._engine, 0, saved.arena)
         self._seed, self._over, self._cut = saved.seed, saved.over, saved.cut
-        self._set_agents(list(saved.agents))
         self._leaving = set(saved.leaving)
+        self._set_agents(list(saved.agents))
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._recorder.replay = None if saved.replay is None else saved.replay.copy()
-        return self._observations(), self._infos()
+        return self._results.observations(), self._results.infos(self._cut)
 
     def clone(self) -> "CatchArenaEnv":
         """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""

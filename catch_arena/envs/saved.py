@@ -21,7 +21,9 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
     controls: NDArray[np.int8]
     """How hunters are driven, as `VectorArena.set_controls` takes it: (B, H), or (H,) of a row."""
     memory: NDArray[np.uint8]
-    """As the engine keeps it; what only auto_reset keeps comes last."""
+    """As the engine keeps it."""
+    finished: NDArray[np.uint8]
+    """What an engine with `auto_reset` keeps of episodes that have ended; empty of one without."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, SavedState) and equal(tuple(self), tuple(other))
@@ -32,23 +34,23 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
 
 def save_all(engine: Engine) -> SavedState:
     """R10.2: the state of all arenas."""
-    return SavedState(engine.config_digest, engine.num_arenas, engine.controls.copy(), engine.save())
+    return SavedState(engine.config_digest, engine.num_arenas, engine.controls.copy(), *engine.save())
 
 
 def save_row(engine: Engine, arena: int) -> SavedState:
     """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
-    return SavedState(engine.config_digest, None, engine.controls[arena].copy(), engine.save_row(arena))
+    return SavedState(engine.config_digest, None, engine.controls[arena].copy(), *engine.save_row(arena))
 
 
 def restore_all(engine: Engine, saved: SavedState) -> None:
     """Go on from what `require_saved` has let pass."""
-    engine.restore(saved.memory)
+    engine.restore((saved.memory, saved.finished))
     engine.controls[:] = saved.controls
 
 
 def restore_row(engine: Engine, arena: int, saved: SavedState) -> None:
     """The same in one arena."""
-    engine.restore_row(arena, saved.memory)
+    engine.restore_row(arena, (saved.memory, saved.finished))
     engine.controls[arena] = saved.controls
 
 
@@ -71,10 +73,16 @@ def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
     if saved.num_envs != num_envs:
         wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
         raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
-    sizes, memory = engine.saved_sizes(alone=alone), saved.memory
-    if not isinstance(memory, np.ndarray) or memory.dtype != np.uint8 or memory.shape not in [(n,) for n in sizes]:
-        got = f"one of {memory.dtype} {memory.shape}" if isinstance(memory, np.ndarray) else type(memory).__name__
-        raise ConfigError(f"a saved state must be an array of uint8 ({sizes[-1]},), got {got}")
+    size, size_of_finished = engine.saved_sizes(alone=alone)
+    _require_bytes(saved.memory, size)
+    if size_of_finished and len(saved.finished):  # else one of the two has no auto_reset
+        _require_bytes(saved.finished, size_of_finished)
     shape = engine.controls.shape[alone:]
     if np.shape(saved.controls) != shape:
         raise ConfigError(f"a saved state must have controls {shape}, got {np.shape(saved.controls)}")
+
+
+def _require_bytes(given: object, size: int) -> None:
+    if not isinstance(given, np.ndarray) or given.dtype != np.uint8 or given.shape != (size,):
+        got = f"one of {given.dtype} {given.shape}" if isinstance(given, np.ndarray) else type(given).__name__
+        raise ConfigError(f"a saved state must be an array of uint8 ({size},), got {got}")

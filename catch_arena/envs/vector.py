@@ -13,16 +13,9 @@ from catch_arena.core import state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
+from catch_arena.envs.actions import choice_array, clipped, command_array
 from catch_arena.envs.saved import SavedState, require_saved, restore_all, restore_row, save_all, save_row
-from catch_arena.envs.spaces import (
-    action_space,
-    choice_array,
-    clipped,
-    command_array,
-    observation_space,
-    prey_observation_space,
-    velocity_space,
-)
+from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.config import ArenaConfig, Control
+from catch_arena.envs.actions import checked_action
 from catch_arena.envs.parallel import CatchArenaEnv
-from catch_arena.envs.spaces import checked_action
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines

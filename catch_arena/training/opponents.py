@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.envs.spaces import checked_action, choice_array, command_array
+from catch_arena.envs.actions import checked_action, choice_array, command_array
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short

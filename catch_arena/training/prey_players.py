@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.spaces import checked_action
+from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import PreyLimits
 from catch_arena.tournament.entrants import SHIPPED_PREY, agent_class, create_policy, resolve_spec

@@ -362,10 +362,21 @@ AGENTS = "hunter_0, hunter_1"
 ARGUMENTS = [
     (lambda wrong: begun().check_action(wrong, 0), ActionError, f"unknown agent {{got!r}}: known: {AGENTS}"),
     (lambda wrong: begun().withdraw(wrong), ActionError, f"unknown agent {{got!r}}: known: {AGENTS}"),
-    (lambda wrong: begun().rank_of(wrong, "t"), ActionError, "seat must be a whole number from 0 to 1, got {got!r}"),
-    (lambda wrong: begun().spawn(wrong, 1.0), ActionError, "spawn: x must lie in [0, 11.0889], got {got!r}"),
-    (lambda wrong: begun().spawn(1.0, wrong), ActionError, "spawn: y must lie in [0, 11.0889], got {got!r}"),
-    (lambda wrong: begun().spawn(1.0, 1.0, wrong), ActionError, "spawn: theta must lie in [-1000, 1000], got {got!r}"),
+    (
+        lambda wrong: begun(catch_arena.ArenaService).spawn(wrong, 1.0),
+        ActionError,
+        "spawn: x must lie in [0, 11.0889], got {got!r}",
+    ),
+    (
+        lambda wrong: begun(catch_arena.ArenaService).spawn(1.0, wrong),
+        ActionError,
+        "spawn: y must lie in [0, 11.0889], got {got!r}",
+    ),
+    (
+        lambda wrong: begun(catch_arena.ArenaService).spawn(1.0, 1.0, wrong),
+        ActionError,
+        "spawn: theta must lie in [-1000, 1000], got {got!r}",
+    ),
     (CatchArenaAecEnv, ConfigError, "parallel must be a CatchArenaEnv, as of parallel_env(name), got {got!r}"),
     (lambda wrong: begun(catch_arena.ArenaService).step(wrong), ActionError, "cmd_vel must map hunters to Twists, got"),
     (
@@ -440,8 +451,8 @@ def test_options_of_a_reset_are_a_dict_or_none(make):
 
 
 def test_a_name_that_no_target_has_kills_none():
-    for arena in (begun(), begun(catch_arena.ArenaService)):
-        assert [arena.kill(name) for name in ([], None, 3)] == [False, False, False]
+    service = begun(catch_arena.ArenaService)
+    assert [service.kill(name) for name in ([], None, 3)] == [False, False, False]
 
 
 def test_an_unknown_agent_of_the_aec_env_is_named():

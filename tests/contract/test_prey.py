@@ -7,6 +7,7 @@ import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 
 import catch_arena
+from catch_arena.engine import Engine
 from catch_arena.errors import ActionError, EpisodeError
 from catch_arena.layout import prey_columns
 
@@ -177,12 +178,12 @@ def test_r7_3_the_global_view_tells_of_prey():
 
 
 @pytest.mark.rule("R12.1")
-def test_r12_1_prey_cannot_be_killed_by_name():
-    env = catch_arena.parallel_env(HUNT)
-    env.reset(seed=1)
-    assert not env.kill("target_turtle_2")
-    assert env.kill("target_turtle_4")
-    assert len(env.world().targets) == 3
+def test_r12_1_prey_cannot_be_killed():
+    engine = Engine(HUNT)
+    engine.reset([1])
+    assert not engine.kill(0, 2)
+    assert engine.kill(0, 4)
+    assert len(engine.world().targets) == 3
 
 
 @pytest.mark.parametrize("returns", [0.0, 0.5, None])

@@ -405,7 +405,7 @@ class EnvAdjudicator(Adjudicator):
         for _ in range(self.oracle.steps):
             self._step_env(self.at_rest, [(0.0, 0.0)] * self.config.prey)
         for x, y in targets:
-            self.env.spawn(x, y)
+            self.env._engine.spawn(0, x, y, 0.0)
             self.is_shown = False
         self._require_the_oracles_state()
 

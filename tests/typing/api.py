@@ -85,8 +85,6 @@ def one_arena() -> None:
     assert_type(env.config, ArenaConfig)
     assert_type(env.state(), NDArray[np.float32])
     assert_type(env.digest(), bytes)
-    assert_type(env.spawn(1.0, 2.0), str)
-    assert_type(env.kill("target_turtle_1"), bool)
     assert_type(env.render(), NDArray[np.uint8] | None)
     assert_type(env.clone(), CatchArenaEnv)
     assert_type(env.restore(env.save()), tuple[dict[str, Any], dict[str, dict[str, Any]]])

@@ -5,7 +5,6 @@ import pytest
 
 from catch_arena.core import state
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
-from catch_arena.core.memory import Sections, sections_of
 from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
@@ -158,20 +157,6 @@ def test_seeds_are_checked_and_derived():
     assert len(set(seeds.tolist())) == 1000
     assert (seeds[:10] == batch_seeds(3, 10)).all()
     assert not set(next_seeds(seeds).tolist()) & set(seeds.tolist())
-
-
-def test_what_is_kept_together_lies_together():
-    """`Sections` has its fields in an order that `save` and engines without auto_reset count on."""
-    config = scenario("duel", prey=1, target_motion="wander", teams=((0,), (1,)), dropout_rate=0.1)
-    engine, plain = Engine(config, 2, auto_reset=True), Engine(config, 2)
-    sections, others = sections_of(engine._memory), sections_of(plain._memory)
-    told = ("rewards", "parts", "prey_parts", "observations", "masks", "ends", "active", "team_scores")
-    of_auto_reset = ("final_observations", "final_masks", "lengths", "records")
-
-    for name, section, other in zip(Sections._fields, sections, others, strict=True):
-        assert np.shares_memory(section, engine._kept) == (name in ("blocks", *told, *of_auto_reset)), name
-        assert np.shares_memory(section, engine._kept[: engine._kept_by_all]) == (name in ("blocks", *told)), name
-        assert (section.shape == other.shape) == (name not in of_auto_reset), name
 
 
 def test_targets_are_put_where_they_have_been_for_some_time():

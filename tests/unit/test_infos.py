@@ -13,7 +13,7 @@ def test_parts_stand_in_the_order_of_the_rulebook():
     env = parallel_env("tag")
     env.reset(seed=5)
     env._engine.parts[0], env._engine.prey_parts[0] = range(7), range(3)
-    infos = env._infos()
+    infos = env._results.infos(())
 
     assert infos["hunter_1"]["reward_parts"].tolist() == list(range(7))
     assert infos["prey_0"]["reward_parts"].tolist() == list(range(3))

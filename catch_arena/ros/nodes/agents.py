@@ -5,7 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-from catch_arena.envs.spaces import checked_action
+from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError
 from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.policy import Limits

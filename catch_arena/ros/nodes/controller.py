@@ -12,7 +12,7 @@ import numpy as np
 
 from catch_arena.config import ArenaConfig, Gains
 from catch_arena.engine import Engine
-from catch_arena.envs.spaces import checked_action
+from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
 from catch_arena.policy import Limits

@@ -1,0 +1,122 @@
+"""What an env returns for its agents, as dictionaries: observations, rewards and infos."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, Literal
+
+from catch_arena.config import ArenaConfig
+from catch_arena.engine import Engine
+from catch_arena.layout import observation_size, prey_observation_size
+from catch_arena.verdicts import NO_REQUEST
+
+Infos = Literal["full", "mask", "none"]
+"""R7.2: what an env tells in its infos."""
+
+_NO_ANSWER: Final = {
+    "verdict": NO_REQUEST,
+    "target": -1,
+    "distance_um": -1,
+    "winner": -1,
+    "TimeLimit.truncated": False,
+}
+
+
+class Results:
+    """Makes dictionaries, by agent, of what the engine has written of its first arena. Their arrays are copies.
+
+    Args:
+        config: the arena's settings.
+        engine: that plays the arena.
+        rows: each agent's row in the engine's arrays, in the order of these.
+        controls: how each is driven, by row.
+        infos: what infos hold.
+    """
+
+    def __init__(
+        self, config: ArenaConfig, engine: Engine, rows: Mapping[str, int], controls: Sequence[str], infos: Infos
+    ) -> None:
+        self._made_of = config, engine, rows, controls, infos
+        self._config, self._engine, self._rows, self._controls, self._level = self._made_of
+        self._seen, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
+        self._team_by_seat = () if config.teams is None else config.team_by_seat
+        self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
+        self.choose(())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Made anew where it is unpickled: its arrays are the engine's."""
+        return Results, self._made_of, self._agents
+
+    def __setstate__(self, agents: Sequence[str]) -> None:
+        self.choose(agents)
+
+    def choose(self, agents: Sequence[str]) -> None:
+        """For which agents all that follows is made."""
+        self._agents = agents
+        rows = [(agent, self._rows[agent]) for agent in agents]
+        self._hunters = [(agent, row) for agent, row in rows if row < self._config.hunters]
+        self._prey = rows[len(self._hunters) :]
+
+    def rewards(self) -> dict[str, float]:
+        """R6.2, R12.5."""
+        rewards = dict(zip(self._rows, self._rewards.tolist()))  # noqa: B905 - half as long again
+        return rewards if len(self._agents) == len(rewards) else {agent: rewards[agent] for agent in self._agents}
+
+    def observations(self) -> dict[str, Any]:
+        """R7.1, R12.4."""
+        seen = self._seen.copy()
+        observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters}
+        if self._config.prey:  # of the two sides one may see less
+            size, of_prey = observation_size(self._config), prey_observation_size(self._config)
+            observations = {agent: own[:size] for agent, own in observations.items()}
+            observations |= {agent: seen[row, :of_prey] for agent, row in self._prey}
+        if self._config.mask_in_observation:
+            masks = self._masks.copy()
+            for agent, row in self._hunters:
+                if self._controls[row] == "target":
+                    observations[agent] = {"observation": observations[agent], "action_mask": masks[row]}
+        return observations
+
+    def infos(self, truncated: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """What `CatchArenaEnv` lists; `truncated` are the agents whose `TimeLimit.truncated` is True."""
+        infos: dict[str, dict[str, Any]] = {}
+        if self._level != "full":
+            masks = self._masks.copy()
+            for agent, row in self._hunters:
+                told = self._level == "mask" and self._controls[row] != "velocity"
+                infos[agent] = {"action_mask": masks[row]} if told else {}
+            return infos | {agent: {} for agent, _ in self._prey}
+        answers, parts, masks = self._engine.answers.tolist(), self._engine.parts[0].copy(), self._masks.copy()
+        for agent, row in self._hunters:
+            infos[agent] = info = _NO_ANSWER.copy()
+            number, verdict, distance, winner = answers[row]
+            if verdict:
+                info["verdict"], info["target"] = int(verdict), int(number) or -1
+                info["distance_um"], info["winner"] = int(distance), int(winner)
+            info["reward_parts"] = parts[row]
+            if self._controls[row] != "velocity":
+                info["action_mask"] = masks[row]
+        if self._hunters_stay:
+            active = self._engine.active[0].tolist()
+            for agent, row in self._hunters:
+                infos[agent]["active"] = active[row]
+        if self._team_by_seat:
+            scores = self._engine.team_scores[0].tolist()
+            for agent, row in self._hunters:
+                infos[agent]["team_score"] = int(scores[self._team_by_seat[row]])
+        if self._prey:
+            self._add_infos_of_prey(infos)
+        for agent in truncated:
+            if agent in infos:
+                infos[agent]["TimeLimit.truncated"] = True
+        return infos
+
+    def _add_infos_of_prey(self, infos: dict[str, dict[str, Any]]) -> None:
+        active, caught_by = self._engine.active[0].tolist(), self._engine.caught_by.tolist()
+        parts = self._engine.prey_parts[0].copy()
+        for agent, row in self._prey:
+            index = row - self._config.hunters
+            infos[agent] = {
+                "active": active[row],
+                "caught_by": int(caught_by[index]),
+                "reward_parts": parts[index],
+                "TimeLimit.truncated": False,
+            }
