@@ -64,8 +64,8 @@ class Sections(NamedTuple):
     start_poses: Doubles2
     """(H, 3), or (0, 3) for the fair circle (R2.6)."""
     controls: Flags2
-    """R4.1, R4.4: how each hunter is driven, in the numbers of `controllers.CONTROLS`: (B, H). Whoever writes others
-    than the config's gives `choices` and `commands` for them.
+    """R4.1, R4.4: control of each hunter, a number of `controllers.CONTROLS`: (B, H). A caller that changes it has to
+    pass matching `choices` and `commands`.
     """
     limits: Doubles2
     """(H, 5): `SeatLimits`, in the order of its fields."""

@@ -87,7 +87,7 @@ HUNTER_DIGEST: Final = (
 )
 """What stands of a hunter in the digest, in this order (A.8)."""
 ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
-"""What a hunter is told of its request (R5.6): rows that follow each other."""
+"""Rows with the answer to a hunter's request (R5.6), one after the other."""
 AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
 
@@ -264,7 +264,7 @@ ABSENT: Final = MOST
 
 @rule
 def target_order_rows(targets_seen: int) -> int:
-    """How many rows the order takes in which one seat sees the targets."""
+    """Return the number of rows of one seat's order of the targets."""
     return (targets_seen + RANKS_PER_WORD - 1) // RANKS_PER_WORD
 
 

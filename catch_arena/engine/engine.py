@@ -44,8 +44,8 @@ SavedBytes = tuple[Bytes, Bytes]
 _HUNTERS_A_CHUNK: Final = 4096
 """How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
-_NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
-_NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
+NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
+NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_BYTES: Final = np.zeros(0, dtype=np.uint8)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 
@@ -122,12 +122,11 @@ class Engine:
         settings = settings_in(sections.settings, ALL_OPTIONS)
         self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
         self.answers = self._views.hunters[0, :, ANSWER, 0]
-        """R5.6: of the requests in the first arena's last step the target's number, 0 for none; the verdict, 0 for no
-        request, and then the others are an older one's; the distance [micrometres] and the winner's seat, -1 for none:
-        (H, 4).
+        """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
+        distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
         """
         self.caught_by = self._views.prey[0, :, row_of(state.CAUGHT_BY), 0]
-        """R12.3: which seat caught the first arena's prey in its last step, -1 for none: (P,)."""
+        """R12.3: seat that caught each prey of the first arena in its last step, -1 for none: (P,)."""
         saved, finished = offset_of("blocks", memory), offset_of("final_observations", memory)
         self._saved, self._finished = memory[saved:finished], memory[finished:]
         arrays: tuple[NDArray[Any], ...] = sections
@@ -136,7 +135,7 @@ class Engine:
         self._finished_rows = self._rows_of(arrays[of_finished:])
 
     def _rows_of(self, sections: Sequence[NDArray[Any]]) -> list[NDArray[np.uint8]]:
-        """The bytes of each arena in these sections: (B, bytes) each."""
+        """Return the bytes of each arena in these sections: (B, bytes) each."""
         return [section.view(np.uint8).reshape(self.num_arenas, -1) for section in sections if section.size]
 
     # playing
@@ -198,7 +197,7 @@ class Engine:
 
     def _observe(self, first: int, last: int, resets: NDArray[np.uint64]) -> None:
         """Begin episodes, and observe those blocks; nobody plays."""
-        self._run(0, first, last, resets, False, _NO_CHOICES, _NO_COMMANDS, _NO_REQUESTS)
+        self._run(0, first, last, resets, False, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
 
     def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
         """The same of the blocks in which these arenas are; the others keep what they observe."""
@@ -339,14 +338,14 @@ class Engine:
             _write_rows(self._finished_rows, arena, finished)
 
     def saved_sizes(self, *, alone: bool) -> tuple[int, int]:
-        """How long the two parts of a saved state are, of one arena or of all [bytes]."""
+        """Return the sizes [bytes] of the two parts of a saved state, of one arena or of all."""
         if not alone:
             return len(self._saved), len(self._finished)
         size, finished = (sum(rows.shape[1] for rows in of) for of in (self._saved_rows, self._finished_rows))
         return self._column(0).nbytes + size, finished
 
     def _column(self, arena: int) -> NDArray[np.float64]:
-        """One arena in its block: (rows,), the engine's own memory."""
+        """Return one arena of its block: (rows,), the engine's own memory."""
         return self._views.fields[arena // LANES, :, arena % LANES]
 
     @cached_property
@@ -387,13 +386,13 @@ class Engine:
 def _sections_for(
     config: ArenaConfig, settings: Settings, num_arenas: int, num_threads: int, *, with_infos: bool, auto_reset: bool
 ) -> Sections:
-    """The sections of an engine's memory, in their shapes; tables have their values, all else is 0."""
+    """Return the sections of an engine's memory: tables with their values, and zeros."""
     hunters, prey = config.hunters, config.prey
     agents, columns = hunters + prey, observation_size(config)
     columns = max(columns, prey_observation_size(config)) if prey else columns
     num_blocks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
     team_play = config.teams is not None
-    told, kept = num_arenas if with_infos else 0, num_arenas if auto_reset else 0
+    with_parts, with_records = num_arenas if with_infos else 0, num_arenas if auto_reset else 0
     scratch = scratch_shapes(hunters, prey, num_rows, agents * columns, team_play=team_play)
     return Sections(
         settings=np.array(settings, dtype=np.float64),
@@ -404,17 +403,17 @@ def _sections_for(
         team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
         blocks=zeros(num_blocks, num_rows * LANES),
         rewards=zeros(num_arenas, agents),
-        parts=zeros(told, hunters, len(PART_NAMES)),
-        prey_parts=zeros(told, prey, len(PREY_PART_NAMES)),
+        parts=zeros(with_parts, hunters, len(PART_NAMES)),
+        prey_parts=zeros(with_parts, prey, len(PREY_PART_NAMES)),
         observations=zeros(num_arenas, agents, columns, dtype=np.float32),
         masks=zeros(num_arenas, hunters, config.targets_seen + 1, dtype=np.int8),
         ends=zeros(num_arenas, dtype=np.int8),
         active=zeros(num_arenas if config.dropout_rate > 0.0 or prey else 0, agents, dtype=np.int8),
         team_scores=zeros(num_arenas, len(config.teams or ())),
-        final_observations=zeros(kept, agents, columns, dtype=np.float32),
-        final_masks=zeros(kept, hunters, config.targets_seen + 1, dtype=np.int8),
-        lengths=zeros(kept, dtype=np.float32),
-        records=zeros(kept, agents, FINAL_TEAM_SCORE + (1 if team_play else 0), dtype=np.float32),
+        final_observations=zeros(with_records, agents, columns, dtype=np.float32),
+        final_masks=zeros(with_records, hunters, config.targets_seen + 1, dtype=np.int8),
+        lengths=zeros(with_records, dtype=np.float32),
+        records=zeros(with_records, agents, FINAL_TEAM_SCORE + (1 if team_play else 0), dtype=np.float32),
         **{name: zeros(num_threads, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
     )
 

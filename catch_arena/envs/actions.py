@@ -23,9 +23,9 @@ class ActionReader:
 
     def __init__(self, config: ArenaConfig, agents: Sequence[str]) -> None:
         self.choices = np.zeros((1, config.hunters), dtype=np.int64)
-        """What `Engine.step` takes: (1, H)."""
+        """Ranks, as `Engine.step` takes them: (1, H)."""
         self.commands = np.zeros((1, len(agents), 2), dtype=np.float32)
-        """Likewise, (1, N, 2)."""
+        """Velocities, as `Engine.step` takes them: (1, N, 2)."""
         self.rows = {agent: row for row, agent in enumerate(agents)}
         """Each agent's row in the engine's arrays."""
         prey_drives: tuple[Control] = ("velocity",)
@@ -34,13 +34,13 @@ class ActionReader:
         self._ranks = config.targets_seen
 
     def copy(self) -> "ActionReader":
-        """A reader of its own."""
+        """Return an independent copy."""
         twin = object.__new__(ActionReader)
         twin.__dict__ = {**self.__dict__, "choices": self.choices.copy(), "commands": self.commands.copy()}
         return twin
 
     def row(self, agent: str) -> int:
-        """That agent's row in the engine's arrays.
+        """Return that agent's row in the engine's arrays.
 
         Raises:
             ActionError: for an unknown agent.
@@ -86,7 +86,7 @@ class ActionReader:
             raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
     def clear(self, agent: str) -> None:
-        """That agent does nothing until the next `read` has its action."""
+        """Make that agent do nothing until `read` gets an action for it."""
         row = self.rows[agent]
         self.commands[0, row] = 0.0
         self.choices[0, row : row + 1] = 0  # prey has no choice

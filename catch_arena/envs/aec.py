@@ -141,11 +141,11 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
         self._unchanging = frozenset(vars(self)) | {"_unchanging"}
 
     def save_turns(self) -> dict[str, Any]:
-        """All that an episode has changed here."""
+        """Return a copy of everything that an episode changes here."""
         return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._unchanging})
 
     def restore_turns(self, saved: dict[str, Any]) -> None:
-        """Take it back, and forget what came after it."""
+        """Restore what `save_turns` returned."""
         self.__dict__ = {name: vars(self)[name] for name in self._unchanging} | copy.deepcopy(saved)
 
     @property

@@ -170,7 +170,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         }
         twin = object.__new__(type(self))
         twin.__dict__ = {**self.__dict__, **own}
-        twin.__dict__.pop("observation_spaces", None)  # made anew when it is asked for: nobody draws from them
+        twin.__dict__.pop("observation_spaces", None)  # built again on demand
         if "action_spaces" in self.__dict__:
             twin.action_spaces = copy.deepcopy(self.action_spaces, memo)
         twin._results = twin._make_results()
@@ -297,7 +297,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def _set_agents(self, agents: list[str]) -> None:
         self.agents, self._nobody = agents, dict.fromkeys(agents, False)
-        self._results.choose(agents)
+        self._results.set_agents(agents)
         for agent in self._leaving.difference(agents):
             self._actions.clear(agent)
 

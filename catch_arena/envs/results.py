@@ -1,4 +1,4 @@
-"""What an env returns for its agents, as dictionaries: observations, rewards and infos."""
+"""Dictionaries that an env returns, by agent: observations, rewards and infos."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, Literal
@@ -9,7 +9,7 @@ from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.verdicts import NO_REQUEST
 
 Infos = Literal["full", "mask", "none"]
-"""R7.2: what an env tells in its infos."""
+"""R7.2: content of an env's infos."""
 
 _NO_ANSWER: Final = {
     "verdict": NO_REQUEST,
@@ -36,20 +36,21 @@ class Results:
     ) -> None:
         self._made_of = config, engine, rows, controls, infos
         self._config, self._engine, self._rows, self._controls, self._level = self._made_of
-        self._seen, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
+        self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
+        self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
-        self.choose(())
+        self.set_agents(())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Made anew where it is unpickled: its arrays are the engine's."""
+        """Build it again when unpickled, since its arrays belong to the engine."""
         return Results, self._made_of, self._agents
 
     def __setstate__(self, agents: Sequence[str]) -> None:
-        self.choose(agents)
+        self.set_agents(agents)
 
-    def choose(self, agents: Sequence[str]) -> None:
-        """For which agents all that follows is made."""
+    def set_agents(self, agents: Sequence[str]) -> None:
+        """Set the agents that the dictionaries are for."""
         self._agents = agents
         rows = [(agent, self._rows[agent]) for agent in agents]
         self._hunters = [(agent, row) for agent, row in rows if row < self._config.hunters]
@@ -62,7 +63,7 @@ class Results:
 
     def observations(self) -> dict[str, Any]:
         """R7.1, R12.4."""
-        seen = self._seen.copy()
+        seen = self._observations.copy()
         observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters}
         if self._config.prey:  # of the two sides one may see less
             size, of_prey = observation_size(self._config), prey_observation_size(self._config)
@@ -81,10 +82,10 @@ class Results:
         if self._level != "full":
             masks = self._masks.copy()
             for agent, row in self._hunters:
-                told = self._level == "mask" and self._controls[row] != "velocity"
-                infos[agent] = {"action_mask": masks[row]} if told else {}
+                has_mask = self._level == "mask" and self._controls[row] != "velocity"
+                infos[agent] = {"action_mask": masks[row]} if has_mask else {}
             return infos | {agent: {} for agent, _ in self._prey}
-        answers, parts, masks = self._engine.answers.tolist(), self._engine.parts[0].copy(), self._masks.copy()
+        answers, parts, masks = self._engine.answers.tolist(), self._parts.copy(), self._masks.copy()
         for agent, row in self._hunters:
             infos[agent] = info = _NO_ANSWER.copy()
             number, verdict, distance, winner = answers[row]
@@ -111,7 +112,7 @@ class Results:
 
     def _add_infos_of_prey(self, infos: dict[str, dict[str, Any]]) -> None:
         active, caught_by = self._engine.active[0].tolist(), self._engine.caught_by.tolist()
-        parts = self._engine.prey_parts[0].copy()
+        parts = self._prey_parts.copy()
         for agent, row in self._prey:
             index = row - self._config.hunters
             infos[agent] = {

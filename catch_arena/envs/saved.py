@@ -23,7 +23,7 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
     memory: NDArray[np.uint8]
     """As the engine keeps it."""
     finished: NDArray[np.uint8]
-    """What an engine with `auto_reset` keeps of episodes that have ended; empty of one without."""
+    """Records of finished episodes, of an engine with `auto_reset`; else empty."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, SavedState) and equal(tuple(self), tuple(other))

@@ -12,10 +12,11 @@ from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, require_flag
 from catch_arena.core import state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine
+from catch_arena.engine.engine import NO_CHOICES, NO_COMMANDS
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.envs.actions import choice_array, clipped, command_array
 from catch_arena.envs.saved import SavedState, require_saved, restore_all, restore_row, save_all, save_row
-from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, velocity_space
+from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
@@ -28,8 +29,6 @@ _TERMINATED: Final = np.int8(state.TERMINATED)  # of the same type as `Engine.en
 _TRUNCATED: Final = np.int8(state.TRUNCATED)
 _MOST_ENVS: Final = 10**9  # of which a machine's memory holds fewer
 _MOST_THREADS: Final = 4096
-_NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
-_NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 
 T = TypeVar("T")
 
@@ -183,7 +182,7 @@ class VectorArena:
     def action_space(self, agent: int = 0) -> spaces.Space[Any]:
         """R4.1, R4.4, R12.2: what that agent may do, one of N."""
         row = self._agent(agent)
-        return velocity_space() if row >= self.num_hunters else action_space(self.config, self.config.controls[row])
+        return action_space(self.config, "velocity" if row >= self.num_hunters else self.config.controls[row])
 
     def _agent(self, agent: int) -> int:
         number, last = whole_number(agent), self.num_hunters + self.num_prey - 1
@@ -346,7 +345,7 @@ class VectorArena:
         if given is None:
             if self._choosing:
                 raise ActionError(f"choices must be {shape} whole numbers where hunters choose, got None")
-            return _NO_CHOICES
+            return NO_CHOICES
         choices = _array("choices", given, choice_array, 2)
         if choices.dtype.kind not in "iu":
             raise ActionError(f"choices must be whole numbers, got {_named(given)}")
@@ -362,7 +361,7 @@ class VectorArena:
         if given is None:
             if self._driving:
                 raise ActionError(f"commands must be {shape} numbers where agents drive themselves, got None")
-            return _NO_COMMANDS
+            return NO_COMMANDS
         commands = _array("commands", given, command_array, 3)
         if commands.dtype.kind not in "fiu":
             raise ActionError(f"commands must be numbers, got {_named(given)}")
