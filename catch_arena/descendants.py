@@ -4,57 +4,37 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterable
-from contextlib import suppress
-from typing import Final
 
-LINUX: Final = sys.platform == "linux"
-_GRACE_S: Final = 0.5
-_PAUSE_S: Final = 0.002
+LINUX = sys.platform == "linux"
+_GRACE_S = 0.5
+_PAUSE_S = 0.002
 
 
 def family(*roots: int) -> set[int]:
-    """Return the living descendants of these processes, without themselves; empty if the system does not tell."""
-    return set(_by_generation(roots)) - {*roots}
+    """Return the living descendants of these processes, without themselves; empty if the system does not list them."""
+    children: dict[int, list[int]] = {}
+    for name in os.listdir("/proc") if LINUX else ():
+        try:
+            with open(f"/proc/{name}/stat", "rb", buffering=0) as file:  # noqa: PTH123 - read for each process there is
+                state, parent, *_ = file.read().rpartition(b")")[2].split()
+            if state not in {b"Z", b"X"}:
+                children.setdefault(int(parent), []).append(int(name))
+        except (OSError, ValueError):  # it is no process, or has just ended
+            continue
+    found = list(roots)
+    for parent in found:  # it grows meanwhile
+        found += children.get(parent, ())
+    return {*found} - {*roots}
 
 
 def end_all() -> None:
-    """End all that descend from this process: first by SIGTERM, a moment later by SIGKILL.
-
-    Parents come first: one that waits for its child, and then goes on, would start another.
-    """
+    """End all that descend from this process: first by SIGTERM, a moment later by SIGKILL."""
     for number in (signal.SIGTERM, signal.SIGKILL) if LINUX else ():
-        for pid in _by_generation([os.getpid()])[1:]:
-            _send(pid, number)
         patience = time.monotonic() + _GRACE_S
-        while family(os.getpid()) and time.monotonic() < patience:
+        while (left := family(os.getpid())) and time.monotonic() < patience:
+            for pid in left:
+                try:  # noqa: SIM105 - contextlib may be half imported
+                    os.kill(pid, number)
+                except OSError:  # it has just ended
+                    pass
             time.sleep(_PAUSE_S)
-
-
-def _parent_of(pid: int) -> int | None:
-    """Return the id of a process's parent; None if the process has ended."""
-    try:
-        with open(f"/proc/{pid}/stat", "rb", buffering=0) as file:  # noqa: PTH123 - read for each process there is
-            state, parent, *_ = file.read().rpartition(b")")[2].split()
-    except (OSError, ValueError):  # it has just ended
-        return None
-    return None if state in {b"Z", b"X"} else int(parent)
-
-
-def _by_generation(roots: Iterable[int]) -> list[int]:
-    """Return these processes and their living descendants, parents before their children."""
-    children: dict[int, list[int]] = {}
-    for entry in os.scandir("/proc") if LINUX else ():
-        if entry.name.isdigit() and (parent := _parent_of(int(entry.name))) is not None:
-            children.setdefault(parent, []).append(int(entry.name))
-    found = dict.fromkeys(roots)
-    generation = list(found)
-    while generation:
-        generation = [child for parent in generation for child in children.get(parent, ()) if child not in found]
-        found |= dict.fromkeys(generation)
-    return list(found)
-
-
-def _send(pid: int, number: int) -> None:
-    with suppress(OSError):  # it has just ended
-        os.kill(pid, number)

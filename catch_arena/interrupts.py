@@ -12,13 +12,14 @@ import signal
 import sys
 import time
 
+from catch_arena.descendants import end_all
+
 TYPE_CHECKING = False  # as typing says, which takes 10 ms to load
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import NoReturn
 
 _LONG_S = 3600.0
-_AGAIN_S = 0.05
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
 
 
@@ -31,13 +32,11 @@ class _Command:
     """The first signal, or 0."""
     unwinds = False
     """True from the begin of the command to its end: an interrupt can be raised."""
-    waits = False
+    lingers = False
     """True while an interrupt is the command's normal end."""
     keeps = False
     """True while it saves what must not be lost; an interrupt waits."""
-    more: "Callable[[], str] | None" = None
-    end_descendants: "Callable[[], None] | None" = None
-    """None before `run`: nothing is started until then, and an import in a handler may meet a half-imported module."""
+    more: "Callable[[], str]" = str
 
 
 def listen() -> None:
@@ -50,9 +49,6 @@ def listen() -> None:
 
 def run(command: "Callable[[], object]") -> "NoReturn":
     """Run this as the whole of the process, after `listen`; exit with what it returns or exits with."""
-    from catch_arena.descendants import end_all
-
-    _Command.end_descendants = end_all
     status: object = None
     try:
         try:
@@ -72,26 +68,26 @@ def run(command: "Callable[[], object]") -> "NoReturn":
     sys.exit(status)  # type: ignore[arg-type]
 
 
-def wait(tell: "Callable[[], object]") -> None:
-    """Call `tell`, and wait for a signal, which is the normal end of the command: its exit code is 0."""
-    _Command.waits = True  # from here to the end: a second signal finds nothing that could be lost
-    try:
-        tell()
-        while True:
-            time.sleep(_LONG_S)
-    except KeyboardInterrupt:
-        pass
-
-
 def linger(last: "Callable[[], object]") -> None:
     """Call `last`; a signal ends it, and is the normal end of the command: its exit code is 0."""
-    _Command.waits = True
+    _Command.lingers = True
     try:
         last()
     except KeyboardInterrupt:
         pass
     finally:
-        _Command.waits = False
+        _Command.lingers = False
+
+
+def wait(tell: "Callable[[], object]") -> None:
+    """Call `tell`, and wait for a signal, which is the normal end of the command."""
+
+    def last() -> None:
+        tell()
+        while True:
+            time.sleep(_LONG_S)
+
+    linger(last)
 
 
 def keep(save: "Callable[[], object]") -> None:
@@ -116,52 +112,39 @@ def also_say(more: "Callable[[], str]") -> None:
 
 
 def _hear(number: int, _: object) -> None:
-    if not _Command.heard:
-        _Command.heard, _Command.status = number, 0 if _Command.waits else 128 + number
-        sys.unraisablehook = _raise_again
-        if (threading := sys.modules.get("threading")) is not None:
-            threading.excepthook = _say_nothing  # type: ignore[attr-defined]
-        if _Command.keeps:
-            return
-        if _Command.unwinds:
-            raise KeyboardInterrupt
-    elif not _Command.waits:  # the command had more to do, although the first was its normal end
-        _Command.status = 128 + _Command.heard
-    _end()
+    if _Command.heard:
+        _Command.status = 128 + _Command.heard  # the command had more to do, although the first was its normal end
+        _end()
+    _Command.heard, _Command.status = number, 0 if _Command.lingers else 128 + number
+    sys.unraisablehook = _swallowed
+    if (threading := sys.modules.get("threading")) is not None:
+        threading.excepthook = lambda _: None  # type: ignore[attr-defined]
+    if _Command.unwinds and not _Command.keeps:
+        raise KeyboardInterrupt
+    if not _Command.keeps:
+        _end()
+
+
+def _swallowed(what: "sys.UnraisableHookArgs") -> None:
+    """End if a destructor or a callback from C has swallowed the interrupt; print nothing."""
+    if what.exc_type is KeyboardInterrupt:
+        _end()
 
 
 def _end() -> "NoReturn":
     """End this process and all that descends from it, without what Python does at its exit."""
-    _Command.unwinds = False  # else `_raise_again` could break this off before the line is printed
     try:
-        if _Command.end_descendants is not None:
-            _Command.end_descendants()
+        end_all()
         if _Command.status:
             line = f"catch-arena: {_WORDS[signal.Signals(_Command.heard).name]}"
-            try:  # noqa: SIM105 - contextlib may be half imported
-                line += f": {_Command.more()}" if _Command.more else ""
-            except Exception:  # noqa: BLE001, S110 - the line is printed in any case
-                pass
+            try:
+                more = _Command.more()
+            except Exception:  # noqa: BLE001 - the line is printed in any case
+                more = ""
             before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # a cursor that was hidden comes back
-            os.write(2, f"{before}{line}\n".encode(errors="backslashreplace"))
+            os.write(2, f"{before}{line}{more and ': '}{more}\n".encode(errors="backslashreplace"))
     finally:
         os._exit(_Command.status)
-
-
-def _raise_again(swallowed: "sys.UnraisableHookArgs") -> None:
-    """Interrupt again if a destructor or a callback from C has swallowed the interrupt; print nothing."""
-    if swallowed.exc_type is KeyboardInterrupt and hasattr(signal, "setitimer"):
-        signal.signal(signal.SIGALRM, _interrupt)
-        signal.setitimer(signal.ITIMER_REAL, _AGAIN_S)
-
-
-def _interrupt(*_: object) -> None:
-    if _Command.unwinds:
-        raise KeyboardInterrupt
-
-
-def _say_nothing(_: object) -> None:
-    pass
 
 
 def _flush() -> bool:
