@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Final
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import OtherTournamentError, StoreError
+from catch_arena.errors import CatchArenaError, OtherTournamentError, StoreError
 from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
@@ -58,10 +58,12 @@ CREATE TABLE result (
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
+_KEEP: Final = f"INSERT INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _VERSIONS: Final = "SELECT id, value FROM versions"
-_MATCH: Final = "id, block, seed, seating, agent_seeds"
-_PLAYED: Final = f"SELECT {_MATCH}, replay, {', '.join(stored_values.RESULTS)} FROM result JOIN match ON match = id"  # noqa: S608
+_PLAYED: Final = (
+    f"SELECT versions, match.*, replay, {', '.join(stored_values.RESULTS)} "  # noqa: S608
+    "FROM result JOIN match ON match = id ORDER BY id LIMIT ?"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +89,22 @@ class Tournament:
             "seed": None if self.secret is None else self.secret.text,
             "terms": dict(self.terms),
         }
+
+    @classmethod
+    def of(cls, facts: stored_values.Facts) -> "Tournament":
+        """The tournament that is stored so.
+
+        Raises:
+            DamagedError: for facts that no tournament of this version has.
+        """
+        if facts.ruleset != RULESET:
+            raise stored_values.DamagedError(f"it was played under ruleset {facts.ruleset}, and this is {RULESET}")
+        try:
+            config = ArenaConfig.from_dict(facts.config)
+            secret = None if facts.seed is None else Secret.parse(facts.seed)
+        except (CatchArenaError, TypeError, ValueError) as error:
+            raise stored_values.DamagedError(f"table fact: {error}") from None
+        return cls(config, facts.entrants, facts.plan, facts.terms, secret)
 
 
 def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
@@ -173,16 +191,14 @@ class Store:
     @property
     def tournament(self) -> Tournament:
         """Whose matches these are."""
-        facts = self._facts()
         with self._store_errors():
-            return Tournament(
-                stored_values.config_of(facts), facts.entrants, facts.plan, facts.terms, stored_values.secret_of(facts)
-            )
+            return Tournament.of(self._facts())
 
     @property
     def ended(self) -> bool:
         """Whether its plan has been played to its end: before, nobody may know what it is drawn from."""
-        return self._facts().ended
+        with self._store_errors():
+            return self._facts().ended
 
     def end(self) -> None:
         """The plan has no further matches."""
@@ -193,44 +209,25 @@ class Store:
         """Write blocks that will be played, all or none; how many matches there are in them."""
         count = 0
         with self.transaction() as db:
+            before = db.total_changes
             for match in (match for block in blocks for match in block):
                 row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
-                if db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?, ?)", row).rowcount:
-                    db.execute("DELETE FROM fact WHERE name = 'ended'")  # as where it may be longer than it was
-                else:
-                    planned = db.execute("SELECT * FROM match WHERE id = ?", (match.id,)).fetchone()
-                    if planned != row:
-                        there = stored_values.match_of(planned, *self._shape())
-                        raise StoreError(
-                            f"{self._name}: match {match.id} must be {there}, got {match}, "
-                            f"with {'the same seed' if planned[2] == match.seed else 'another seed'}"
-                        )
+                db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?, ?)", row)
                 count += 1
+            if db.total_changes > before:  # it may be longer than it was
+                db.execute("DELETE FROM fact WHERE name = 'ended'")
         return count
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
-        """Write matches that were played, all or none; one that was kept before must have come out alike."""
-        with self.transaction():
+        """Write matches that were played, all or none."""
+        with self.transaction() as db:
             for one in block:
-                self._keep(one)
-
-    def _keep(self, one: PlayedMatch) -> None:
-        result = one.result
-        parts = {name: getattr(result, name) for name in stored_values.RESULTS}
-        parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
-        parts["details"] = [one and (one.code, one.step, one.reason) for one in result.details]
-        row = (one.match.id, self._versions, one.replay, *map(_json, parts.values()))
-        if self._db.execute(_KEEP, row).rowcount:
-            return
-        kept = stored_values.played_of(
-            self._db.execute(f"{_PLAYED} WHERE id = ?", (one.match.id,)).fetchone(), *self._shape()
-        )
-        if kept != one:
-            raise StoreError(
-                f"{self._name}: match {one.match.id} came out with scores {kept.result.scores} and digest "
-                f"{kept.result.digest}, and when it was played again with {result.scores} and {result.digest}: "
-                "an agent does not repeat itself"
-            )
+                parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
+                parts["thinking"] = [
+                    (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
+                ]
+                parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.details]
+                db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:
         """The matches that are planned and not played, by block, in the order of the plan."""
@@ -255,17 +252,14 @@ class Store:
 
     def played(self, most: int = -1) -> Iterator[PlayedMatch]:
         """What was played, in the order of the plan; `most`, at most so many."""
-        shape = self._shape()
-        with self._store_errors():
-            for row in self._db.execute(f"{_PLAYED} ORDER BY id LIMIT ?", (most,)):
-                yield stored_values.played_of(row, *shape)
+        return (one for one, _ in self.records(most))
 
-    def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
-        """What was played, in the order of the plan, each with the versions that played it."""
+    def records(self, most: int = -1) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
+        """The same, each with the versions that played it."""
         shape = self._shape()
         with self._store_errors():
             known = {key: stored_values.versions_of(key, text) for key, text in self._db.execute(_VERSIONS)}
-            for by, *row in self._db.execute(f"SELECT versions, {_PLAYED.removeprefix('SELECT ')} ORDER BY id"):
+            for by, *row in self._db.execute(_PLAYED, (most,)):
                 yield stored_values.played_of(row, *shape), known[by]
 
     def count_played(self) -> int:
@@ -341,23 +335,14 @@ class Store:
             raise StoreError(f"{self._name}: is no store of a tournament")
         if form != _FORMAT:
             raise StoreError(f"{self._name}: is of format {form}, and this version reads format {_FORMAT}")
-        self._require_sound()
-        return True
-
-    def _require_sound(self) -> None:
-        """Require a store whose pages are whole.
-
-        Raises:
-            StoreError: for any other.
-        """
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
                 raise stored_values.DamagedError(str(found))
+        return True
 
     def _facts(self) -> stored_values.Facts:
-        with self._store_errors():
-            return stored_values.facts_of(self._db.execute("SELECT name, value FROM fact"))
+        return stored_values.facts_of(dict(self._db.execute("SELECT name, value FROM fact")))
 
     def _shape(self) -> tuple[int, int]:
         """Return the number of parties in a match, and of entrants."""
@@ -467,8 +452,6 @@ def store_bytes(parties: int) -> int:
 
 def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
     """The first fact in which a stored tournament differs from this one, in words; None if there is none."""
-    if there["ruleset"] != here["ruleset"]:
-        return f"it was played under ruleset {there['ruleset']}, and this is {here['ruleset']}"
     for kind in ("config", "plan", "terms"):
         for name in dict.fromkeys((*there[kind], *here[kind])):
             begun, now = there[kind].get(name), here[kind].get(name)

@@ -1,26 +1,18 @@
-"""Rows of a store as objects: msgspec decodes each value and checks its type."""
+"""Rows of a store as objects: msgspec decodes each and checks its types."""
 
-from collections.abc import Iterable, Sequence
-from typing import Any, Final, TypeVar, get_type_hints
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any, Final, TypeVar
 
 import msgspec
 
-from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import CatchArenaError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
-from catch_arena.tournament.secret import Secret
 
-_DECODERS: Final = {
-    name: msgspec.json.Decoder(kind) for name, kind in get_type_hints(MatchResult).items() if name != "logs"
-}
-RESULTS: Final = tuple(_DECODERS)
+RESULTS: Final = tuple(field.name for field in fields(MatchResult) if field.name != "logs")
 """The parts of a result that a store keeps, in their order; each is a column with JSON."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
-_INDICES: Final = msgspec.json.Decoder(tuple[int, ...])
-_VERSIONS: Final = msgspec.json.Decoder(dict[str, str])
-_ANY: Final = msgspec.json.Decoder()
-_MATCH_ROW: Final = tuple[str, int, int, str, str]
 
 T = TypeVar("T")
 
@@ -41,52 +33,20 @@ class Facts(msgspec.Struct):
     ended: bool = False
 
 
-def facts_of(rows: Iterable[Sequence[Any]]) -> Facts:
-    """Return the facts of a tournament.
-
-    Raises:
-        DamagedError: if one is missing or damaged, or of another ruleset.
-    """
-    values = {str(name): _decode(_ANY, "fact", name, "value", value) for name, value in rows}
-    if values.get("ruleset", RULESET) != RULESET:
-        raise DamagedError(f"it was played under ruleset {values['ruleset']}, and this is {RULESET}")
-    try:
-        return msgspec.convert(values, Facts)
-    except msgspec.ValidationError as error:  # it names the row
-        raise DamagedError(f"table fact: {error}") from None
+_FACTS: Final = msgspec.json.Decoder(Facts)
+_VERSIONS: Final = msgspec.json.Decoder(dict[str, str])
+_MATCH: Final = msgspec.json.Decoder(Match)
+_RESULT: Final = msgspec.json.Decoder(MatchResult)
 
 
-def config_of(facts: Facts) -> ArenaConfig:
-    """Return the arena's settings.
-
-    Raises:
-        DamagedError: if no arena can have them.
-    """
-    try:
-        return ArenaConfig.from_dict(facts.config)
-    except (CatchArenaError, TypeError, ValueError) as error:
-        raise DamagedError(f"table fact, row config: {error}") from None
+def facts_of(values: Mapping[str, str]) -> Facts:
+    """Return the facts of a tournament, or raise DamagedError; likewise all other functions here."""
+    return _decode(_FACTS, "table fact", _object(values))
 
 
-def secret_of(facts: Facts) -> Secret | None:
-    """Return the secret that the plan is drawn from.
-
-    Raises:
-        DamagedError: for anything else.
-    """
-    try:
-        return None if facts.seed is None else Secret.parse(facts.seed)
-    except CatchArenaError as error:
-        raise DamagedError(f"table fact, row seed: {error}") from None
-
-
-def versions_of(key: int, text: object) -> dict[str, str]:
-    """Return the versions that played, by package.
-
-    Raises:
-        DamagedError: for anything else.
-    """
-    return _decode(_VERSIONS, "versions", key, "value", text)
+def versions_of(key: int, text: str) -> dict[str, str]:
+    """Return the versions that played, by package."""
+    return _decode(_VERSIONS, f"table versions, row {key}", text)
 
 
 def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
@@ -96,46 +56,36 @@ def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
         row: its id, block, seed, seating and agents' seeds.
         parties: the number of parties in each match.
         entrants: the number of entrants.
-
-    Raises:
-        DamagedError: for anything else.
     """
-    try:
-        name, block, seed, seating, agent_seeds = msgspec.convert(tuple(row), _MATCH_ROW)
-    except msgspec.ValidationError as error:
-        raise DamagedError(f"table match, row {row[0]}: {error}") from None
-    players = _decode(_INDICES, "match", name, "seating", seating)
-    seeds = _decode(_INDICES, "match", name, "agent_seeds", agent_seeds)
-    if len(players) != parties or not all(0 <= index < entrants for index in players):
-        raise DamagedError(f"table match, row {name}: seating must have {parties} of {entrants} entrants")
-    if seeds and len(seeds) != parties:
-        raise DamagedError(f"table match, row {name}: agent_seeds must be {parties}")
-    return Match(name, block, seed, players, seeds)
+    name, block, seed, seating, agent_seeds = row
+    where = f"table match, row {name}"
+    values = {"id": json.dumps(name), "block": block, "seed": seed, "seating": seating, "agent_seeds": agent_seeds}
+    match = _decode(_MATCH, where, _object(values))
+    if len(match.seating) != parties or not all(0 <= index < entrants for index in match.seating):
+        raise DamagedError(f"{where}: seating must have {parties} of {entrants} entrants")
+    if len(match.agent_seeds) not in {0, parties}:
+        raise DamagedError(f"{where}: agent_seeds must be {parties}")
+    return match
 
 
 def played_of(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
-    """Return a match that was played.
-
-    Args:
-        row: the values of `match_of`, its replay's digest, and RESULTS.
-        parties: the number of parties in each match.
-        entrants: the number of entrants.
-
-    Raises:
-        DamagedError: for anything else.
-    """
+    """Return a match that was played; its row has the values of `match_of`, its replay's digest, and RESULTS."""
     *planned, replay = row[: -len(RESULTS)]
     match = match_of(planned, parties, entrants)
-    columns = zip(_DECODERS.items(), row[-len(RESULTS) :], strict=True)
-    parts = {name: _decode(decoder, "result", match.id, name, text) for (name, decoder), text in columns}
-    for name in _BY_PARTY:
-        if len(parts[name]) != parties:
-            raise DamagedError(f"table result, row {match.id}: {name} must be {parties}, got {len(parts[name])}")
-    return PlayedMatch(match, MatchResult(**parts), replay)
+    where = f"table result, row {match.id}"
+    result = _decode(_RESULT, where, _object(dict(zip(RESULTS, row[-len(RESULTS) :], strict=True))))
+    if wrong := [name for name in _BY_PARTY if len(getattr(result, name)) != parties]:
+        raise DamagedError(f"{where}: {wrong[0]} must be {parties}")
+    return PlayedMatch(match, result, replay)
 
 
-def _decode(decoder: "msgspec.json.Decoder[T]", table: str, row: object, column: str, text: object) -> T:
+def _object(values: Mapping[str, object]) -> str:
+    """Return the JSON of an object whose values are texts of JSON, or whole numbers."""
+    return "{" + ",".join(f'"{name}":{value}' for name, value in values.items()) + "}"
+
+
+def _decode(decoder: "msgspec.json.Decoder[T]", where: str, text: str) -> T:
     try:
-        return decoder.decode(text)  # type: ignore[arg-type]  # a column may hold anything
-    except (msgspec.MsgspecError, TypeError, ValueError, RecursionError) as error:
-        raise DamagedError(f"table {table}, row {row}: {column}: {error}") from None
+        return decoder.decode(text)
+    except (msgspec.MsgspecError, RecursionError, TypeError, UnicodeError) as error:
+        raise DamagedError(f"{where}: {error}") from None

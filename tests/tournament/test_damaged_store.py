@@ -126,8 +126,8 @@ def test_the_line_names_the_file_the_table_and_the_row(whole, tmp_path):
     with Store.read(folder) as store, pytest.raises(StoreError) as raised:
         list(store.played())
     assert str(raised.value) == (
-        f"{folder / STORE}: is damaged: table result, row r00001-g000001-s01: scores: "
-        "Expected `int`, got `str` - at `$[1]`"
+        f"{folder / STORE}: is damaged: table result, row r00001-g000001-s01: "
+        "Expected `int`, got `str` - at `$.scores[1]`"
     )
 
 
