@@ -13,9 +13,9 @@ _PAUSE_S = 0.002
 def family(*roots: int) -> set[int]:
     """Return the living descendants of these processes, without themselves; empty if the system does not list them."""
     children: dict[int, list[int]] = {}
-    for name in os.listdir("/proc") if LINUX else ():
+    for name in os.listdir("/proc") if LINUX else ():  # noqa: PTH208 - pathlib takes long to import
         try:
-            with open(f"/proc/{name}/stat", "rb", buffering=0) as file:  # noqa: PTH123 - read for each process there is
+            with open(f"/proc/{name}/stat", "rb", buffering=0) as file:  # noqa: PTH123
                 state, parent, *_ = file.read().rpartition(b")")[2].split()
             if state not in {b"Z", b"X"}:
                 children.setdefault(int(parent), []).append(int(name))

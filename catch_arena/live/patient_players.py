@@ -13,7 +13,7 @@ _AT_ONCE_S: Final = 0.05
 """Most agents have answered by then, and the window need not be drawn."""
 
 
-class PatientPlayers:
+class PatientPlayers(Players):
     """Isolated players whose thinking does not hold up this thread.
 
     Args:

@@ -10,7 +10,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.live.match_window import MatchWindow, QuitRequested, RestartRequested
 from catch_arena.live.patient_players import PatientPlayers
 from catch_arena.live.user_input import InputState
-from catch_arena.policy import PreyView, View
+from catch_arena.policy import Policy, PreyView, View
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.text import printable_lines
@@ -21,7 +21,7 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import CompositePlayers, Players, TrustedPlayers
+from catch_arena.tournament.players import Players
 
 
 class HumanPolicy:
@@ -155,12 +155,9 @@ def show_match(
 @contextmanager
 def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
     """Fresh ones, for one match."""
-    with start_players(lineup.agents, sandbox) as agents:
-        others = agents if sandbox is None else PatientPlayers(agents, sandbox, window.wait)
-        if lineup.person is None:
-            yield others
-        else:
-            yield CompositePlayers([TrustedPlayers({lineup.person: HumanPolicy(inputs)}), others])
+    person: dict[int, Entrant | Policy] = {} if lineup.person is None else {lineup.person: HumanPolicy(inputs)}
+    with start_players(person | lineup.agents, sandbox) as players:
+        yield players if sandbox is None else PatientPlayers(players, sandbox, window.wait)
 
 
 def free_parties(config: ArenaConfig, person: int | None) -> list[int]:

@@ -14,7 +14,7 @@ from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines
 from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import Fault, Observation, Players, TrustedPlayers
+from catch_arena.tournament.players import Fault, Observation, Players
 from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.tournament.secret import agent_seed
 from catch_arena.verdicts import NO_REQUEST, Verdict
@@ -60,7 +60,7 @@ def play(
         NoContest: where isolated players could not be held.
     """
     if isinstance(players, Sequence):
-        players = TrustedPlayers(dict(enumerate(players)))
+        players = Players(dict(enumerate(players)))
     parties = Parties.of(config)
     seats = range(len(parties.by_seat))
     if not len(players.controls) == len(names) == len(seats):

@@ -23,7 +23,7 @@ from catch_arena.ros.middleware.interfaces import (
     TwistMessage,
     Vector3,
 )
-from catch_arena.tournament.players import TrustedPlayers
+from catch_arena.tournament.players import Players
 
 YES, NO = CatchTurtleResponse(True), CatchTurtleResponse(False)
 ONE = ((2.0, 2.0, 0.0),)
@@ -608,7 +608,7 @@ def test_agents_play_in_other_seats_and_are_asked_every_100_ms(kind):
     agent = kind()
     match = Match(
         hunters=2,
-        players=TrustedPlayers({1: agent}),
+        players=Players({1: agent}),
         hunter_poses=((9.0, 9.0, 0.0), (2.0, 2.0, 0.0)),
         time_limit_s=20,
     )
@@ -629,7 +629,7 @@ def test_agents_play_in_other_seats_and_are_asked_every_100_ms(kind):
 
 def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
     """R1.6, with a line."""
-    match = Match(hunters=2, players=TrustedPlayers({1: Broken()}), hunter_poses=TWO, record=True, time_limit_s=2)
+    match = Match(hunters=2, players=Players({1: Broken()}), hunter_poses=TWO, record=True, time_limit_s=2)
     match.drive(match.a, 1.0, turtle="hunter_0")
     for _ in range(5):
         match.tick()

@@ -1,4 +1,4 @@
-"""Isolated agents in the seats of a match: all are asked at the same time, and each must answer in time."""
+"""Isolated agents in seats of a match: all are asked at the same time, and each must answer in time."""
 
 import json
 import math
@@ -7,16 +7,17 @@ import time
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple, get_args
 
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import ConfigError, NoContest
-from catch_arena.policy import AnyLimits
+from catch_arena.policy import AnyLimits, Policy, PreyPolicy
 from catch_arena.text import in_short, one_line
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox, how_it_ended
-from catch_arena.tournament.players import Answer, Fault, Observation
+from catch_arena.tournament.players import Answer, Fault, Observation, Players
 
 _POLL_S: Final = 0.1
 """Longest wait at a time, so that this process notices if it stood still itself."""
@@ -36,24 +37,33 @@ class _Reply(NamedTuple):
     fault: Fault | None = None
 
 
-class IsolatedPlayers:
-    """Entrants in seats of one match, each in a process of its own; all are asked at the same time.
+class IsolatedPlayers(Players):
+    """Players of which some are in processes of their own; these are asked at the same time.
 
     Args:
         sandbox: where they run.
-        entrants: by seat.
+        entrants: those in processes of their own, by seat.
+        here: the players of the other seats, as of `Players`.
+        absent: likewise.
     """
 
-    def __init__(self, sandbox: Sandbox, entrants: Mapping[int, Entrant]) -> None:
-        self.controls: dict[int, Control] = {seat: entrant.control for seat, entrant in entrants.items()}
+    def __init__(
+        self,
+        sandbox: Sandbox,
+        entrants: Mapping[int, Entrant],
+        here: Mapping[int, Policy | PreyPolicy | Entrant] = MappingProxyType({}),
+        absent: Mapping[int, Fault] = MappingProxyType({}),
+    ) -> None:
+        super().__init__(here, absent)
+        self.controls |= {seat: entrant.control for seat, entrant in entrants.items()}
         self._sandbox = sandbox
         self._entrants = entrants
-        self._limits = sandbox.limits
+        self._allowed = sandbox.limits
         self._bank_s = dict.fromkeys(entrants, sandbox.limits.bank_s)
         self._granted = {
-            "init": f"init_s ({self._limits.init_s:g} s)",
-            "reset": f"what was left of init_s ({self._limits.init_s:g} s)",
-            "act": f"step_ms ({self._limits.step_ms:g} ms) and what was left of bank_s ({self._limits.bank_s:g} s)",
+            "init": f"init_s ({self._allowed.init_s:g} s)",
+            "reset": f"what was left of init_s ({self._allowed.init_s:g} s)",
+            "act": f"step_ms ({self._allowed.step_ms:g} ms) and what was left of bank_s ({self._allowed.bank_s:g} s)",
         }
         """The limit that a late agent exceeds, by what it does; reports count by these words."""
         self._processes: dict[int, AgentProcess] = {}
@@ -61,6 +71,7 @@ class IsolatedPlayers:
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match; everything before the first view counts as init."""
+        here = super().reset(seeds, limits)
         faults: dict[int, Fault] = {}
         greeted = self._greet(self._entrants)
         for seat, reply in greeted.items():
@@ -72,20 +83,21 @@ class IsolatedPlayers:
                 why = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
                 faults[seat] = Fault("FORFEIT_INIT", why)
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
-        left_s = {seat: max(0.0, self._limits.init_s - greeted[seat].seconds) for seat in lines}
+        left_s = {seat: max(0.0, self._allowed.init_s - greeted[seat].seconds) for seat in lines}
         for seat, reply in self._exchange(lines, left_s, "reset").items():
             if reply.fault is not None:
                 faults[seat] = reply.fault
-        return {seat: replace(faults[seat], code="FORFEIT_INIT") for seat in sorted(faults)}
+        return here | {seat: replace(fault, code="FORFEIT_INIT") for seat, fault in faults.items()}
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
-        """Ask these seats for their actions: all get their views before the first answer is read."""
-        step_s, bank_s = self._limits.step_ms / 1000.0, self._bank_s
+        """Ask these seats for their actions; all processes get their views before the first answer is read."""
+        step_s, bank_s = self._allowed.step_ms / 1000.0, self._bank_s
         lines = {
             seat: (protocol.view_record if self._processes[seat].serves_many else protocol.view_line)(*observation)
             for seat, observation in observations.items()
+            if seat in self._processes
         }
-        answers: dict[int, Answer] = {}
+        answers = super().act({seat: one for seat, one in observations.items() if seat not in self._processes})
         for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
             bank_s[seat] -= max(0.0, reply.seconds - step_s)
             fault = reply.fault
@@ -113,9 +125,10 @@ class IsolatedPlayers:
         return Inspection(control, named, None, log, reply.said.get("prey") is True, prey_fault)
 
     def drop(self, seat: int) -> None:
-        """End that agent, and all that it started."""
-        self._dropped.add(seat)
-        self._sandbox.end(self._entrants[seat])
+        """End the agent of a seat that plays no further, and all that it started."""
+        if seat in self._processes:
+            self._dropped.add(seat)
+            self._sandbox.end(self._entrants[seat])
 
     def logs(self) -> dict[int, str]:
         """Return what each seat has printed."""
@@ -129,7 +142,7 @@ class IsolatedPlayers:
         for seat in seats:
             self._processes[seat] = self._sandbox.start(self._entrants[seat])
         lines = {seat: protocol.hello_line(self._entrants[seat].side) for seat in seats}
-        return self._exchange(lines, dict.fromkeys(seats, self._limits.init_s), "init")
+        return self._exchange(lines, dict.fromkeys(seats, self._allowed.init_s), "init")
 
     def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
         """Send each seat its line, and take a line from each: JSON objects, or faults."""
@@ -222,10 +235,10 @@ def _control_in(greeting: _Reply) -> Any:
 
 
 @contextmanager
-def isolated_players(entrants: Mapping[int, Entrant], sandbox: Sandbox) -> Iterator[IsolatedPlayers]:
-    """Isolated agents by seat, for one match; what they started ends with it."""
+def isolated_players(sandbox: Sandbox, *seated: Any) -> Iterator[IsolatedPlayers]:
+    """`IsolatedPlayers` for one match; what they started ends with it."""
     try:
-        yield IsolatedPlayers(sandbox, entrants)
+        yield IsolatedPlayers(sandbox, *seated)
     except BaseException:
         sandbox.close()  # whatever was under way, the next match starts anew
         raise

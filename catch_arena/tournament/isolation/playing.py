@@ -1,12 +1,13 @@
 """Matches of entrants: trusted agents play in this process, and all others in processes of their own."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 from catch_arena.config import ArenaConfig
+from catch_arena.policy import Policy
 from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent, is_shipped
 from catch_arena.tournament.isolation.isolated_players import isolated_players
 from catch_arena.tournament.isolation.limits import AgentLimits
@@ -14,7 +15,7 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import CompositePlayers, Fault, Players, TrustedPlayers
+from catch_arena.tournament.players import Fault, Players
 from catch_arena.tournament.secret import agent_seed
 
 
@@ -50,40 +51,32 @@ def play_entrants(
         return play(config, seed, players, names, agent_seeds=seeds, **options)
 
 
-@contextmanager
 def start_players(
-    entrants: Sequence[Entrant] | Mapping[int, Entrant],
+    seated: Sequence[Entrant] | Mapping[int, Entrant] | Mapping[int, Entrant | Policy],
     sandbox: Sandbox | None,
     excluded_seats: Mapping[int, Fault] = MappingProxyType({}),
-) -> Iterator[Players]:
-    """The players of one match, by seat, while the context lasts.
+) -> AbstractContextManager[Players]:
+    """Return the players of one match, by seat, which play while the context lasts.
 
     Agents that come with the package, and all agents if there is no sandbox, play in this process.
 
     Args:
-        entrants: by seat.
+        seated: by seat; an entrant, or an instance that plays in this process.
         sandbox: where agents that are not trusted run.
         excluded_seats: seats that are not started, and why.
 
     Raises:
         NoContest: for a match that failed on our side.
     """
-    entrants = entrants if isinstance(entrants, Mapping) else dict(enumerate(entrants))
+    seated = seated if isinstance(seated, Mapping) else dict(enumerate(seated))
+    entrants = {seat: one for seat, one in seated.items() if isinstance(one, Entrant)}
     faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
     faults |= excluded_seats
-    isolated = {
-        seat: one
-        for seat, one in entrants.items()
-        if sandbox is not None and seat not in faults and not is_shipped(one.spec)
-    }
-    here = {seat: one for seat, one in entrants.items() if seat not in isolated}
-    with ExitStack() as stack:
-        parts: list[Players] = []
-        if here:
-            parts.append(TrustedPlayers.of(here, faults))
-        if sandbox is not None and isolated:
-            parts.append(stack.enter_context(isolated_players(isolated, sandbox)))
-        yield parts[0] if len(parts) == 1 else CompositePlayers(parts)
+    isolated = {seat: one for seat, one in entrants.items() if seat not in faults and not is_shipped(one.spec)}
+    if sandbox is None or not isolated:
+        return nullcontext(Players(seated, faults))
+    here = {seat: one for seat, one in seated.items() if seat not in isolated}
+    return isolated_players(sandbox, isolated, here, faults)
 
 
 def sandbox_for(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
@@ -97,7 +90,7 @@ def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
     def inspect(spec: str) -> Inspection:
         if sandbox is None or is_shipped(spec):
             return inspect_agent(spec)
-        with isolated_players({0: Entrant(spec, spec, "target", "")}, sandbox) as players:
+        with isolated_players(sandbox, {0: Entrant(spec, spec, "target", "")}) as players:
             return players.inspect()
 
     return inspect
