@@ -70,7 +70,7 @@ def measure(name: str, agents: list[str] | None, rounds: int, seed: int) -> None
     entrants = enter(agents or usual)
     # where seats are many, the agents take several each
     players = list(islice(cycle(range(len(entrants))), max(len(entrants), parties.group)))
-    plan = round_robin(len(players), parties.group, rounds, seed, parties if config.prey else None)
+    plan = round_robin(len(players), parties, rounds, seed)
     contests = Contests()
     played: list[PlayedMatch] = []
     with progress_bar(name) as show:

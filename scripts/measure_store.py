@@ -24,6 +24,7 @@ from catch_arena.tournament.execution.executors import ProcessExecutor, SerialEx
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
 from catch_arena.tournament.store import STORE, Store, Tournament
 
@@ -75,7 +76,7 @@ def bare(config: ArenaConfig, entrants: tuple[Entrant, ...], plan: FixedPlan) ->
 
 def measure_overhead(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: Path) -> None:
     """Turn by turn, a bare loop and the runner."""
-    plan = round_robin(len(entrants), config.hunters, 12, 0)
+    plan = round_robin(len(entrants), Parties.of(config), 12, 0)
     worker = Worker(config, entrants)
     bare(config, entrants, plan)  # compiled
     times: dict[str, list[float]] = {"bare": [], "runner": []}
@@ -93,7 +94,7 @@ def measure_overhead(config: ArenaConfig, entrants: tuple[Entrant, ...], folder:
 
 def measure_length(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: Path, args: Args) -> None:
     """A long tournament, its store and its exports."""
-    plan = round_robin(len(entrants), config.hunters, args.matches // config.hunters, 0)
+    plan = round_robin(len(entrants), Parties.of(config), args.matches // config.hunters, 0)
     facts = Tournament(config, entrants, plan.parameters)
     with Store.begin(facts, folder) as store:
         mine, wall = time.process_time(), time.perf_counter()
@@ -129,7 +130,7 @@ def measure_length(config: ArenaConfig, entrants: tuple[Entrant, ...], folder: P
 def measure_plan(entrants: tuple[Entrant, ...], folder: Path) -> None:
     """A million duels planned, in a store."""
     config = scenario("duel")
-    plan = round_robin(len(entrants), config.hunters, MILLION // 12, 0)
+    plan = round_robin(len(entrants), Parties.of(config), MILLION // 12, 0)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with Store.begin(Tournament(config, entrants, plan.parameters), folder) as store:
         spent = cpu_s(lambda: store.plan(plan.stage(0, ())))

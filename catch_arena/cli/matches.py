@@ -261,19 +261,18 @@ def _plan(
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
     form, rounds, until_separated, max_matches = options
-    prey = parties if len(parties.sides) > 1 else None
     if until_separated is None:
         most = MOST_IN_A_ROUND if max_matches is None else max_matches
-        return plan_of(form, len(entrants), parties.group, rounds, seed, prey, most)
+        return plan_of(form, len(entrants), parties, rounds, seed, most)
     if rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
 
     budget = BUDGET if max_matches is None else max_matches
 
     def of_rounds(count: int) -> FixedPlan:
-        return plan_of(form, len(entrants), parties.group, count, seed, prey, budget)
+        return plan_of(form, len(entrants), parties, count, seed, budget)
 
-    return UntilSeparated(entrants, until_separated, budget, of_rounds, prey)
+    return UntilSeparated(entrants, until_separated, budget, of_rounds, parties)
 
 
 def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:

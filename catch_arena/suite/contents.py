@@ -78,7 +78,7 @@ class Suite:
         fewer blocks it has the first ones of a longer plan.
         """
         parties = scenario.parties
-        roles = round_robin(len(parties), len(parties), blocks, self.secret(scenario))
+        roles = round_robin(len(parties), parties, blocks, self.secret(scenario))
 
         def seated(block: Block) -> Block:
             playing = (0, *(1 + index for index in scenario.lineup(block[0].block)))

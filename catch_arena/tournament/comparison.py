@@ -14,7 +14,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, PlayedMatch
-from catch_arena.tournament.parties import SIDES, Parties
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
@@ -28,16 +28,19 @@ _FIRST_STAGE: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class ComparisonDesign:
-    """Who sits where in each block of a comparison; its *seats* are as many as a block has players (`Parties.group`).
+    """Who sits where in each block of a comparison; with prey each side is compared by itself.
 
     A field that leaves one seat free is met by both in turn, each from every seat, on the same targets. Otherwise both
     sit in the same match, and share what the field leaves free.
     """
 
-    seats: int
+    parties: Parties
     field: int
-    parties: Parties | None = None
-    """Where there is prey: each side is compared by itself."""
+
+    @property
+    def seats(self) -> int:
+        """How many players a block has."""
+        return self.parties.group
 
     def __post_init__(self) -> None:
         free = self.seats - self.field
@@ -74,8 +77,8 @@ class ComparisonDesign:
         """The share that A got of B in a block: in each comparison of two ranks a better one counts 1, an equal one
         one half. With prey all ranks of a side in the block are compared: in a match the two may be on different sides.
         """
-        if self.parties is not None:
-            sides = [on_side(block, self.parties, side) for side in SIDES]
+        if len(self.parties.sides) > 1:
+            sides = [on_side(block, self.parties, side) for side in self.parties.sides]
             return sum(_share(side) for side in sides) / len(sides)
         step = 2 if self.in_turn else 1
         shares = [_share(block[begin : begin + step]) for begin in range(0, len(block), step)]
@@ -120,7 +123,7 @@ class _UntilDecided:
         secret: Secret,
         progress: Callable[[int, Sprt], None] | None,
     ) -> None:
-        plan = round_robin(design.seats, design.seats, max_blocks, secret.part("compare"), design.parties)
+        plan = round_robin(design.seats, design.parties, max_blocks, secret.part("compare"))
         self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
         self.size = plan.size * (2 if design.in_turn else 1)
         self.shares: list[float] = []
@@ -184,8 +187,7 @@ def compare(
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
     secret = Secret.of(seed)
-    parties = Parties.of(config)
-    design = ComparisonDesign(parties.group, len(entrants) - _FIELD, parties if len(parties.sides) > 1 else None)
+    design = ComparisonDesign(Parties.of(config), len(entrants) - _FIELD)
     plan = _UntilDecided(design, test, max_blocks, secret, progress)
     played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits, progress=on_played)
     forfeits: dict[str, Counter[str]] = {}

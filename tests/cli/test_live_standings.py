@@ -4,6 +4,7 @@ import io
 
 import pytest
 from rich.console import Console
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.cli import progress
@@ -14,7 +15,7 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 
 CONFIG = scenario("duel", time_limit_s=3)
-ENTRANTS, PLAN = enter(["nearest", "idle"]), round_robin(2, 2, 4, 0)
+ENTRANTS, PLAN = enter(["nearest", "idle"]), round_robin(2, hunters(2), 4, 0)
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from random import Random
 
+from tournament.seats import hunters
+
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
@@ -45,7 +47,7 @@ def tournament(
         for place, (name, spec) in enumerate(zip(names, specs or [f"{name}.py" for name in names], strict=True))
     )
     secret = Secret.of(1)
-    plan = round_robin(len(names), config.hunters, rounds, secret)
+    plan = round_robin(len(names), hunters(config.hunters), rounds, secret)
     folder.mkdir(parents=True, exist_ok=True)
     with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}, secret), folder, resume=True) as store:
         store.plan(plan.stage(0, ()))

@@ -6,6 +6,7 @@ from contextlib import closing
 from random import Random
 
 import pytest
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import StoreError
@@ -22,7 +23,7 @@ from catch_arena.tournament.store import STORE, Store, Tournament
 
 CONFIG = scenario("duel", time_limit_s=1)
 ENTRANTS = enter(["nearest", "idle", "random"])
-PLAN = round_robin(3, 2, 2, seed=4)
+PLAN = round_robin(3, hunters(2), 2, seed=4)
 FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, {"recorded": False, "max_forfeits": 10})
 
 

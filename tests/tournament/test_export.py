@@ -7,6 +7,7 @@ import sys
 
 import pytest
 from pyarrow import parquet
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, OutputError
@@ -23,7 +24,7 @@ from catch_arena.tournament.store import Store, Tournament, versions
 CONFIG = scenario("duel", time_limit_s=20)
 ENTRANTS = enter(["nearest", "first", "random"])
 SECRET = Secret.of(1)
-PLAN = round_robin(3, 2, 2, SECRET)
+PLAN = round_robin(3, hunters(2), 2, SECRET)
 FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, secret=SECRET)
 
 

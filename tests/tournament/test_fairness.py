@@ -7,6 +7,7 @@ from random import Random
 import numpy as np
 import pytest
 from scipy import special
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.arbitration import arbitrate
@@ -85,15 +86,14 @@ def test_no_seat_has_an_advantage_and_one_agent_under_two_names_has_one_rating(n
     """2000 matches of identical agents on targets of their own, 500 of twins, and the lots of 2000 steps."""
     config = scenario(name)
     parties = Parties.of(config)
-    prey = parties if config.prey else None
-    seats = list(round_robin(len(parties), len(parties), 2000, 1))[:: len(parties)]
+    seats = list(round_robin(len(parties), hunters(len(parties)), 2000, 1))[:: len(parties)]
     in_order = [replace(match, seating=tuple(range(len(parties)))) for match in seats]
     doubts = {}
     for side, found in outcomes_by_side(config, enter(["nearest"] * len(parties)), in_order).items():
         if len(parties.seats[parties.on(side)]) > 1:  # one prey alone has no other to differ from
             doubts[side, "wins"], doubts[side, "scores"] = seats_differ(found)
     twins = enter(["nearest", "nearest", *islice(cycle(OTHERS), parties.group - 2)])
-    plan = round_robin(len(twins), len(twins), 500 // parties.block_size, 2, prey)
+    plan = round_robin(len(twins), parties, 500 // parties.block_size, 2)
     for side, found in outcomes_by_side(config, twins, plan).items():
         doubts[side, "twins"] = p_values(rate(found))[0, 1]
     random = Random(3)

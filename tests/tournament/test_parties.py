@@ -191,7 +191,7 @@ def test_every_format_seats_each_player_of_a_block_equally_often_on_each_place()
         parties = Parties.of(config)
         entrants = parties.group + 2
         for form, most in product(FORMATS, (1, 20_000)):
-            plan = plan_of(form, entrants, parties.group, 1, 7, parties, most)
+            plan = plan_of(form, entrants, parties, 1, 7, most)
             matches = list(plan)
             assert len(matches) == plan.size
             assert [match.id for match in matches] == sorted(match.id for match in matches)
@@ -208,7 +208,7 @@ def test_a_prey_that_is_alone_is_compared_with_one_that_met_the_same_hunters(tea
     config = scenario("tag", time_limit_s=3, teams=teams)
     parties = Parties.of(config)
     entrants = enter(["intercept", "patrol", "nearest", "corners", "random"][: parties.group])
-    played = run(config, entrants, round_robin(len(entrants), parties.group, 1, 3, parties))
+    played = run(config, entrants, round_robin(len(entrants), parties, 1, 3))
     assert len(played) == parties.block_size
     caught = {one.match.seating: one.result.scores[-1] for one in played}
     hunters = {one.match.id: one.match.seating[:-1] for one in played}
@@ -225,7 +225,7 @@ def test_prey_is_rated_alike_whoever_its_hunter_is():
     config = scenario("tag", time_limit_s=30)
     parties = Parties.of(config)
     entrants = enter(["intercept", "flee", "idle", "idle", "idle"])
-    played = run(config, entrants, round_robin(5, 5, 4, 3, parties))
+    played = run(config, entrants, round_robin(5, parties, 4, 3))
     by_name = {
         line.name.removesuffix(" (plays flee)"): line for line in standings_of_sides(entrants, played, parties)["prey"]
     }

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from tournament.seats import hunters
 from typer.testing import CliRunner
 
 from catch_arena import scenario
@@ -59,7 +60,7 @@ def test_other_commands_draw_from_a_part_and_a_number_makes_a_secret():
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_plan_has_the_seeds_of_its_blocks(form):
     secret = Secret.of(9)
-    for number, block in enumerate(plan_of(form, 6, 3, 2, secret).stage(0, ())):
+    for number, block in enumerate(plan_of(form, 6, hunters(3), 2, secret).stage(0, ())):
         assert {(match.block, match.seed) for match in block} == {(number, secret.seed("match", number))}
         for match in block:
             assert match.agent_seeds == tuple(secret.seed("agent", number, one) for one in match.seating)
@@ -90,8 +91,8 @@ def test_a_text_that_is_neither_is_one_line(text):
 
 def test_neither_a_secret_nor_a_match_shows_its_seeds_where_it_is_printed():
     secret = DRAWN
-    match = next(iter(round_robin(2, 2, 1, secret)))
-    plan = plan_of("round-robin", 4, 2, 1, secret)
+    match = next(iter(round_robin(2, hunters(2), 1, secret)))
+    plan = plan_of("round-robin", 4, hunters(2), 1, secret)
     for text in (repr(secret), str(secret), f"{secret}", repr(match), repr(plan)):
         assert secret.digits not in text
         assert repr(secret.key) not in text
@@ -116,7 +117,7 @@ def worked_out(told: int) -> set[int]:
     ("secret", "found"), [(DRAWN, False), (Secret.of(SMALL_NUMBERS - 1), True)], ids=["drawn", "small number"]
 )
 def test_an_agents_seed_leads_to_its_match_only_where_the_tournaments_was_a_small_number(secret, found):
-    for match in round_robin(3, 2, 1, secret):
+    for match in round_robin(3, hunters(2), 1, secret):
         for seed in match.agent_seeds:
             assert (match.seed in worked_out(seed)) == found
 
@@ -175,7 +176,7 @@ class Breaks(SerialExecutor):
 def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):
     """Not where it broke off within the block, nor from before, where its replays were written and it was not kept."""
     entrants, secret = enter(["random", "idle"]), DRAWN
-    plan, worker = round_robin(2, 2, 3, secret), Worker(CONFIG, entrants, record=True)
+    plan, worker = round_robin(2, hunters(2), 3, secret), Worker(CONFIG, entrants, record=True)
     first, second, _ = blocks_of(plan)
 
     def replays():

@@ -6,19 +6,20 @@ import sqlite3
 import stat
 
 import pytest
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch, blocks_of
-from catch_arena.tournament.plans.schedule import balanced, round_robin
+from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
 
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
-PLAN = round_robin(3, 2, 2, seed=4)
+PLAN = round_robin(3, hunters(2), 2, seed=4)
 FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters, secret=Secret.of(4))
 
 
@@ -90,8 +91,11 @@ def changed(**facts):
     ("change", "message"),
     [
         ({"config": SHORT.replace(reach_m=0.4)}, "reach_m is 0.3 there, and 0.4 here"),
-        ({"plan": round_robin(3, 2, 3, seed=4).parameters}, "rounds is 2 there, and 3 here"),
-        ({"plan": balanced(3, 2, 2, 4).parameters}, 'format is "round-robin" there, and "balanced" here'),
+        ({"plan": round_robin(3, hunters(2), 3, seed=4).parameters}, "rounds is 2 there, and 3 here"),
+        (
+            {"plan": plan_of("round-robin", 3, hunters(2), 2, 4, most=1).parameters},
+            'format is "round-robin" there, and "balanced" here',
+        ),
         ({"terms": {"recorded": True}}, "recorded is not given there, and true here"),
         ({"secret": Secret.of(5)}, "its seed is another one; without --seed it keeps its own"),
         ({"entrants": ENTRANTS[:2]}, "its agents are nearest idle random, and here nearest idle"),
@@ -127,7 +131,7 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
         assert again.ended
     store.plan(PLAN.stage(0, ()))
     assert store.ended
-    store.plan(round_robin(3, 2, 3, seed=4).stage(0, ()))
+    store.plan(round_robin(3, hunters(2), 3, seed=4).stage(0, ()))
     assert not store.ended
 
 
@@ -142,7 +146,7 @@ def test_nothing_is_overwritten_without_a_word(tmp_path):
 def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):
     """As where a cluster did not answer."""
     Store.begin(FACTS, tmp_path).close()
-    other = dataclasses.replace(FACTS, plan=round_robin(3, 2, 3, seed=4).parameters)
+    other = dataclasses.replace(FACTS, plan=round_robin(3, hunters(2), 3, seed=4).parameters)
     Store.begin(other, tmp_path).close()
     with Store.read(tmp_path) as store:
         assert store.tournament == other
@@ -188,7 +192,7 @@ def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
 def test_its_size_is_what_a_plan_says(tmp_path):
     """Within a quarter, on matches of the standard length."""
     config, entrants = scenario("standard"), enter(["nearest", "contested", "first", "random"])
-    plan = round_robin(4, 4, 500, seed=0)
+    plan = round_robin(4, hunters(4), 500, seed=0)
     (first, *_) = run(config, entrants, list(plan)[:1])
     with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
         store.plan(plan.stage(0, ()))

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tournament.seats import hunters
 from typer.testing import CliRunner
 
 from catch_arena import Replay, scenario
@@ -79,7 +80,7 @@ def test_replays_and_the_report(played):
 
 def test_another_shipped_prey_does_not_go_on_with_a_tournament_that_it_plays_in(tmp_path):
     entrants = enter(AGENTS)
-    plan = round_robin(5, 5, 1, seed=4)
+    plan = round_robin(5, hunters(5), 1, seed=4)
     about = Tournament(scenario("tag", time_limit_s=2), entrants, plan.parameters)
     with Store.begin(about, tmp_path) as store:
         store.plan(plan.stage(0, ()))

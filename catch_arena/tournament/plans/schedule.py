@@ -3,9 +3,8 @@
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import combinations
-from math import comb
+from math import ceil, comb
 from typing import Final, Protocol
 
 from catch_arena.config import ArenaConfig, require_choice
@@ -70,65 +69,63 @@ class FixedPlan:
 def plan_of(
     wanted: str,
     entrants: int,
-    seats: int,
+    parties: Parties,
     rounds: int | None,
     seed: Secret | int,
-    parties: Parties | None = None,
     most: int = MOST_IN_A_ROUND,
 ) -> FixedPlan:
-    """The plan of a format.
+    """The plan of a format: in each round a block for each group of entrants, or for a balanced sample of the groups.
+
+    A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
+    each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
 
     Args:
-        wanted: one of FORMATS.
-        entrants: who plays.
-        seats: how many play in a block: `Parties.group`.
+        wanted: one of FORMATS; in a gauntlet the first entrant is in every group.
+        entrants: how many there are.
+        parties: those of the arena.
         rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
         seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
-        parties: those of the arena, where there is prey; without, a block is every rotation of its players.
-        most: matches of a round; of more groups a balanced sample is played.
+        most: matches of a round; of more groups a sample is played: the fewest in which all play equally often and as
+            many meetings as there are pairs take place (balanced_groups.py).
 
     Raises:
         ConfigError: for an unknown format, no rounds, and too few entrants or too many matches for it.
     """
     require_choice("format", wanted, FORMATS)
-    challengers = int(wanted == "gauntlet")
-    groups = comb(entrants - challengers, seats - challengers)
-    make: Callable[..., FixedPlan] = gauntlet if challengers else round_robin
-    if groups * _block_size(seats, parties) > most:
-        make = partial(gauntlet, sampled=True) if challengers else balanced
+    secret = Secret.of(seed)
+    first = range(int(wanted == "gauntlet"))
+    others, free = entrants - len(first), parties.group - len(first)
+    if not free:
+        raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {parties.group}")
+    count, turns, what = comb(others, free), 1, f"every {free} of {others} entrants"
+    sampled = count * parties.block_size > most
+    if sampled:
+        count, turns = groups_in_sweep(others, free), sweeps_to_meet(others, free)
+        what = f"balanced blocks of {entrants} entrants"
     if rounds is None:
-        # a challenger sits in every block; the others share what it leaves free
-        places = make(entrants, seats, 1, seed, parties).size // _block_size(seats, parties) * (seats - challengers)
-        rounds = -(-_BLOCKS_OF_EACH * (entrants - challengers) // max(places, 1))
-    return make(entrants, seats, rounds, seed, parties)
+        rounds = ceil(_BLOCKS_OF_EACH * others / max(turns * count * free, 1))
+    turns *= rounds
+    size = turns * count * parties.block_size
+    if not 1 <= turns <= _MOST_ROUNDS:
+        raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {turns}")
+    if size > _MOST_MATCHES:
+        raise ConfigError(
+            f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {what}, in every seating, {turns} rounds"
+        )
+
+    def blocks() -> Iterator[Block]:
+        drawn = sweeps(others, free, lambda *about: secret.seed("groups", *about))
+        for turn in range(turns):
+            for index, group in enumerate(next(drawn) if sampled else combinations(range(others), free)):
+                players = (*first, *(player + len(first) for player in group))
+                yield _block(players, secret, turn * count + index, f"r{turn + 1:05d}-g{index + 1:06d}", parties)
+
+    return FixedPlan({"format": "balanced" if sampled and not first else wanted, "rounds": rounds}, size, blocks)
 
 
-def round_robin(
-    entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None
-) -> FixedPlan:
-    """In each round, one block for each subset of `seats` entrants.
-
-    A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
-    each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
-    """
-    return _plan("round-robin", entrants, seats, rounds, seed, parties)
-
-
-def balanced(entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None) -> FixedPlan:
-    """In each round, as few blocks as have a meeting for each pair, with everybody in as many of them.
-
-    How often a pair meets differs by as little as the swaps of `balanced_groups.sweeps` can make it.
-    """
-    return _plan("balanced", entrants, seats, rounds, seed, parties, sampled=True)
-
-
-def gauntlet(
-    entrants: int, seats: int, rounds: int, seed: Secret | int, parties: Parties | None = None, *, sampled: bool = False
-) -> FixedPlan:
-    """The first entrant in every block, against each subset of the others, or against balanced groups of them."""
-    if seats < 2:
-        raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {seats}")
-    return _plan("gauntlet", entrants, seats, rounds, seed, parties, challengers=1, sampled=sampled)
+def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> FixedPlan:
+    """In each round, one block for each group of entrants."""
+    return plan_of("round-robin", entrants, parties, rounds, seed, _MOST_MATCHES)
 
 
 def listed(matches: Sequence[Match]) -> FixedPlan:
@@ -169,84 +166,19 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
     )
 
 
-def _check(rounds: int, size: int, what: str) -> None:
-    """Require a plan that can be played.
-
-    Raises:
-        ConfigError: for a plan that cannot be, or that is too long.
-    """
-    if not 1 <= rounds <= _MOST_ROUNDS:
-        raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {rounds}")
-    if size > _MOST_MATCHES:
-        raise ConfigError(
-            f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {what}, in every seating, {rounds} rounds"
-        )
-
-
-def _block_size(seats: int, parties: Parties | None) -> int:
-    """How many matches a block has."""
-    return seats if parties is None else parties.block_size
-
-
-def _block(
-    group: Sequence[int], secret: Secret, number: int, index: int, groups: int, parties: Parties | None
-) -> Block:
-    """Every rotation of a drawn circle of the group.
-
-    Args:
-        group: who plays in the block.
-        secret: what its seeds and its circle are drawn from.
-        number: its round's, from 0.
-        index: its own in the round, from 0.
-        groups: how many a round has.
-        parties: as of `plan_of`.
-    """
-    block = number * groups + index
-    order = sorted(group, key=lambda player: secret.seed("seating", block, player))
-    agent_seeds = {player: secret.seed("agent", block, player) for player in group}
-    rotations = [(*order[turn:], *order[:turn]) for turn in range(len(order))]
-    seatings = rotations if parties is None else list(parties.seatings(order))
+def _block(players: Sequence[int], secret: Secret, number: int, name: str, parties: Parties) -> Block:
+    """Every seating of a drawn circle of these players; `number` counts blocks from 0, `name` begins their ids."""
+    circle = sorted(players, key=lambda player: secret.seed("seating", number, player))
+    agent_seeds = {player: secret.seed("agent", number, player) for player in players}
+    seatings = list(parties.seatings(circle))
     digits = max(2, len(str(len(seatings) - 1)))  # ids sort as the plan does
     return tuple(
         Match(
-            id=f"r{number + 1:05d}-g{index + 1:06d}-s{turn:0{digits}d}",
-            block=block,
-            seed=secret.seed("match", block),
+            id=f"{name}-s{turn:0{digits}d}",
+            block=number,
+            seed=secret.seed("match", number),
             seating=seating,
             agent_seeds=tuple(agent_seeds[player] for player in seating),
         )
         for turn, seating in enumerate(seatings)
     )
-
-
-def _plan(
-    name: str,
-    entrants: int,
-    seats: int,
-    rounds: int,
-    seed: Secret | int,
-    parties: Parties | None,
-    *,
-    challengers: int = 0,
-    sampled: bool = False,
-) -> FixedPlan:
-    """Blocks of the challengers, who come first and play in each, and of groups of the others: all, or a sample."""
-    secret = Secret.of(seed)
-    others, free = entrants - challengers, seats - challengers
-    if sampled:
-        turns, count = rounds * sweeps_to_meet(others, free), groups_in_sweep(others, free)
-        what = f"balanced blocks of {entrants} entrants"
-    else:
-        turns, count = rounds, comb(others, free)
-        what = f"{'one against ' if challengers else ''}every {free} of {others} entrants"
-    size = turns * count * _block_size(seats, parties)
-    _check(turns, size, what)
-
-    def blocks() -> Iterator[Block]:
-        drawn = sweeps(others, free, lambda *about: secret.seed("groups", *about))
-        for number in range(turns):
-            for index, group in enumerate(next(drawn) if sampled else combinations(range(others), free)):
-                everybody = (*range(challengers), *(player + challengers for player in group))
-                yield _block(everybody, secret, number, index, count, parties)
-
-    return FixedPlan({"format": name, "rounds": rounds}, size, blocks)

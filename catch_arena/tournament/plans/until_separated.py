@@ -8,7 +8,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, PlayedMatch
-from catch_arena.tournament.parties import SIDES, Parties
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan
 from catch_arena.tournament.statistics.separation import Separation, next_look, require_confidence, separation
 from catch_arena.tournament.statistics.sides import on_side
@@ -25,7 +25,7 @@ class UntilSeparated:
     Args:
         rounds: makes the format's plan of so many.
         budget: how many matches it may have.
-        parties: those of the arena, where there is prey: the order of either side is to be clear.
+        parties: those of the arena; with prey the order of either side is to be clear.
 
     Raises:
         ConfigError: for a confidence outside [0.5, 1), and a budget below the matches of one round.
@@ -37,7 +37,7 @@ class UntilSeparated:
         confidence: float,
         budget: int,
         rounds: Callable[[int], FixedPlan],
-        parties: Parties | None = None,
+        parties: Parties,
     ) -> None:
         require_confidence(confidence)
         one = rounds(1)
@@ -46,7 +46,9 @@ class UntilSeparated:
         self._whole = rounds(budget // one.size)
         self._round = sum(1 for _ in one.blocks())
         self._entrants, self._parties = entrants, parties
-        self._confidence = confidence if parties is None else (1.0 + confidence) / 2.0  # two orders, half a doubt each
+        self._confidence = (
+            confidence if len(parties.sides) == 1 else (1.0 + confidence) / 2.0
+        )  # two orders, half a doubt each
         self.parameters: Mapping[str, str | int | float] = {
             **{name: value for name, value in one.parameters.items() if name != "rounds"},
             "until_separated": confidence,
@@ -61,8 +63,7 @@ class UntilSeparated:
         matches = list(played)
         blocks = len({one.match.block for one in matches})
         if matches:
-            sides = SIDES[:1] if self._parties is None else self._parties.sides
-            looks = [self._look(matches, side) for side in sides]
+            looks = [self._look(matches, side) for side in self._parties.sides]
             self.last = max(looks, key=lambda look: (not look.clear, look.p))
             if self.last.clear:
                 return ()
@@ -71,5 +72,4 @@ class UntilSeparated:
 
     def _look(self, matches: Sequence[PlayedMatch], side: Side) -> Separation:
         entrants = [entrant.on(side) for entrant in self._entrants]
-        played = matches if self._parties is None else on_side(matches, self._parties, side)
-        return separation(entrants, played, self._confidence)
+        return separation(entrants, on_side(matches, self._parties, side), self._confidence)

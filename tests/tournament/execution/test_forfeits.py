@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tournament.agents import write_agent
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, NoContest
@@ -124,7 +125,7 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
 def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
     """However many workers there are: each of its matches may cost all the time that it is allowed."""
     field = Field([0.0, 0.0, 1.0], 1)
-    plan = round_robin(3, SEATS, 50, seed=1)
+    plan = round_robin(3, hunters(SEATS), 50, seed=1)
     executor = Shuffled(field, 100, seed=1)
     begun = []
 
@@ -172,7 +173,7 @@ def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
     starts = "with Path(__file__).with_name('starts').open('a') as file: file.write('x')"
     bad = write_agent(tmp_path / "bad.py", "1 / 0", starts, "from pathlib import Path\n")
     config, entrants = scenario("duel", time_limit_s=6), enter([bad, "nearest", "idle"])
-    found = run(config, entrants, round_robin(3, 2, 4, seed=0), jobs=jobs, max_forfeits=3)
+    found = run(config, entrants, round_robin(3, hunters(2), 4, seed=0), jobs=jobs, max_forfeits=3)
     theirs = [(one.result, one.match.seating.index(0)) for one in found if 0 in one.match.seating]
     codes = [result.forfeits[seat] for result, seat in theirs]
     assert codes == ["FORFEIT_CRASH"] * 4 + ["FORFEIT_OUT"] * 12

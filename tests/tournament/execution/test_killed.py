@@ -111,9 +111,12 @@ from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 limits = AgentLimits(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
-run(scenario("duel"), enter(["mine.py", "mine.py"]), round_robin(2, 2, 9, 0), jobs=2, limits=limits)
+config = scenario("duel")
+plan = round_robin(2, Parties.of(config), 9, 0)
+run(config, enter(["mine.py", "mine.py"]), plan, jobs=2, limits=limits)
 """
 
 

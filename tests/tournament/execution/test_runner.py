@@ -5,6 +5,7 @@ from multiprocessing import resource_tracker
 
 import pytest
 from tournament.agents import dies_once, write_agent
+from tournament.seats import hunters
 
 from catch_arena import Replay, scenario
 from catch_arena.descendants import family
@@ -25,7 +26,7 @@ def helpers():
 
 def test_one_process_or_two_give_the_same_results_and_replays(tmp_path):
     entrants = enter(["nearest", "random", "patrol", "random"])
-    plan = round_robin(len(entrants), 2, 1, seed=5)
+    plan = round_robin(len(entrants), hunters(2), 1, seed=5)
     played = []
     for jobs in (1, 2):
         folder = prepare_folder(tmp_path / str(jobs))
@@ -43,7 +44,7 @@ def test_one_process_or_two_give_the_same_results_and_replays(tmp_path):
 def test_the_random_agent_plays_alike_in_a_block_and_the_targets_are_the_same(tmp_path):
     """A block's matches have one seed: R3.3 puts the targets in the same places whatever the seating."""
     entrants = enter(["nearest", "random"])
-    plan = round_robin(2, 2, 1, seed=2)
+    plan = round_robin(2, hunters(2), 1, seed=2)
     run(SHORT, entrants, plan, record=tmp_path)
     starts = [next(Replay.load(tmp_path / REPLAYS / f"{match.id}.replay").worlds()).targets for match in plan]
     assert starts[0] == starts[1]
@@ -53,7 +54,7 @@ def test_the_random_agent_plays_alike_in_a_block_and_the_targets_are_the_same(tm
 def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_path, jobs):
     entrants = enter([write_agent(tmp_path / "bad.py", "return -1"), "nearest", "idle"])
     before = family(os.getpid())
-    played = run(SHORT, entrants, round_robin(3, 2, 2, seed=0), jobs=jobs, record=tmp_path)
+    played = run(SHORT, entrants, round_robin(3, hunters(2), 2, seed=0), jobs=jobs, record=tmp_path)
     assert len(played) == 12
     for one in played:
         codes = ["FORFEIT_ILLEGAL" if place == 0 else None for place in one.match.seating]
@@ -67,14 +68,14 @@ def test_a_worker_that_dies_every_time_is_told_with_its_match(tmp_path):
     bad = write_agent(tmp_path / "bad.py", "os._exit(1)", before="import os\n")
     before = family(os.getpid())
     with pytest.raises(NoContest, match=r"match r00001-g000001.* failed 3 times: a worker process died"):
-        run(SHORT, enter([bad, "nearest"]), round_robin(2, 2, 1, seed=0), jobs=2)
+        run(SHORT, enter([bad, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
     assert family(os.getpid()) - before <= helpers()
 
 
 def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):
     """The first match kills its process as the kernel would; the results are those of an undisturbed run."""
     names = [dies_once(tmp_path), "nearest", "random"]
-    plan = round_robin(3, 2, 2, seed=0)
+    plan = round_robin(3, hunters(2), 2, seed=0)
     disturbed = run(SHORT, enter(names), plan, jobs=2)
     assert (tmp_path / "died").exists()
     assert disturbed == run(SHORT, enter(names), plan)
@@ -83,12 +84,12 @@ def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):
 def test_what_nobody_expects_of_a_trusted_agent_is_told_with_where_it_was_raised(tmp_path):
     bad = write_agent(tmp_path / "bad.py", "raise KeyboardInterrupt")
     with pytest.raises(RuntimeError, match=r"(?s)in a worker process:.*bad\.py.*KeyboardInterrupt"):
-        run(SHORT, enter([bad, "nearest"]), round_robin(2, 2, 1, seed=0), jobs=2)
+        run(SHORT, enter([bad, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
 
 
 def test_a_trusted_agent_that_reads_finds_nothing(tmp_path):
     reads = write_agent(tmp_path / "reads.py", "return input()")
-    one, _ = run(SHORT, enter([reads, "nearest"]), round_robin(2, 2, 1, seed=0), jobs=2)
+    one, _ = run(SHORT, enter([reads, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
     assert [detail.reason for detail in one.result.details if detail] == [
         "act raised EOFError: EOF when reading a line"
     ]

@@ -7,14 +7,13 @@ from math import comb
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tournament.seats import hunters
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.execution.cost import match_counts
 from catch_arena.tournament.match import Match, blocks_of
 from catch_arena.tournament.plans.schedule import (
     FORMATS,
-    balanced,
-    gauntlet,
     listed,
     plan_of,
     round_robin,
@@ -29,7 +28,8 @@ def plans(draw):
     seats = draw(st.integers(2, 5))
     entrants, rounds = draw(st.integers(seats, 12)), draw(st.integers(1, 3))
     most = draw(st.sampled_from([1, 20_000]))  # of each format a sample, or all
-    return plan_of(draw(st.sampled_from(FORMATS)), entrants, seats, rounds, draw(st.integers(0, 2**64 - 1)), None, most)
+    seed = draw(st.integers(0, 2**64 - 1))
+    return plan_of(draw(st.sampled_from(FORMATS)), entrants, hunters(seats), rounds, seed, most)
 
 
 @settings(deadline=None, max_examples=80)
@@ -53,22 +53,22 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
 @given(SIZES, st.integers(0, 2**64 - 1))
 def test_each_round_meets_every_subset_once_in_every_rotation(sizes, seed):
     entrants, seats, rounds = sizes
-    plan = round_robin(entrants, seats, rounds, seed)
+    plan = round_robin(entrants, hunters(seats), rounds, seed)
     groups = Counter(tuple(sorted(block[0].seating)) for block in blocks_of(plan))
     assert groups == dict.fromkeys(combinations(range(entrants), seats), rounds)
 
 
 def test_a_plan_follows_from_its_seed_and_a_longer_one_begins_with_the_shorter():
-    assert list(round_robin(6, 4, 2, 9)) != list(round_robin(6, 4, 2, 10))
-    assert list(round_robin(6, 4, 3, 9))[: len(round_robin(6, 4, 2, 9))] == list(round_robin(6, 4, 2, 9))
+    assert list(round_robin(6, hunters(4), 2, 9)) != list(round_robin(6, hunters(4), 2, 10))
+    assert list(round_robin(6, hunters(4), 3, 9))[:120] == list(round_robin(6, hunters(4), 2, 9))
 
 
 def test_this_plan_stays_what_it_is_whatever_the_python_or_the_machine():
     """Results of one seed are compared across machines: a change of this line is a break."""
-    match = next(iter(round_robin(5, 4, 1, 0)))
+    match = next(iter(round_robin(5, hunters(4), 1, 0)))
     assert (match.id, match.seed, match.seating) == ("r00001-g000001-s00", 2281132983424774186, (0, 1, 3, 2))
     assert match.agent_seeds[:2] == (6263321435955792150, 3195517759362832997)
-    *_, match = balanced(9, 4, 2, 0)
+    *_, match = plan_of("round-robin", 9, hunters(4), 2, 0, most=1)
     assert (match.id, match.seed, match.seating) == ("r00002-g000009-s03", 4307498912338749714, (7, 5, 0, 4))
 
 
@@ -77,7 +77,7 @@ def test_this_plan_stays_what_it_is_whatever_the_python_or_the_machine():
 def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
     """No pair has more than five blocks more than another, however many rounds there are; docs/tournaments.md."""
     entrants, seats, rounds = sizes
-    plan = balanced(entrants, seats, rounds, seed=3)
+    plan = plan_of("round-robin", entrants, hunters(seats), rounds, seed=3, most=1)
     (least, most), (seldom, often) = match_counts(plan, entrants)
     assert least == most == plan.size * seats // entrants
     mean = most * (seats - 1) / (entrants - 1) / seats
@@ -87,14 +87,14 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
 
 @pytest.mark.parametrize(("entrants", "seats"), [(5, 2), (9, 2), (9, 3), (5, 4), (13, 12)])
 def test_where_a_design_is_simple_balanced_blocks_are_perfect(entrants, seats):
-    _, (seldom, often) = match_counts(balanced(entrants, seats, 4, seed=0), entrants)
+    _, (seldom, often) = match_counts(plan_of("round-robin", entrants, hunters(seats), 4, seed=0, most=1), entrants)
     assert seldom == often
 
 
 @pytest.mark.parametrize(("entrants", "seats", "rounds"), [(6, 4, 1), (2, 2, 3), (41, 4, 1)])
 def test_in_a_gauntlet_the_first_is_in_every_match_and_meets_the_others_equally(entrants, seats, rounds):
     """With 40 in the field there are 9880 groups of three: balanced blocks stand in."""
-    plan = gauntlet(entrants, seats, rounds, seed=5, sampled=entrants > 40)
+    plan = plan_of("gauntlet", entrants, hunters(seats), rounds, seed=5)
     met = Counter(place for match in plan for place in match.seating)
     assert met[0] == plan.size
     assert len({met[place] for place in range(1, entrants)}) == 1
@@ -104,12 +104,16 @@ def test_in_a_gauntlet_the_first_is_in_every_match_and_meets_the_others_equally(
 
 
 def test_of_more_groups_than_a_round_may_have_a_balanced_sample_is_played():
-    assert plan_of("round-robin", 12, 4, 1, 0).parameters["format"] == "round-robin"
-    assert plan_of("round-robin", 30, 4, 1, 0).parameters["format"] == "balanced"
-    assert plan_of("round-robin", 30, 4, 1, 0).size == 300
-    assert plan_of("round-robin", 30, 4, 1, 0, most=109_620).size == 109_620
-    assert plan_of("round-robin", 5, 2, 1, 0, most=19).parameters["format"] == "balanced"
-    assert plan_of("gauntlet", 41, 4, 1, 0).size < plan_of("gauntlet", 41, 4, 1, 0, most=10**6).size == 9880 * 4
+    assert plan_of("round-robin", 12, hunters(4), 1, 0).parameters["format"] == "round-robin"
+    assert plan_of("round-robin", 30, hunters(4), 1, 0).parameters["format"] == "balanced"
+    assert plan_of("round-robin", 30, hunters(4), 1, 0).size == 300
+    assert plan_of("round-robin", 30, hunters(4), 1, 0, most=109_620).size == 109_620
+    assert plan_of("round-robin", 5, hunters(2), 1, 0, most=19).parameters["format"] == "balanced"
+    assert (
+        plan_of("gauntlet", 41, hunters(4), 1, 0).size
+        < plan_of("gauntlet", 41, hunters(4), 1, 0, most=10**6).size
+        == 9880 * 4
+    )
 
 
 @pytest.mark.parametrize(
@@ -125,7 +129,7 @@ def test_of_more_groups_than_a_round_may_have_a_balanced_sample_is_played():
 )
 def test_without_a_number_of_rounds_each_entrant_plays_ten_blocks(form, entrants, seats, rounds):
     """So that every figure of the standings has an interval; one round less would not do."""
-    plan = plan_of(form, entrants, seats, None, 5)
+    plan = plan_of(form, entrants, hunters(seats), None, 5)
     assert plan.parameters["rounds"] == rounds
     blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)
     assert min(blocks.values()) >= 10
@@ -145,11 +149,11 @@ def test_a_list_of_matches_is_a_plan_that_is_known_by_its_matches():
 def test_a_plan_that_cannot_be_is_refused(rounds, seed, message):
     for form in FORMATS:
         with pytest.raises(ConfigError, match=message):
-            plan_of(form, 60, 4, rounds, seed)
+            plan_of(form, 60, hunters(4), rounds, seed)
 
 
 def test_a_format_that_cannot_be_is_refused():
     with pytest.raises(ConfigError, match=r"format must be one of .* got 'gauntlett'; did you mean gauntlet"):
-        plan_of("gauntlett", 4, 2, 1, 0)
+        plan_of("gauntlett", 4, hunters(2), 1, 0)
     with pytest.raises(ConfigError, match="gauntlet needs at least 2 hunters in a match, got 1"):
-        plan_of("gauntlet", 4, 1, 1, 0)
+        plan_of("gauntlet", 4, hunters(1), 1, 0)

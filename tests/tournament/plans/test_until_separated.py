@@ -1,6 +1,7 @@
 """Playing until the order is clear: whole rounds, a budget, and the same matches with a larger one."""
 
 import pytest
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
@@ -15,7 +16,7 @@ EQUAL = enter(["nearest", "nearest", "idle"])
 
 
 def plan(entrants, budget, seed=1):
-    return UntilSeparated(entrants, 0.95, budget, lambda rounds: round_robin(3, 2, rounds, seed))
+    return UntilSeparated(entrants, 0.95, budget, lambda rounds: round_robin(3, hunters(2), rounds, seed), hunters(2))
 
 
 def test_it_ends_when_the_order_is_clear_after_whole_rounds():
@@ -24,7 +25,7 @@ def test_it_ends_when_the_order_is_clear_after_whole_rounds():
     assert plays.last.clear
     assert len(played) < plays.size == 3000
     assert len(played) % 6 == 0
-    assert [one.match for one in played] == list(round_robin(3, 2, len(played) // 6, 1))
+    assert [one.match for one in played] == list(round_robin(3, hunters(2), len(played) // 6, 1))
 
 
 def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
@@ -45,4 +46,4 @@ def test_what_cannot_be_is_refused():
     with pytest.raises(ConfigError, match="max_matches must be at least 6, the matches of one round, got 5"):
         plan(EQUAL, 5)
     with pytest.raises(ConfigError, match="confidence must lie in"):
-        UntilSeparated(EQUAL, 1.0, 100, lambda rounds: round_robin(3, 2, rounds, 1))
+        UntilSeparated(EQUAL, 1.0, 100, lambda rounds: round_robin(3, hunters(2), rounds, 1), hunters(2))

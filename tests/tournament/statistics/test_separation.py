@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tournament.played_matches import made_up
+from tournament.seats import hunters
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.plans.schedule import balanced
+from catch_arena.tournament.plans.schedule import plan_of
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
@@ -75,7 +76,7 @@ def test_one_that_never_wins_is_certainly_worse():
 
 def test_agents_that_always_come_last_do_not_hide_the_order_of_the_others():
     """As a class has some that forfeit every match: 16 play, two of them not really."""
-    plan, random = balanced(16, 4, 8, seed=1), np.random.default_rng(1)
+    plan, random = plan_of("round-robin", 16, hunters(4), 8, seed=1, most=1), np.random.default_rng(1)
     seating, block = (np.array([getattr(match, name) for match in plan]) for name in ("seating", "block"))
     scores = np.where(seating < 2, -seating, random.poisson(np.linspace(2, 30, 16)[seating]))
     ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
