@@ -15,7 +15,6 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import cache
 from inspect import signature
-from io import TextIOWrapper
 from pathlib import Path
 from stat import S_ISREG
 from types import ModuleType
@@ -134,9 +133,9 @@ class Inspection:
 
 def shipped() -> dict[str, str]:
     """The agents that come with the package: name to one line about each."""
-    package = _import(_SHIPPED)
+    package = load_module(_SHIPPED)
     names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
-    return {name: (_import(f"{_SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
+    return {name: (load_module(f"{_SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
 
 
 def inspect_agent(spec: str) -> Inspection:
@@ -312,9 +311,11 @@ def load_module(name: str) -> ModuleType:
     Raises:
         AgentError: if importing it raises.
     """
-    with _process_restored():
-        sys.path[:] = module_folders()
-        return _import(name)
+    try:
+        with _process_restored():
+            return importlib.import_module(name)
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raise AgentError(f"{name}: {_why_not_imported(error, name)}") from error
 
 
 def load_file(path: Path, folder: Path | None = None) -> ModuleType:
@@ -327,10 +328,20 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
     Raises:
         AgentError: if importing it raises.
     """
-    with _process_restored():
-        sys.path[:] = module_folders()
-        with nullcontext() if folder is None else _modules_of(folder):
-            return _import_file(path, alone=folder is None)
+    name = f"{_FILE_MODULE}{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise AgentError(f"{path}: is no Python file")
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)  # dataclasses look their module up
+    try:
+        with _process_restored(), nullcontext() if folder is None else _modules_of(folder):
+            spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        del sys.modules[name]
+        fault = wide_text_fault(_content_of(str(path)) or b"")
+        why = fault or _why_not_imported(error, path.stem, path.parent if folder is None else None)
+        raise AgentError(f"{path}: {why}") from error
+    return module
 
 
 def resolve_spec(spec: str) -> str:
@@ -518,36 +529,19 @@ def _takes_one_argument(method: Callable[..., object]) -> bool:
 
 @contextmanager
 def _process_restored() -> Iterator[None]:
-    """Restore what a stranger's module may change while it is imported: the folder, streams, locale, umask, where
-    modules are found, and how deep calls may go.
+    """Search modules in `module_folders` alone, and restore what a stranger's module may change while it is imported:
+    the folder, the streams, the locale, and where modules are found.
     """
-    path, depth = sys.path[:], sys.getrecursionlimit()
-    folder, language, umask = Path.cwd(), locale.setlocale(locale.LC_ALL), os.umask(0o077)
-    os.umask(umask)
-    streams = {name: getattr(sys, name) for name in ("stdin", "stdout", "stderr")}
-    forms = {name: (stream.encoding, stream.errors) for name, stream in streams.items() if _is_text(stream)}
+    path, folder, language = sys.path[:], Path.cwd(), locale.setlocale(locale.LC_ALL)
+    streams = sys.stdin, sys.stdout, sys.stderr
+    sys.path[:] = module_folders()
     try:
         yield
     finally:
         sys.path[:] = path
-        sys.setrecursionlimit(depth)
         os.chdir(folder)
-        os.umask(umask)
         locale.setlocale(locale.LC_ALL, language)
-        for number, (name, stream) in enumerate(streams.items()):
-            setattr(sys, name, stream)
-            if name not in forms:
-                continue
-            encoding, errors = forms[name]
-            if stream.closed:
-                mode = "w" if number else "r"
-                setattr(sys, name, os.fdopen(number, mode, encoding=encoding, errors=errors, closefd=False))
-            elif (stream.encoding, stream.errors) != forms[name]:
-                stream.reconfigure(encoding=encoding, errors=errors)
-
-
-def _is_text(stream: object) -> bool:
-    return isinstance(stream, TextIOWrapper) and not stream.closed
+        sys.stdin, sys.stdout, sys.stderr = streams
 
 
 @contextmanager
@@ -568,30 +562,6 @@ def _modules_of(folder: Path) -> Iterator[None]:
             file = getattr(sys.modules[name], "__file__", None)
             if isinstance(file, str) and Path(file).is_relative_to(folder) and not name.startswith(_FILE_MODULE):
                 del sys.modules[name]
-
-
-def _import_file(path: Path, *, alone: bool) -> ModuleType:
-    name = f"{_FILE_MODULE}{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise AgentError(f"{path}: is no Python file")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look their module up
-    try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        del sys.modules[name]
-        fault = wide_text_fault(_content_of(str(path)) or b"")
-        why = fault or _why_not_imported(error, path.stem, path.parent if alone else None)
-        raise AgentError(f"{path}: {why}") from error
-    return module
-
-
-def _import(name: str) -> ModuleType:
-    try:
-        return importlib.import_module(name)
-    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        raise AgentError(f"{name}: {_why_not_imported(error, name)}") from error
 
 
 def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:
