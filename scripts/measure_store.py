@@ -20,7 +20,7 @@ from catch_arena.cli.progress import progress_bar
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.policy import Limits, View
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor, usable_cores
+from catch_arena.tournament.execution.executors import Executor, ProcessExecutor, usable_cores
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
@@ -84,7 +84,7 @@ def measure_overhead(config: ArenaConfig, entrants: tuple[Entrant, ...], folder:
         place = folder / str(turn)
         place.mkdir()
         times["bare"].append(cpu_s(lambda: bare(config, entrants, plan)))
-        with Store.begin(Tournament(config, entrants, plan.parameters), place) as store, SerialExecutor(worker) as here:
+        with Store.begin(Tournament(config, entrants, plan.parameters), place) as store, Executor(worker) as here:
             times["runner"].append(cpu_s(lambda: play_plan(store, plan, here)))
     loop, runner = (statistics.median(times[kind]) / plan.size for kind in ("bare", "runner"))
     print(f"a bare loop      {1000 * loop:.1f} ms of CPU a match")

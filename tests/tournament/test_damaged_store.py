@@ -13,7 +13,7 @@ from catch_arena.errors import StoreError
 from catch_arena.report import watch, write_report
 from catch_arena.report.watch import LiveReport
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import SerialExecutor
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export, rows
@@ -31,7 +31,7 @@ FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, {"recorded": False, "max_f
 def whole(tmp_path_factory):
     """A store in which a block waits to be played."""
     folder = tmp_path_factory.mktemp("whole")
-    with Store.begin(FACTS, folder) as store, SerialExecutor(Worker(CONFIG, ENTRANTS)) as executor:
+    with Store.begin(FACTS, folder) as store, Executor(Worker(CONFIG, ENTRANTS)) as executor:
         play_plan(store, PLAN, executor)
     with closing(sqlite3.connect(folder / STORE)) as db, db:
         db.execute("DELETE FROM result WHERE match > 'r00002-g000002'")
@@ -57,7 +57,7 @@ def export_all(folder):
 def resume(folder):
     with (
         Store.begin(FACTS, folder, resume=True) as store,
-        SerialExecutor(Worker(CONFIG, ENTRANTS)) as executor,
+        Executor(Worker(CONFIG, ENTRANTS)) as executor,
     ):
         play_plan(store, PLAN, executor, max_forfeits=10, folder=folder)
         standings(ENTRANTS, list(store.played()))

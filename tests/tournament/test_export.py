@@ -12,7 +12,7 @@ from tournament.seats import hunters
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import SerialExecutor
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.ray_executor import RayExecutor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
@@ -31,7 +31,7 @@ FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, secret=SECRET)
 @pytest.fixture(scope="module")
 def store():
     with Store.begin(FACTS) as store:
-        play_plan(store, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
+        play_plan(store, PLAN, Executor(Worker(CONFIG, ENTRANTS)))
         yield store
 
 
@@ -85,7 +85,7 @@ def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
     with Store.begin(FACTS) as other:
-        play_plan(other, PLAN, SerialExecutor(Worker(CONFIG, ENTRANTS)))
+        play_plan(other, PLAN, Executor(Worker(CONFIG, ENTRANTS)))
         for one, name in ((store, "a"), (other, "b")):
             export(one, form, tmp_path / name, timing=False)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()

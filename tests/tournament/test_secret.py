@@ -18,7 +18,7 @@ from catch_arena.cli.arguments import blank_argument
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import SerialExecutor
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.runner import REPLAYS, play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import blocks_of
@@ -163,7 +163,7 @@ def test_resume_keeps_the_secret():
     assert CliRunner().invoke(main, [*words, "--resume", "--seed", secret.digits]).exit_code == 0
 
 
-class Breaks(SerialExecutor):
+class Breaks(Executor):
     """As if a block's second match killed us."""
 
     def submit(self, matches, excluded):
@@ -192,7 +192,7 @@ def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):
             play_plan(store, plan, Breaks(worker), folder=tmp_path)
         assert not left.exists()
         assert not store.ended
-        play_plan(store, plan, SerialExecutor(worker), folder=tmp_path)
+        play_plan(store, plan, Executor(worker), folder=tmp_path)
         assert replays() == {match.id for match in plan}
         assert store.ended
 

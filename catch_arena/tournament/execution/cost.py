@@ -9,7 +9,7 @@ from typing import Final
 
 from catch_arena.errors import NoContest
 from catch_arena.tournament.entrants import is_shipped
-from catch_arena.tournament.execution.executors import ProcessExecutor, SerialExecutor
+from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
@@ -81,7 +81,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     forfeits: dict[str, str] = {}
     foreign = worker.limits is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
     # a trusted agent may end the process that it plays in
-    with ProcessExecutor(worker, 1) if foreign else SerialExecutor(worker) as executor:
+    with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
         try:
             executor.result(executor.submit(block[:1], {}))  # the first one loads and compiles
             for match in block:

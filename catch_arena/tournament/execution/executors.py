@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from functools import cache
 from threading import Thread
 from types import TracebackType
-from typing import Protocol
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
@@ -22,43 +21,21 @@ from catch_arena.tournament.match import Match
 from catch_arena.tournament.players import Fault
 
 
-class Executor(Protocol):
-    """Plays blocks side by side; a context, which leaves no process behind."""
+class Executor:
+    """Plays one block after the other, in this process; its subclasses play several side by side.
 
-    worker: Worker
-    """Plays each match; it may be replaced while nothing is played."""
-
-    @property
-    def max_pending(self) -> int:
-        """Number of blocks that are begun before the first is waited for: enough that no worker is ever idle."""
-
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches, without the entrants that are `excluded`."""
-
-    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """Return what came of it.
-
-        Raises:
-            NoContest: if it failed on our side.
-        """
-
-    def __enter__(self) -> "Executor": ...
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None: ...
-
-
-class SerialExecutor:
-    """One block after the other, in this process."""
+    A context, which leaves no process behind.
+    """
 
     max_pending = 1
+    """Number of blocks that are begun before the first is waited for: enough that no worker is ever idle."""
 
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
+        """Plays each match; it may be replaced while nothing is played."""
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Play them before it returns."""
+        """Begin to play these matches, without the entrants that are `excluded`."""
         future: Future[list[RecordedMatch]] = Future()
         try:
             future.set_result(self.worker.play(matches, excluded))
@@ -67,19 +44,27 @@ class SerialExecutor:
         return future
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """Return what came of it."""
+        """Return what came of it.
+
+        Raises:
+            NoContest: if it failed on our side.
+        """
         return future.result()
 
-    def __enter__(self) -> "SerialExecutor":
+    def close(self) -> None:
+        """End all processes, whatever they play."""
+        self.worker.close()
+
+    def __enter__(self) -> "Executor":
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.worker.close()
+        self.close()
 
 
-class ProcessExecutor:
+class ProcessExecutor(Executor):
     """Several processes on this machine.
 
     Args:
@@ -91,9 +76,9 @@ class ProcessExecutor:
     """
 
     def __init__(self, worker: Worker, jobs: int) -> None:
+        super().__init__(worker)
         require_jobs(jobs)
         self.max_pending = 4 * jobs
-        self.worker = worker
         self._jobs = jobs
         self._pool = self._new_pool()
 
@@ -104,7 +89,7 @@ class ProcessExecutor:
             try:
                 return self._pool.submit(_play, self.worker, matches, excluded)
             except BrokenProcessPool:
-                self._end_processes()
+                self.close()
                 self._pool = self._new_pool()
                 return self._pool.submit(_play, self.worker, matches, excluded)
 
@@ -115,28 +100,20 @@ class ProcessExecutor:
         except BrokenProcessPool:
             raise NoContest("a worker process died: a trusted agent may have ended it, or memory ran out") from None
 
-    def __enter__(self) -> "ProcessExecutor":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._end_processes()
-
-    def _new_pool(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._jobs, multiprocessing.get_context("spawn"), _begin_process)
-
-    def _end_processes(self) -> None:
+    def close(self) -> None:
         """End all processes, whatever they play; the agents in them end with them."""
         processes = list((self._pool._processes or {}).values())  # noqa: SLF001 - Python 3.14 has terminate_workers()
         for process in processes:
             process.terminate()
         self._pool.shutdown(cancel_futures=True)
 
+    def _new_pool(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(self._jobs, multiprocessing.get_context("spawn"), _begin_process)
 
-def local_executor(worker: Worker, jobs: int) -> SerialExecutor | ProcessExecutor:
+
+def local_executor(worker: Worker, jobs: int) -> Executor:
     """Return the executor for this number of processes on this machine."""
-    return SerialExecutor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
+    return Executor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
 
 
 def usable_cores() -> int:

@@ -7,13 +7,12 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import cache
-from types import TracebackType
 from typing import Any
 
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, NoContest, install_hint, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import require_jobs
+from catch_arena.tournament.execution.executors import Executor, require_jobs
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.match import Match
@@ -21,7 +20,7 @@ from catch_arena.tournament.players import Fault
 from catch_arena.tournament.store import versions
 
 
-class RayExecutor:
+class RayExecutor(Executor):
     """Ray's workers, one core each.
 
     Args:
@@ -34,6 +33,7 @@ class RayExecutor:
     """
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
+        super().__init__(worker)
         require_jobs(jobs)
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nobody was asked
         try:
@@ -60,7 +60,6 @@ class RayExecutor:
                 signal.signal(signal.SIGTERM, before)
         self._ray = ray
         self.max_pending = 4 * int(ray.cluster_resources().get("CPU", 1))
-        self.worker = worker
         self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
         self._task = ray.remote(max_retries=0)(_play)  # block_queue plays again what is lost
@@ -82,12 +81,8 @@ class RayExecutor:
             raise answer
         return answer
 
-    def __enter__(self) -> "RayExecutor":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """End Ray's processes that were started here, and leave a cluster."""
         self._ray.shutdown()
 
 
