@@ -305,13 +305,12 @@ def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
         say(folded(level_line(level_here(limits.isolation)), then="           "), err=True)
 
 
-def enter_agents(specs: Sequence[str], limits: AgentLimits | None, *, prey: bool = False) -> "tuple[Entrant, ...]":
+def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
     """The agents that these specs stand for, inspected where they will play. Warns on stderr of those that cannot play.
 
     Args:
         specs: as on the command line.
         limits: limits of isolated agents, None if all are trusted.
-        prey: whether they play prey too.
 
     Raises:
         AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
@@ -333,8 +332,6 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None, *, prey: bool
     for entrant in entrants:
         if entrant.fault is not None:
             say(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
-        elif prey and entrant.prey_fault is not None:
-            say(f"warning: {entrant.name} forfeits its matches as prey: {entrant.prey_fault}", err=True)
     return entrants
 
 

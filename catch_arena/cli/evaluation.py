@@ -76,7 +76,7 @@ def compare(
     )
     everybody = [*agents, *(against or ())]
     allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = enter_agents(everybody, allowed, prey=config.prey > 0)
+    entrants = enter_agents(everybody, allowed)
     if config.prey:
         say_who_needs_prey(entrants)
     first, second = entrants[:2]

@@ -137,7 +137,7 @@ def _show(agents: list[str], limits: "AgentLimits | None", person: int | None, o
         seats = "free seat" if config.teams is None else "team and prey" if config.prey else "team"
         raise ConfigError(f"agents must be {free} at most, one for each {seats} of {scenario}, got {len(agents)}")
     window = checked_size(width_and_height(size))
-    players = enter_agents([agents[index % len(agents)] for index in range(free)], limits, prey=config.prey > 0)
+    players = enter_agents([agents[index % len(agents)] for index in range(free)], limits)
     lineup = line_up(config, players, person)
     if record is not None:
         output_file(record, *REPLAY, force=force)

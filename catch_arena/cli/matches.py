@@ -131,7 +131,7 @@ def tournament(
     given = None if seed is None else secret_of(seed)
     allowed = limits_or_trust(limits, trusted=trusted)
     jobs = _jobs(executor, jobs, address)
-    entrants = enter_agents(agents, allowed, prey=config.prey > 0)
+    entrants = enter_agents(agents, allowed)
     require_enough(len(entrants), config, scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
     plan = _plan(entrants, parties, secret, _PlanOptions(form, rounds, until_separated, max_matches))
@@ -337,7 +337,7 @@ def match(
     if output is not None:
         output_file(output, *REPLAY, force=force)
     allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = enter_agents(agents, allowed, prey=config.prey > 0)
+    entrants = enter_agents(agents, allowed)
     require_enough(len(entrants), config, scenario)
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")

@@ -15,38 +15,27 @@ _LONGEST: Final = 240
 """Bytes of a file's name, its ending left out."""
 
 
-class AgentLogs:
-    """The folder of these files, which is made when there is something to say."""
+def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one: PlayedMatch) -> None:
+    """Add what each party of a match printed, and how it failed; the folder is made when there is something to add.
 
-    def __init__(self, folder: Path, entrants: Sequence[Entrant], parties: Parties) -> None:
-        self._folder = folder
-        self._entrants = entrants
-        self._parties = parties
-
-    def add(self, one: PlayedMatch) -> None:
-        """Of each party that forfeited or printed: what.
-
-        Raises:
-            OutputError: where it cannot be written.
-        """
-        for party, index in enumerate(one.match.seating):
-            forfeit, printed = one.result.details[party], one.result.logs[party]
-            if forfeit is not None or printed:
-                why = f": {forfeit}" if forfeit is not None else ""
-                where = f"match {one.match.id}, {self._parties.called(party)}"
-                self._append(self._entrants[index].name, f"== {where}{why}\n{printed}")
-
-    def _append(self, name: str, text: str) -> None:
-        *folders, last = name.split("/")  # as ann/agent has
-        path = Path(self._folder, *folders, f"{_cut(last)}.log")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("ab") as file:
-                if file.tell() < MOST_BYTES:
-                    file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))
-        except OSError as error:
-            raise unwritable(path, error, len(text)) from None
+    Raises:
+        OutputError: where it cannot be written.
+    """
+    for party, index in enumerate(one.match.seating):
+        forfeit, printed = one.result.details[party], one.result.logs[party]
+        if forfeit is not None or printed:
+            why = f": {forfeit}" if forfeit is not None else ""
+            where = f"match {one.match.id}, {parties.called(party)}"
+            _append(folder, entrants[index].name, f"== {where}{why}\n{printed}")
 
 
-def _cut(name: str) -> str:
-    return name.encode()[:_LONGEST].decode(errors="ignore")
+def _append(folder: Path, name: str, text: str) -> None:
+    *folders, last = name.split("/")  # as ann/agent has
+    path = Path(folder, *folders, f"{last.encode()[:_LONGEST].decode(errors='ignore')}.log")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("ab") as file:
+            if file.tell() < MOST_BYTES:
+                file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))
+    except OSError as error:
+        raise unwritable(path, error, len(text)) from None

@@ -66,8 +66,6 @@ class Entrant:
     """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
     prey: bool = False
     """R12.7: whether it plays prey itself; else a shipped one plays there."""
-    prey_fault: str | None = None
-    """Why it cannot play prey, though it has a class for that."""
     prey_digest: str = ""
     """That of who plays prey for it: its own, or the shipped one's."""
     side: Side = "hunter"
@@ -89,7 +87,7 @@ class Entrant:
         """Who plays for it on a side, under the name that tells so."""
         if side == self.side:
             return self
-        found = replace(self, control="velocity", fault=self.fault or self.prey_fault, side=side)
+        found = replace(self, control="velocity", side=side)
         if not self.needs_prey:
             return found
         name, spec = f"{self.name} (plays {SHIPPED_PREY})", _shipped_spec(SHIPPED_PREY)
@@ -127,8 +125,6 @@ class Inspection:
     """What it printed meanwhile."""
     prey: bool = False
     """Whether it plays prey itself."""
-    prey_fault: str | None = None
-    """Why it cannot, though it has a class for that."""
 
 
 def shipped() -> dict[str, str]:
@@ -145,8 +141,7 @@ def inspect_agent(spec: str) -> Inspection:
         AgentError: where it cannot play.
     """
     policy = create_policy(spec)
-    prey, prey_fault = look_for_prey(spec)
-    return Inspection(control_of(policy), sources_of(spec), prey=prey, prey_fault=prey_fault)
+    return Inspection(control_of(policy), sources_of(spec), prey=has_prey(spec))
 
 
 def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
@@ -182,8 +177,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         found = inspections[one.spec]
         digest = _digest(one, found.sources)
         fault = None if found.fault is None else one_line(found.fault)
-        prey_fault = None if found.prey_fault is None else one_line(found.prey_fault)
-        entrant = Entrant(unique, one.spec, found.control, digest, fault, found.prey, prey_fault, digest)
+        entrant = Entrant(unique, one.spec, found.control, digest, fault, found.prey, digest)
         entrants.append(replace(entrant, prey_digest=_shipped_prey_digest()) if entrant.needs_prey else entrant)
     return tuple(entrants)
 
@@ -218,22 +212,13 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     return policy
 
 
-def look_for_prey(spec: str) -> tuple[bool, str | None]:
-    """Whether an agent in Python plays prey itself, and why it cannot where it has a class for that; none is made.
+def has_prey(spec: str) -> bool:
+    """Whether an agent in Python plays prey itself; none is made.
 
     Raises:
         AgentError: where its module cannot be used.
     """
-    if not hasattr(agent_module(spec), _PREY):
-        return False, None
-    try:
-        found = agent_class(spec, "prey")
-        for method, argument in (("reset", "seed"), ("act", "view")):
-            if not callable(getattr(found, method, None)):
-                raise AgentError(f"{spec}: {_PREY} must have a method {method}(self, {argument})")
-    except AgentError as error:
-        return True, str(error)
-    return True, None
+    return hasattr(agent_module(spec), _PREY)
 
 
 def is_shipped(spec: str) -> bool:

@@ -74,8 +74,6 @@ def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
     """
     writers = {"jsonl": _write_jsonl, "csv": _write_csv, "parquet": _write_parquet}
     require_choice("format", form, list(writers))
-    if form == "parquet":
-        _require_pyarrow()
     with whole_file(path) as file:
         writers[form](store, file, timing)
 
@@ -147,19 +145,14 @@ def _write_csv(store: Store, file: IO[bytes], timing: bool) -> None:
 
 
 def _write_parquet(store: Store, file: IO[bytes], timing: bool) -> None:
-    import pyarrow as pa
-    from pyarrow.parquet import ParquetWriter
-
+    try:
+        import pyarrow as pa
+        from pyarrow.parquet import ParquetWriter
+    except ImportError:
+        raise ConfigError(f"format parquet needs PyArrow: {install_hint('parquet')}") from None
     kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
     schema = pa.schema([(name, kinds[kind]) for name, kind in columns(timing=timing).items()])
     table = rows(store, timing=timing)
     with ParquetWriter(file, schema) as writer:
         while part := list(islice(table, _ROWS)):
             writer.write_table(pa.Table.from_pylist(part, schema))
-
-
-def _require_pyarrow() -> None:
-    try:
-        import pyarrow.parquet  # noqa: F401
-    except ImportError:
-        raise ConfigError(f"format parquet needs PyArrow: {install_hint('parquet')}") from None

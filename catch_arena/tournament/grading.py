@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import cycle, islice
 from pathlib import Path
-from typing import Any, Final, Protocol, cast
+from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
@@ -112,42 +112,36 @@ class GradingSpec:
         )
 
 
-class TestGrade(Protocol):
-    """What one test gave, of an agent or of a node: a dataclass."""
-
-    @property
-    def test(self) -> str:
-        """Its name."""
-
-    @property
-    def points(self) -> float:
-        """Those of the test where nothing failed, else 0."""
-
-    @property
-    def possible(self) -> float:
-        """Those of the test."""
-
-    @property
-    def failures(self) -> tuple[str, ...]:
-        """What failed."""
-
-    @property
-    def hints(self) -> tuple[str, ...]:
-        """What to read."""
-
-    @property
-    def log(self) -> str:
-        """The last of what was printed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Grade:
-    """What one test gave; all figures are of the matches that were played."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TestGrade:
+    """What one test gave, of an agent or of a node."""
 
     test: str
     points: float
     """Those of the test where nothing failed, else 0."""
     possible: float
+    failures: tuple[str, ...]
+    hints: tuple[str, ...]
+    log: str = ""
+    """The last of what was printed."""
+
+    @property
+    def measured(self) -> str:
+        """The figures, for people."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        """For people: what was measured, then what failed, then what to read."""
+        head = f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}"
+        return "\n        ".join(
+            [f"{head}: {self.measured}", *self.failures, *(f"hint: {hint}" for hint in self.hints)]
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grade(TestGrade):
+    """What one test gave of an agent; all figures are of the matches that were played."""
+
     matches: int
     mean_score: float
     win_share: float
@@ -155,21 +149,15 @@ class Grade:
     mean_caught: float | None
     """Where it was prey."""
     verdicts: Mapping[str, int]
-    failures: tuple[str, ...]
-    hints: tuple[str, ...]
-    log: str
-    """The last of what the agent printed, where it forfeited."""
 
-    def __str__(self) -> str:
-        """For people: what was measured, then what failed, then what to read."""
-        head = (
-            f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}: "
+    @property
+    def measured(self) -> str:
+        """The figures, for people."""
+        caught = "" if self.mean_caught is None else f", caught {self.mean_caught:.2f}"
+        return (
             f"{self.matches} matches, score {self.mean_score:.2f}, wins {100 * self.win_share:.0f} %, "
-            f"refused {self.mean_refused:.2f}"
+            f"refused {self.mean_refused:.2f}{caught}"
         )
-        if self.mean_caught is not None:
-            head += f", caught {self.mean_caught:.2f}"
-        return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
 
 
 def read_spec(path: Path) -> GradingSpec:
@@ -336,7 +324,7 @@ def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence
         "ruleset": RULESET,
         "points": sum((one.points for one in grades), 0.0),
         "possible": sum((one.possible for one in grades), 0.0),
-        "tests": [asdict(cast(Any, one)) for one in grades],
+        "tests": [asdict(one) for one in grades],
     }
     return json.dumps(content, indent=2) + "\n"
 

@@ -1,8 +1,7 @@
 """One match, as a plan has it, and what came of it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import groupby
 from typing import Final
 
 from msgspec import Struct
@@ -122,8 +121,3 @@ class PlayedMatch:
 def players_of(block: Block) -> frozenset[int]:
     """Who plays in any of its matches, by index among the entrants."""
     return frozenset(index for match in block for index in match.seating)
-
-
-def blocks_of(matches: Iterable[Match]) -> list[Block]:
-    """The matches by block, in the order of the plan."""
-    return [tuple(block) for _, block in groupby(matches, key=lambda match: match.block)]

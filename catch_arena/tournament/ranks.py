@@ -5,26 +5,18 @@ from collections.abc import Sequence
 
 
 def ranks_of_sides(scores: Sequence[int], lasted: Sequence[int | None], hunting: int) -> tuple[int, ...]:
-    """The ranks by party, on each side by itself: of `hunting` teams by R11.1, then of prey by R12.5.
+    """The ranks by party, on each side by itself: of `hunting` teams by R11.1, then of prey.
+
+    R12.5: prey that was caught least comes first, and withdrawn prey behind all other.
 
     Args:
         scores: a team's catches, and how often prey was caught.
         lasted: as of `ranks_of`.
         hunting: how many of them hunt.
     """
+    prey = [(end is not None, caught) for caught, end in zip(scores[hunting:], lasted[hunting:], strict=True)]
     ranks = ranks_of(scores[:hunting], lasted[:hunting])
-    return *ranks, *prey_ranks_of(scores[hunting:], [end is not None for end in lasted[hunting:]])
-
-
-def prey_ranks_of(caught: Sequence[int], withdrawn: Sequence[bool]) -> tuple[int, ...]:
-    """R12.5: the fewest first; withdrawn prey behind all other.
-
-    Args:
-        caught: how often each was.
-        withdrawn: who was.
-    """
-    merits = list(zip(withdrawn, caught, strict=True))
-    return tuple(1 + sum(other < merit for other in merits) for merit in merits)
+    return *ranks, *(1 + sum(other < one for other in prey) for one in prey)
 
 
 def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:

@@ -465,7 +465,7 @@ def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
             if begun[name] != now[name]:
                 what = name.replace("_", " ")
                 return f"the {what} of agent {now['name']} is {begun[name]} there, and {now[name]} here"
-        fit = ["can begin" if one["fault"] is one["prey_fault"] is None else "cannot begin" for one in (begun, now)]
+        fit = ["can begin" if one["fault"] is None else "cannot begin" for one in (begun, now)]
         if fit[0] != fit[1]:
             return f"agent {now['name']} {fit[0]} there, and {fit[1]} here"
     return None

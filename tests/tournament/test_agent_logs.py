@@ -5,7 +5,7 @@ from tournament.played_matches import made_up
 
 from catch_arena.errors import OutputError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.agent_logs import MOST_BYTES, AgentLogs
+from catch_arena.tournament.agent_logs import MOST_BYTES, add_to_logs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.parties import Parties
@@ -20,12 +20,18 @@ def played(number, printed, forfeit=None):
 
 
 def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
-    logs = AgentLogs(tmp_path / "logs", ENTRANTS, SEATS)
-    logs.add(played(1, ""))
+    crash = Forfeit("FORFEIT_CRASH", 4, "act raised KeyError: 3")
+    late = Forfeit("FORFEIT_INIT", 0, "reset took longer than 10 s")
+    add_to_logs(tmp_path / "logs", ENTRANTS, SEATS, played(1, ""))
     assert not (tmp_path / "logs").exists()
-    logs.add(played(2, "hello"))
-    logs.add(played(3, "", Forfeit("FORFEIT_CRASH", 4, "act raised KeyError: 3")))
-    logs.add(played(4, "bye\n", Forfeit("FORFEIT_INIT", 0, "reset took longer than 10 s")))
+    add_to_logs(tmp_path / "logs", ENTRANTS, SEATS, played(2, "hello"))
+    add_to_logs(tmp_path / "logs", ENTRANTS, SEATS, played(3, "", crash))
+    add_to_logs(
+        tmp_path / "logs",
+        ENTRANTS,
+        SEATS,
+        played(4, "bye\n", late),
+    )
     assert [path.name for path in (tmp_path / "logs").iterdir()] == ["loud.log"]
     assert (tmp_path / "logs" / "loud.log").read_text().splitlines() == [
         "== match r00001-g000003-s00, seat 1",
@@ -42,26 +48,25 @@ def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, fir
     count = len(parties)
     logs = ("ann", *[""] * (count - 2), "bob")
     one = made_up(0, (0,) * count, (0,) * count, details=(None,) * count, logs=logs)
-    AgentLogs(tmp_path, ENTRANTS[1:], parties).add(one)
+    add_to_logs(tmp_path, ENTRANTS[1:], parties, one)
     name = one.match.id
     said = [f"== match {name}, {first}", "ann", f"== match {name}, {last}", "bob"]
     assert (tmp_path / "loud.log").read_text().splitlines() == said
 
 
 def test_an_agent_whose_name_has_parts_has_a_file_too(tmp_path):
-    logs = AgentLogs(tmp_path / "logs", [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")], SEATS)
-    logs.add(played(1, "hello"))
+    entrants = [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")]
+    add_to_logs(tmp_path / "logs", entrants, SEATS, played(1, "hello"))
     assert (tmp_path / "logs" / "ann" / "agent.log").read_text() == "== match r00001-g000002-s00, seat 1\nhello\n"
 
 
 def test_a_file_does_not_grow_for_ever(tmp_path):
-    logs = AgentLogs(tmp_path, ENTRANTS, SEATS)
     for number in range(12):
-        logs.add(played(number, "x" * (MOST_BYTES // 8)))
+        add_to_logs(tmp_path, ENTRANTS, SEATS, played(number, "x" * (MOST_BYTES // 8)))
     assert MOST_BYTES <= (tmp_path / "loud.log").stat().st_size < MOST_BYTES * 10 / 8
 
 
 def test_a_folder_that_cannot_be_is_one_line(tmp_path):
     (tmp_path / "logs").touch()
     with pytest.raises(OutputError, match=r"logs/loud\.log: cannot be written: "):
-        AgentLogs(tmp_path / "logs", ENTRANTS, SEATS).add(played(1, "hello"))
+        add_to_logs(tmp_path / "logs", ENTRANTS, SEATS, played(1, "hello"))

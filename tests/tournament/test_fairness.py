@@ -7,7 +7,7 @@ from random import Random
 import numpy as np
 import pytest
 from scipy import special
-from tournament.seats import hunters
+from tournament.seats import hunters, listed
 
 from catch_arena import scenario
 from catch_arena.arbitration import arbitrate
@@ -87,7 +87,7 @@ def test_no_seat_has_an_advantage_and_one_agent_under_two_names_has_one_rating(n
     config = scenario(name)
     parties = Parties.of(config)
     seats = list(round_robin(len(parties), hunters(len(parties)), 2000, 1))[:: len(parties)]
-    in_order = [replace(match, seating=tuple(range(len(parties)))) for match in seats]
+    in_order = listed([replace(match, seating=tuple(range(len(parties)))) for match in seats])
     doubts = {}
     for side, found in outcomes_by_side(config, enter(["nearest"] * len(parties)), in_order).items():
         if len(parties.seats[parties.on(side)]) > 1:  # one prey alone has no other to differ from

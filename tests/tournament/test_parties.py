@@ -5,6 +5,7 @@ from itertools import combinations, product
 
 import pytest
 from tournament.agents import write_agent
+from tournament.seats import blocks_of
 
 import catch_arena
 from catch_arena import Replay, scenario
@@ -14,11 +15,10 @@ from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
-from catch_arena.tournament.ranks import prey_ranks_of
+from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.standings import standings_of_sides
 
@@ -119,8 +119,8 @@ def test_of_two_team_mates_that_fail_in_one_step_the_lower_seat_is_named():
 
 @pytest.mark.rule("R12.5")
 def test_r12_5_prey_is_ranked_among_prey_and_who_failed_behind_all_other():
-    assert prey_ranks_of((3, 1, 3, 0), (False,) * 4) == (3, 2, 3, 1)
-    assert prey_ranks_of((3, 0, 9, 2), (False, True, False, True)) == (1, 3, 2, 4)
+    assert ranks_of_sides((3, 1, 3, 0), (None,) * 4, 0) == (3, 2, 3, 1)
+    assert ranks_of_sides((3, 0, 9, 2), (None, 5, None, 7), 0) == (1, 3, 2, 4)
     hunters = [Holds(control="velocity") for _ in range(4)]
     prey = [Holds(fails_in=1 if number == 1 else None, control="velocity") for number in range(4)]
     result = play(HERD, 1, [*hunters, *prey], list("abcdefgh"))

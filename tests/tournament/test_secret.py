@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from tournament.seats import hunters
+from tournament.seats import blocks_of, hunters
 from typer.testing import CliRunner
 
 from catch_arena import scenario
@@ -21,7 +21,6 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.runner import REPLAYS, play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import blocks_of
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.secret import Purpose, Secret, agent_seed
 from catch_arena.tournament.store import STORE, Store, Tournament

@@ -6,13 +6,13 @@ import sqlite3
 import stat
 
 import pytest
-from tournament.seats import hunters
+from tournament.seats import blocks_of, hunters, listed
 
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import run
-from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch, blocks_of
+from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
@@ -193,7 +193,7 @@ def test_its_size_is_what_a_plan_says(tmp_path):
     """Within a quarter, on matches of the standard length."""
     config, entrants = scenario("standard"), enter(["nearest", "contested", "first", "random"])
     plan = round_robin(4, hunters(4), 500, seed=0)
-    (first, *_) = run(config, entrants, list(plan)[:1])
+    (first, *_) = run(config, entrants, listed(list(plan)[:1]))
     with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
         store.plan(plan.stage(0, ()))
         for block in plan.blocks():

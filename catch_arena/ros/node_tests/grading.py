@@ -10,31 +10,22 @@ from catch_arena.errors import ConfigError
 from catch_arena.ros.node_tests.cases import NodeLostError, can_be_asked, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
-from catch_arena.tournament.grading import GradingSpec, GradingTest
+from catch_arena.tournament.grading import GradingSpec, GradingTest, TestGrade
 
 
-@dataclass(frozen=True, slots=True)
-class NodeGrade:
-    """Result of one test."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeGrade(TestGrade):
+    """Result of one test of a node: its failures are the case at which the node fell silent, if it did, and then a line
+    for the clauses of the failed cases.
+    """
 
-    test: str
-    points: float
-    """All points of the test if no case failed, else 0."""
-    possible: float
     cases: int
     passed: int
-    failures: tuple[str, ...]
-    """The case at which the node fell silent, if it did; then a line for the clauses of the failed cases."""
-    hints: tuple[str, ...]
-    log: str = ""
 
-    def __str__(self) -> str:
-        """The points, then the clauses that failed, then hints."""
-        head = (
-            f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}: "
-            f"{self.passed} of {counted(self.cases, 'case')}"
-        )
-        return "\n        ".join([head, *self.failures, *(f"hint: {hint}" for hint in self.hints)])
+    @property
+    def measured(self) -> str:
+        """The figures, for people."""
+        return f"{self.passed} of {counted(self.cases, 'case')}"
 
 
 def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
@@ -50,7 +41,15 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
     lost: NodeLostError | None = None
     for test, cases in tests:
         if lost is not None:
-            yield NodeGrade(test.name, 0.0, test.points, len(cases), 0, (str(lost),), ())
+            yield NodeGrade(
+                test=test.name,
+                points=0.0,
+                possible=test.points,
+                cases=len(cases),
+                passed=0,
+                failures=(str(lost),),
+                hints=(),
+            )
             continue
         try:
             report = run_on_node(node, cases)

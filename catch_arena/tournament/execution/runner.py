@@ -7,16 +7,16 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.files import prepare_folder, write_whole
-from catch_arena.tournament.agent_logs import AgentLogs
+from catch_arena.tournament.agent_logs import add_to_logs
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
 from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.match import Block, Match, PlayedMatch
+from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import Plan, listed
+from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import Store, Tournament
 
 REPLAYS: Final = "replays"
@@ -27,7 +27,7 @@ LOGS: Final = "logs"
 def run(
     config: ArenaConfig,
     entrants: Sequence[Entrant],
-    matches: Sequence[Match] | Plan,
+    plan: Plan,
     *,
     jobs: int = 1,
     limits: AgentLimits | None = None,
@@ -42,14 +42,13 @@ def run(
     Args:
         config: the arena's settings.
         entrants: who plays.
-        matches: which matches, or a plan.
+        plan: which matches are played.
         jobs: how many processes play, 1 for this one alone.
         limits: those of isolated agents, None where all are trusted.
         max_forfeits: as of `play_plan`.
         record: a tournament's folder, for replays and logs.
         progress: called with (played, in all).
     """
-    plan = listed(matches) if isinstance(matches, Sequence) else matches
     worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
     done = 0
 
@@ -99,15 +98,15 @@ def play_plan(
         StoreError: for results that cannot be written.
     """
     tournament = store.tournament
-    logs = None if folder is None else AgentLogs(folder / LOGS, tournament.entrants, Parties.of(tournament.config))
+    parties = Parties.of(tournament.config)
     streaks = ForfeitStreaks(max_forfeits)
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that what is kept has them
-            if folder is not None and replay:
-                write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
-            if logs is not None:
-                logs.add(one)
+            if folder is not None:
+                if replay:
+                    write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
+                add_to_logs(folder / LOGS, tournament.entrants, parties, one)
         played = [one for one, _ in recorded]
         store.keep(played)
         if on_results is not None:

@@ -35,7 +35,7 @@ from catch_arena.tournament.entrants import (
     command_of,
     create_policy,
     folder_of,
-    look_for_prey,
+    has_prey,
     sources_of,
 )
 from catch_arena.tournament.isolation import protocol
@@ -154,8 +154,7 @@ def _play(spec: str, into: int, out: int) -> NoReturn:
     except AgentError as error:
         _report(error, out)
         os._exit(_TOLD)
-    prey, prey_fault = look_for_prey(spec)
-    speak_for(policy, into, out, {"sources": sources_of(spec), "prey": prey, "prey_fault": prey_fault})
+    speak_for(policy, into, out, {"sources": sources_of(spec), "prey": has_prey(spec)})
     _flush()
     os._exit(0)
 

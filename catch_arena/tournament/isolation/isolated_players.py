@@ -118,11 +118,9 @@ class IsolatedPlayers(Players):
             require_choice("control", control if isinstance(control, str) else in_short(control), get_args(Control))
         except ConfigError as error:
             return Inspection(fault=str(error), log=log)
-        why = reply.said.get("prey_fault")
-        prey_fault = why if why is None or isinstance(why, str) else in_short(why)
         listed = sources if isinstance(sources, list) else []  # a stranger's code may say anything
         named = tuple(one for one in listed if isinstance(one, str))
-        return Inspection(control, named, None, log, reply.said.get("prey") is True, prey_fault)
+        return Inspection(control, named, None, log, reply.said.get("prey") is True)
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that plays no further, and all that it started."""

@@ -1,6 +1,5 @@
 """Plans of matches: groups of entrants, in blocks where each sits in each seat, in one of two formats."""
 
-import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -10,7 +9,7 @@ from typing import Final, Protocol
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.match import Block, Match, PlayedMatch, blocks_of
+from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.balanced_groups import groups_in_sweep, sweeps, sweeps_to_meet
 from catch_arena.tournament.secret import Secret
@@ -126,13 +125,6 @@ def plan_of(
 def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> FixedPlan:
     """In each round, one block for each group of entrants."""
     return plan_of("round-robin", entrants, parties, rounds, seed, _MOST_MATCHES)
-
-
-def listed(matches: Sequence[Match]) -> FixedPlan:
-    """The plan of these very matches, which stand by block."""
-    text = "\n".join(f"{match.id} {match.block} {match.seed} {match.seating}" for match in matches)
-    parameters = {"format": "listed", "digest": hashlib.blake2b(text.encode(), digest_size=8).hexdigest()}
-    return FixedPlan(parameters, len(matches), lambda: iter(blocks_of(matches)))
 
 
 def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:

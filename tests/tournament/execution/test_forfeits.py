@@ -20,7 +20,7 @@ from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan, run
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import Match, MatchResult, MoveTimes, PlayedMatch
-from catch_arena.tournament.plans.schedule import balanced, gauntlet, round_robin
+from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.players import Fault
 from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.store import Store, Tournament
@@ -99,17 +99,18 @@ def played_by(executor, field, plan, most):
 
 @given(
     temper=st.lists(st.sampled_from([0.0, 0.02, 0.5, 0.8, 0.95, 1.0]), min_size=4, max_size=6),
-    make=st.sampled_from([round_robin, balanced, gauntlet]),
+    form=st.sampled_from(FORMATS),
+    sampled=st.booleans(),
     most=st.sampled_from([0, 1, 2, 5, 10]),
     max_pending=st.sampled_from([1, 2, 7, 28]),
     seed=st.integers(0, 2**32),
     data=st.data(),
 )
 def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_after_the_other(
-    temper, make, most, max_pending, seed, data
+    temper, form, sampled, most, max_pending, seed, data
 ):
     field = Field(temper, seed)
-    plan = make(len(temper), SEATS, 2, seed)
+    plan = plan_of(form, len(temper), hunters(SEATS), 2, seed, 1 if sampled else 20_000)
     expected = played_by(Shuffled(field, 1, 0, loses=0.0), field, plan, most)
     with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store:
         for life in range(100):

@@ -7,14 +7,12 @@ from math import comb
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tournament.seats import hunters
+from tournament.seats import blocks_of, hunters
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.execution.cost import match_counts
-from catch_arena.tournament.match import Match, blocks_of
 from catch_arena.tournament.plans.schedule import (
     FORMATS,
-    listed,
     plan_of,
     round_robin,
 )
@@ -134,13 +132,6 @@ def test_without_a_number_of_rounds_each_entrant_plays_ten_blocks(form, entrants
     blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)
     assert min(blocks.values()) >= 10
     assert min(blocks.values()) * (rounds - 1) < 10 * rounds
-
-
-def test_a_list_of_matches_is_a_plan_that_is_known_by_its_matches():
-    matches = [Match("a", 0, 7, (0, 1)), Match("b", 0, 7, (1, 0)), Match("c", 1, 8, (0, 1))]
-    plan = listed(matches)
-    assert list(plan.stage(0, ())) == blocks_of(matches)
-    assert plan.parameters == listed(matches).parameters != listed(matches[:2]).parameters
 
 
 @pytest.mark.parametrize(
