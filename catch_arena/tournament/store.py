@@ -58,7 +58,7 @@ CREATE TABLE result (
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """One for each part of a result, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_KEEP: Final = f"INSERT INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
+_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _VERSIONS: Final = "SELECT id, value FROM versions"
 _PLAYED: Final = (
     f"SELECT versions, match.*, replay, {', '.join(stored_values.RESULTS)} "  # noqa: S608
@@ -219,15 +219,17 @@ class Store:
         return count
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
-        """Write matches that were played, all or none."""
-        with self.transaction() as db:
+        """Write matches that were played, all or none; one that was kept before stays as it was."""
+        with self.transaction():
             for one in block:
-                parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
-                parts["thinking"] = [
-                    (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
-                ]
-                parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.details]
-                db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
+                self._keep(one)
+
+    def _keep(self, one: PlayedMatch) -> None:
+        result = one.result
+        parts = {name: getattr(result, name) for name in stored_values.RESULTS}
+        parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
+        parts["details"] = [part and (part.code, part.step, part.reason) for part in result.details]
+        self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:
         """The matches that are planned and not played, by block, in the order of the plan."""

@@ -70,11 +70,12 @@ def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, playe
     assert (store.count_played(), store.count_planned()) == (2, 12)
 
 
-def test_a_match_is_kept_once_with_its_block_or_not_at_all(store, played):
+def test_keeping_a_match_again_changes_nothing(store, played):
     store.keep(played[:1])
-    with pytest.raises(StoreError, match="UNIQUE"):
-        store.keep([played[1], played[0]])
+    slower = dataclasses.replace(played[0].result, thinking=(MoveTimes(30, 9.0, 8.0),) * 2)
+    store.keep([PlayedMatch(played[0].match, slower)])
     assert list(store.played()) == played[:1]
+    assert next(store.played()).result.thinking[0].total_s < 9.0
 
 
 def test_planning_again_changes_nothing(store):
