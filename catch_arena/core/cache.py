@@ -1,8 +1,7 @@
-"""Cache of compiled code: the only file that uses Numba's cache classes.
+"""Cache of compiled code, in the user's cache directory, or in a temporary folder if that cannot be written.
 
-The cache is the user's cache directory, or a temporary folder of the user's if that cannot be written. It has a folder
-for each state of the core's sources: Numba itself compares only the file of the function that is called, and would miss
-an edit in another one.
+It has a folder for each state of the core's sources: Numba compares only the file of the function that is called, and
+would miss an edit in another one.
 """
 
 import contextlib
@@ -13,21 +12,19 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import numba.core.caching
 import numba.core.serialize
-import numba.core.sigutils
 import platformdirs
 
 from catch_arena.core.compiler import CHECKED, INTERPRETED, USABLE, numba_settings
 
-_caching: Any = numba.core.caching
-_serialize: Any = numba.core.serialize
-_sigutils: Any = numba.core.sigutils
+caching: Any = numba.core.caching
+serialize: Any = numba.core.serialize
 _MOST_KEPT: Final = 16
 """Number of states of the sources that are kept."""
 
@@ -58,9 +55,8 @@ def _sources_digest() -> str:
 
 
 def _cache_parents() -> Iterator[Path]:
-    """Yield the folders that may hold the cache, the best first: NUMBA_CACHE_DIR alone if it is set; the user's cache
-    directory; a folder for temporary files that belongs to this user and that no other user can write, since code that
-    is read from it runs.
+    """Yield the folders that may hold the cache, the best first: NUMBA_CACHE_DIR alone if it is set. No other user can
+    write the one among temporary files, since code that is read from it runs.
     """
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(chosen)
@@ -87,15 +83,16 @@ CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
 """The folder for these sources; None if nothing is kept."""
 
 
-class _CheckedForm(_caching.CompileResultCacheImpl):  # type: ignore[misc]
-    """Content of a cache file: a checksum, and Numba's form of the code.
+on_miss: Final[list[Callable[[], None]]] = []
+"""Functions that are called when the cache lacks code, which is then compiled."""
 
-    A crash can leave a file with the right length and damaged content, and damaged machine code would run.
-    """
+
+class _CheckedForm(caching.CompileResultCacheImpl):  # type: ignore[misc]
+    """Content of a cache file: Numba's form of the code, and a checksum, since damaged machine code would run."""
 
     def reduce(self, compiled: Any) -> tuple[bytes, bytes]:
         """Return the content of a file."""
-        content = _serialize.dumps(super().reduce(compiled))
+        content = serialize.dumps(super().reduce(compiled))
         return hashlib.blake2b(content).digest(), content
 
     def rebuild(self, context: Any, kept: Any) -> Any:
@@ -106,32 +103,24 @@ class _CheckedForm(_caching.CompileResultCacheImpl):  # type: ignore[misc]
         return super().rebuild(context, pickle.loads(content))  # noqa: S301 - Numba's cache is pickled
 
 
-class _Cache(_caching.FunctionCache):  # type: ignore[misc]
-    """Cache of one function. Code that cannot be read is compiled again and replaced; if it cannot be written either,
-    it is compiled at every start.
-    """
+class _Cache(caching.FunctionCache):  # type: ignore[misc]
+    """Cache of one function. Code that cannot be read is compiled again; if it cannot be written, at every start."""
 
     _impl_class = _CheckedForm
 
     def load_overload(self, types: Any, context: Any) -> Any:
         """Return the code for arguments of these types, or None."""
-        try:
-            found = self._load(types, context)
-            # two processes that save at the same time can leave code for other types under this name
-            if found is None or found.signature.args == _sigutils.normalize_signature(types)[0]:
-                return found
-        except Exception:  # noqa: BLE001, S110 - a damaged file makes pickle raise whatever it likes
-            pass
-        with contextlib.suppress(OSError):  # `save_overload` says that nothing can be written
-            self.flush()  # the index may be what is damaged, and it is read again before anything is saved
-        return None
-
-    def _load(self, types: Any, context: Any) -> Any:
-        if not USABLE:
-            return super().load_overload(types, context)
-        # Numba's own method first imports the compiler's libraries, which takes more than a third of a warm start
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(types, context)
+        try:  # Numba's own method first imports the compiler's libraries: more than a third of a warm start
+            found = (self._load_overload if USABLE else super().load_overload)(types, context)
+            if found is not None and found.signature.args != tuple(types):  # two processes saved at the same time
+                raise ValueError("for other types")
+        except Exception:  # noqa: BLE001 - a damaged file makes pickle raise whatever it likes
+            found = None
+            with contextlib.suppress(OSError):  # `save_overload` says that nothing can be written
+                self.flush()  # the index may be what is damaged, and it is read again before anything is saved
+        for tell in () if found else on_miss:
+            tell()
+        return found
 
     def save_overload(self, types: Any, compiled: Any) -> None:
         """Write the code; on a full disk Numba would raise, and the rules would not run."""
@@ -145,12 +134,9 @@ def kept(compiled: Any) -> Any:
     """Return a compiled function that is read from the cache, and written to it."""
     if CACHE_DIRECTORY is None:
         return compiled
-    before = numba_settings.CACHE_DIR
-    numba_settings.CACHE_DIR = str(CACHE_DIRECTORY)  # read once, while the cache is made
-    try:
-        compiled._cache = _Cache(compiled.py_func)  # noqa: SLF001 - Numba has no other way in
-    finally:
-        numba_settings.CACHE_DIR = before
+    before, numba_settings.CACHE_DIR = numba_settings.CACHE_DIR, str(CACHE_DIRECTORY)  # read while the cache is made
+    compiled._cache = _Cache(compiled.py_func)  # noqa: SLF001 - Numba has no other way in
+    numba_settings.CACHE_DIR = before
     return compiled
 
 

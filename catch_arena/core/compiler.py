@@ -5,9 +5,8 @@ Here the parts are only translated; the whole is linked, optimised and emitted o
 since a setting is 0, are left out; and what Numba says of arrays in much code is said in little (`addresses`). What is
 calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
 
-The passes come from Numba's public `CompilerBase`. What is not public, and may change from one Numba to the next, is
-the library below, what `_Substitute` writes into, and how parts call each other; `USABLE` is false where Numba has
-not what they need, and then all is compiled in Numba's own way.
+What is not public in Numba, and may change, stands in this file and in `cache`. `USABLE` is false if this Numba lacks
+what is needed here, and then all is compiled in Numba's own way.
 """
 
 import os
@@ -15,7 +14,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import numba._dynfunc
 import numba.core.caching
@@ -28,9 +27,8 @@ import numba.core.ir
 import numba.core.ir_utils
 import numba.core.typed_passes
 import numba.core.types
+import numba.core.typing.templates
 import numba.core.untyped_passes
-from numba.core import cgutils
-from numba.core.errors import UnsupportedError
 
 # typed here and there, and not where it matters
 _dynfunc: Any = numba._dynfunc  # noqa: SLF001
@@ -43,23 +41,23 @@ typed_passes: Any = numba.core.typed_passes
 types: Any = numba.core.types
 untyped_passes: Any = numba.core.untyped_passes
 _machinery: Any = numba.core.compiler_machinery
+AttributeTemplate: Any = numba.core.typing.templates.AttributeTemplate
 
 _ENDING: Final = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _Library: Any = codegen.JITCodeLibrary
 _NEEDED: Final[dict[Any, str]] = {
     _Library: "add_linking_library add_llvm_module enable_object_caching finalize get_function get_pointer_to_function "
     "_ensure_finalized _finalize_final_module _get_module_for_linking _raise_if_finalized",
-    numba.core.caching.Cache: "_guard_against_spurious_io_errors _load_overload",
+    numba.core.caching.Cache: "_load_overload",
     codegen.CPUCodegen: "_check_llvm_bugs _module_pass_manager",
     compiler.CompilerBase: "define_pipelines",
     compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
     compiler.Flags: "no_compile",
-    ir: "Assign Const Expr Global Raise SetItem",
+    ir: "Arg Assign Const Expr",
     ir_utils: "get_definition guard",
-    cpu.CPUContext: "insert_func_defn insert_user_function",
-    typed_passes: "IRLegalization InlineOverloads NativeLowering NopythonRewrites",
-    untyped_passes: "FindLiterallyCalls InlineClosureLikes InlineInlinables LiteralPropagationSubPipelinePass "
-    "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
+    cpu.CPUContext: "insert_user_function",
+    typed_passes: "NativeLowering",
+    untyped_passes: "RewriteSemanticConstants",
     _dynfunc: "make_function",
 }
 USABLE: Final = os.environ.get("CATCH_ARENA_COMPILER") != "numba" and all(
@@ -176,55 +174,6 @@ class _Substitute(_machinery.FunctionPass):  # type: ignore[misc]
         return None
 
 
-@_machinery.register_pass(mutates_CFG=False, analysis_only=True)
-class _Refuse(_machinery.FunctionPass):  # type: ignore[misc]
-    """What compiled parts would do otherwise than Python: nobody who calls one looks whether it has failed, and an
-    index that is negative would be one of the memory before the array.
-    """
-
-    _name = "catch_arena_refuse"
-
-    def __init__(self) -> None:
-        super().__init__()
-
-    def run_pass(self, state: Any) -> bool:
-        for block in state.func_ir.blocks.values():
-            for statement in block.body:
-                fault = self._fault_of(statement, state.func_ir)
-                if fault:
-                    raise UnsupportedError(fault, statement.loc)
-        return False
-
-    def _fault_of(self, statement: Any, function: Any) -> str | None:
-        if isinstance(statement, ir.Raise):
-            return "rules and phases must not raise or assert"
-        value = statement.value if isinstance(statement, ir.Assign) else statement
-        if isinstance(value, ir.Global) and value.value is print:
-            return "rules and phases must not print, unless NUMBA_DISABLE_JIT is 1"
-        if isinstance(value, ir.SetItem) or (isinstance(value, ir.Expr) and value.op == "getitem"):
-            index = ir_utils.guard(ir_utils.get_definition, function, value.index)
-            if isinstance(index, ir.Const) and isinstance(index.value, int) and index.value < 0:
-                return f"rules and phases must count indices from the front, got {index.value}"
-        return None
-
-
-def _call_of(described: Any, library: Any) -> Any:
-    """What emits the call of a part. Numba asks behind each call whether it has failed: that is a tenth of all code,
-    and no part of ours raises.
-    """
-
-    def call(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        function = context.declare_function(builder.module, described)
-        result, failure = (argument.type for argument in function.args[:2])
-        place = cgutils.alloca_once(builder, result.pointee)
-        given = context.get_arg_packer(described.argtypes).as_arguments(builder, arguments)
-        builder.call(function, [place, failure(None), *given])
-        return context.get_returned_value(builder, described.restype, builder.load(place))
-
-    call.libs = (library,)  # type: ignore[attr-defined]
-    return call
-
-
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
 class _LowerPart(typed_passes.NativeLowering):  # type: ignore[misc]
     _name = "catch_arena_lower_part"
@@ -237,11 +186,7 @@ class _LowerPart(typed_passes.NativeLowering):  # type: ignore[misc]
         name, module = lowered.fndesc.qualname, lowered.fndesc.lookup_module()
         # what Numba finds the function by: an object without an address, as for every function without a wrapper
         key = _dynfunc.make_function(module, name.rpartition(".")[2], "", 0, lowered.env, (state.library,))
-        if state.targetctx.enable_boundscheck:
-            state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
-        else:
-            call = _call_of(lowered.fndesc, state.library)
-            state.targetctx.insert_func_defn([(call, key, lowered.fndesc.argtypes)])
+        state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
         state["cr"] = lowered._replace(cfunc=key)
         return True
 
@@ -254,25 +199,6 @@ class _LowerWhole(typed_passes.NativeLowering):  # type: ignore[misc]
         state.library = Whole(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
         return super().run_pass(state)  # type: ignore[no-any-return]
-
-
-_SKIPPED: Final = {
-    typed_passes.IRLegalization,
-    typed_passes.InlineOverloads,
-    typed_passes.NopythonRewrites,
-    untyped_passes.FindLiterallyCalls,
-    untyped_passes.InlineClosureLikes,
-    untyped_passes.InlineInlinables,
-    untyped_passes.LiteralPropagationSubPipelinePass,
-    untyped_passes.LiteralUnroll,
-    untyped_passes.MakeFunctionToJitFunction,
-    untyped_passes.RewriteDynamicRaises,
-    untyped_passes.WithLifting,
-}
-"""The core has no closures, contexts and exceptions, nothing that is inlined before it is translated, no loops over
-literals and no arithmetic with whole arrays; and nothing that is counted and freed, for which Numba notes where each
-variable is used last.
-"""
 
 
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
@@ -292,11 +218,9 @@ class _LowerOutlined(_LowerPart):
 class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     lowering: Any
     """The last of the passes."""
-    is_part: ClassVar[bool] = True
-    """Whether others of ours call it."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes, but for those that the core does not need, with one more, and ours in place of the last."""
+        """Numba's passes with one more, and ours in place of the last."""
         builder = compiler.DefaultPassBuilder
         manager = _machinery.PassManager("catch_arena")
         for part in (
@@ -306,12 +230,10 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
         ):
             for step, description in part.passes:
                 if step is untyped_passes.RewriteSemanticConstants:
-                    if self.is_part:
-                        manager.add_pass(_Refuse, "what parts must not do")
                     manager.add_pass(_Substitute, "what we have in place of something")
                 if step is typed_passes.NativeLowering:
                     manager.add_pass(self.lowering, description)
-                elif step not in _SKIPPED:
+                else:
                     manager.add_pass(step, description)
         manager.finalize()
         return [manager]
@@ -333,4 +255,3 @@ class WholeCompiler(_Compiler):
     """For what Python calls."""
 
     lowering = _LowerWhole
-    is_part = False

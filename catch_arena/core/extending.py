@@ -5,8 +5,9 @@ from typing import Any, Final, cast
 
 from llvmlite import ir
 from numba import types
-from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic, type_callable
+
+from catch_arena.core.compiler import AttributeTemplate
 
 Typer = Callable[..., Any]
 Emitter = Callable[..., Any]
@@ -28,10 +29,10 @@ def fields_as(of: Any, type_of: Typer) -> Callable[[Emitter], Emitter]:
     such field; what is decorated emits the code that reads it.
     """
 
-    class Fields(AttributeTemplate):
+    class Fields(AttributeTemplate):  # type: ignore[misc]
         key = of
 
-        def generic_resolve(self, one: Any, name: str) -> Any:  # type: ignore[override]
+        def generic_resolve(self, one: Any, name: str) -> Any:
             return type_of(one, name)
 
     infer_getattr(Fields)

@@ -6,9 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final, NamedTuple
 
-from numba.core import event
-
-from catch_arena.core.cache import CACHE_DIRECTORY
+from catch_arena.core.cache import CACHE_DIRECTORY, on_miss
 from catch_arena.core.compiler import INTERPRETED
 
 _COMMON_S: Final = 5
@@ -46,30 +44,32 @@ def compile_once(variant: Variant, play: Callable[[], None]) -> None:
         return
     _begun.add(variant)
     try:
-        with event.install_listener("numba:compile", _Announcer(variant)), _without_garbage_collection():
+        with _announced(variant), _without_garbage_collection():
             play()
     finally:
         _begun.discard(variant)
     _compiled.add(variant)
 
 
-class _Announcer(event.Listener):
-    """Prints one line when Numba compiles its first function, and none if all come from the cache."""
+@contextmanager
+def _announced(variant: Variant) -> Iterator[None]:
+    """Print one line when the first function is compiled, and none if all come from the cache."""
+    seconds = _ALL_S if variant.options else _COMMON_S
+    lines = [
+        f"catch_arena: compiling {variant}: about {seconds} s, and longer on a slow or busy machine; {_KEPT}\n",
+    ]
 
-    def __init__(self, variant: Variant) -> None:
-        self._line = (
-            f"catch_arena: compiling {variant}: about {_ALL_S if variant.options else _COMMON_S} s, and longer on a "
-            f"slow or busy machine; {_KEPT}\n"
-        )
+    def announce() -> None:
+        if lines:
+            sys.stderr.write(lines.pop())
 
-    def on_start(self, event: object) -> None:
-        """Print the line, once."""
-        del event
-        line, self._line = self._line, ""
-        sys.stderr.write(line)
-
-    def on_end(self, event: object) -> None:
-        """Print nothing."""
+    if CACHE_DIRECTORY is None:
+        announce()
+    on_miss.append(announce)
+    try:
+        yield
+    finally:
+        on_miss.remove(announce)
 
 
 @contextmanager

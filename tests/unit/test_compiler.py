@@ -13,15 +13,12 @@ import pytest
 from llvmlite import binding as llvm
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import compiler, tick
+from catch_arena.core import compiler
 from catch_arena.core.addresses import by_address
-from catch_arena.core.arbiter import REQUEST_COLUMNS
-from catch_arena.core.compiler import CHECKED, INTERPRETED
+from catch_arena.core.compiler import INTERPRETED
 from catch_arena.core.jit import phase, unkept_entry
 from catch_arena.core.memory import settings_in
 from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS
-from catch_arena.core.vectors import HALF, WIDE
-from catch_arena.engine import Engine
 from catch_arena.engine.core_settings import settings_of
 
 ROOT = Path(__file__).parents[2]
@@ -144,85 +141,6 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
     assert whole(numbers, NO_OPTIONS) == 3
     with pytest.raises(numba.TypingError, match="missing"):
         whole(numbers, ALL_OPTIONS)
-
-
-@pytest.mark.skipif(INTERPRETED or CHECKED, reason="nothing is compiled, or each index may fail")
-@pytest.mark.parametrize("options", [NO_OPTIONS, ALL_OPTIONS])
-def test_nothing_that_is_called_can_fail(options):
-    """Calls are compiled without asking whether they have: LLVM finds that each function returns 0, always."""
-    engine = Engine(ArenaConfig(), 2)
-    step = unkept_entry(tick.run.py_func)
-    nothing = np.zeros((0, 0), dtype=np.int64), np.zeros((0, 0, 2), dtype=np.float32)
-    requests = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
-    resets = np.zeros((0, 2), dtype=np.uint64)
-    given = HALF, WIDE, options, engine._memory, 0, 0, 0, resets, False, *nothing, requests
-    step.compile(tuple(map(numba.typeof, given)))
-    library = step.overloads[step.signatures[0]].library
-    module = llvm.parse_assembly(library.get_llvm_str())
-    returned = {
-        str(instruction).strip()
-        for function in module.functions
-        if "catch_arena" in function.name and not function.name.startswith(("_ZN7cpython", "cfunc"))
-        for block in function.blocks
-        for instruction in block.instructions
-        if instruction.opcode == "ret"
-    }
-    assert returned == {"ret i32 0"}
-
-
-@phase
-def asserts(numbers):
-    assert numbers[0] > 5.0
-    return numbers[0]
-
-
-@phase
-def raises(numbers):
-    if numbers[0] > 5.0:
-        raise ValueError
-    return numbers[0]
-
-
-@phase
-def prints(numbers):
-    print(numbers[0])  # noqa: T201
-    return numbers[0]
-
-
-@phase
-def reads_from_the_back(numbers):
-    return numbers[-1]
-
-
-@phase
-def writes_from_the_back(numbers):
-    numbers[-1] = 1.0
-    return numbers[0]
-
-
-@pytest.mark.skipif(INTERPRETED or not compiler.USABLE, reason="Numba's own way, or Python's")
-@pytest.mark.parametrize(
-    ("part", "message"),
-    [
-        (asserts, "rules and phases must not raise or assert"),
-        (raises, "rules and phases must not raise or assert"),
-        (prints, "rules and phases must not print, unless NUMBA_DISABLE_JIT is 1"),
-        (reads_from_the_back, "rules and phases must count indices from the front, got -1"),
-        (writes_from_the_back, "rules and phases must count indices from the front, got -1"),
-    ],
-    ids=lambda given: getattr(given, "__name__", ""),
-)
-def test_what_compiled_parts_would_do_otherwise_than_python_is_refused(part, message):
-    """It would end the process without a word, or read the memory before an array; the error has the line."""
-
-    @unkept_entry
-    def call(numbers):
-        return part(by_address(numbers))
-
-    with pytest.raises(
-        numba.core.errors.UnsupportedError, match=f"(?s){message}.*test_compiler.py.*def {part.__name__}"
-    ):
-        call(np.zeros(3))
 
 
 def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again():

@@ -2,10 +2,11 @@
 
 import threading
 
-import numba
 import pytest
 
+from catch_arena.core import cache
 from catch_arena.core.compiler import INTERPRETED
+from catch_arena.core.jit import entry
 from catch_arena.engine import compiling
 from catch_arena.engine.compiling import Variant, compile_once
 
@@ -24,12 +25,14 @@ def new_process(monkeypatch):
     ("variant", "line"),
     [(BATCH, "the common rules for a batch: about 5 s"), (ALL_FOR_ONE, "all rules for one arena: about 7 s")],
 )
-def test_a_line_says_how_long_it_takes_if_something_is_compiled(capsys, variant, line):
-    @numba.njit
+def test_a_line_says_how_long_it_takes_if_something_is_compiled(capsys, tmp_path, monkeypatch, variant, line):
+    monkeypatch.setattr(cache, "CACHE_DIRECTORY", tmp_path)
+
+    @entry
     def add_one(value):
         return value + 1
 
-    @numba.njit
+    @entry
     def add_two(value):
         return value + 2
 
@@ -38,6 +41,13 @@ def test_a_line_says_how_long_it_takes_if_something_is_compiled(capsys, variant,
     assert capsys.readouterr().err == told
     compile_once(ONE, lambda: (add_one(2), add_two(2)))
     assert capsys.readouterr().err == ""
+
+
+def test_the_line_is_printed_where_nothing_is_kept(capsys, monkeypatch):
+    """There is no cache that could lack the code."""
+    monkeypatch.setattr(compiling, "CACHE_DIRECTORY", None)
+    compile_once(ONE, lambda: None)
+    assert capsys.readouterr().err.startswith("catch_arena: compiling the common rules for one arena")
 
 
 def test_what_was_interrupted_is_compiled_again_and_then_never():
