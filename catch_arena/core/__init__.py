@@ -8,7 +8,7 @@ blocks.
 
 - tick: one step, phase by phase: begin to read here. episodes: how an episode begins and ends. placing: with bodies put
   where somebody wants them.
-- What is kept: state (an arena's rows), memory (an engine's bytes), workspace (scratch).
+- What is kept: state (an arena's rows), memory (an engine's bytes, with scratch of each thread).
 - The phases: controllers, targets, dropouts, catching with arbiter, physics, spawner, rewards; prey: chapter 12's.
 - What is seen: observations, features (of each thing), tiles (what is known of it), ranking (in which order),
   visibility (how far, how blurred), prey_views.
@@ -20,8 +20,7 @@ blocks.
 Parameters that have the same meaning in every function, which docstrings do not repeat:
 
 - memory: see memory.py. arena: which of the batch. choices, commands and given_requests: see `tick.run`, of the lanes.
-  sections: see `memory.Sections`; so are controls (of the lanes), limits, teams and team_seats. scratch: see
-  `workspace.Scratch`.
+  sections: see `memory.Sections`; so are controls (of the lanes), limits, teams and team_seats.
 - s: the settings, see `state.Settings`. block: the rows of LANES arenas, see state.py; lane: one of them. lanes: how
   many of its lanes are arenas, from 0 up. first and last: the first arena of the block, and the one behind its last.
 - width: how many lanes a group has; first: the first of those, where a function is about one group (see vectors.py).

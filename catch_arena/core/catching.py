@@ -24,6 +24,7 @@ from catch_arena.core.arbiter import (
     measure_um,
 )
 from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.memory import Sections
 from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
 from catch_arena.core.rewards import renew_progress_reference
@@ -56,7 +57,6 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, any_of, each, group, long, select, truncate
-from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
 from catch_arena.verdicts import Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
@@ -97,7 +97,7 @@ def refuse_requests(
     lanes: int,
     targets: Block,
     limits: NDArray[np.float64],
-    scratch: Scratch,
+    sections: Sections,
     service_up: Block,
 ) -> None:
     """R5.2, several lanes at once: a request that fails a test by itself, whatever others ask for, is answered. Under
@@ -105,13 +105,13 @@ def refuse_requests(
 
     Args:
         block: the block, without verdicts; they are written, and what stands beside them.
-        scratch: see `workspace.Scratch`; its requested slots are read.
+        sections: see `memory.Sections`; its requested slots are read.
         service_up: see `ask_service`.
     """
     repeated = False  # a hunter has one request
     for seat in range(s.hunters):
         me, own = seat_of(block, seat), limits_of(limits, seat)
-        requested = requested_slots_of(scratch, seat)
+        requested = sections.requested_slots[seat]
         for first in range(0, lanes, len(width)):
             lane, arena = group(first, width), each(first, width)
             slot = requested[lane]
@@ -146,23 +146,23 @@ def is_open(me: Block, requested: Block, lane: int) -> bool:
 
 
 @phase
-def count_requests(block: Block, s: Settings, width: Width, scratch: Scratch, counts: Block) -> None:
+def count_requests(block: Block, s: Settings, width: Width, sections: Sections, counts: Block) -> None:
     """How many requests are open in each lane: `counts`, one row, is the result."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         count = 0.0
         for seat in range(s.hunters):
-            asks = is_open(seat_of(block, seat), requested_slots_of(scratch, seat), lane)
+            asks = is_open(seat_of(block, seat), sections.requested_slots[seat], lane)
             count = count + select(asks, 1.0, 0.0)
         counts[lane] = count
 
 
 @phase
-def collect_requests(block: Block, s: Settings, lane: int, scratch: Scratch) -> int:
+def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -> int:
     """Who asks for which slot, in one lane, and has no answer yet.
 
     Args:
-        scratch: see `workspace.Scratch`; of its requests one row is written for each that is open, the seat and the
+        sections: see `memory.Sections`; of its requests one row is written for each that is open, the seat and the
             slot: the other columns are `fill_requests`'.
 
     Returns:
@@ -170,10 +170,10 @@ def collect_requests(block: Block, s: Settings, lane: int, scratch: Scratch) -> 
     """
     number = 0
     for seat in range(s.hunters):
-        requested = requested_slots_of(scratch, seat)
+        requested = sections.requested_slots[seat]
         if is_open(seat_of(block, seat), requested, lane):
-            scratch.requests[number, REQUEST_SEAT] = seat
-            scratch.requests[number, REQUEST_TARGET] = int(requested[lane])
+            sections.requests[number, REQUEST_SEAT] = seat
+            sections.requests[number, REQUEST_TARGET] = int(requested[lane])
             number += 1
     return number
 
@@ -254,13 +254,13 @@ def commit(
     targets: Block,
     limits: NDArray[np.float64],
     requests: RequestTable,
-    scratch: Scratch,
+    sections: Sections,
 ) -> None:
     """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8).
 
     Args:
         requests: the request table of the lane, judged.
-        scratch: see `workspace.Scratch`; the progress references are renewed.
+        sections: see `memory.Sections`; the progress references are renewed.
     """
     if not has_verdict(requests, _GRANTED):
         return
@@ -282,7 +282,7 @@ def commit(
             removed += 1
     if removed > 0 and s.needs_progress:
         for seat in range(s.hunters):
-            reference = progress_reference_of(scratch, seat)
+            reference = sections.progress_references[seat]
             renew_progress_reference(block, seat_of(block, seat), targets, lane, s, limits_of(limits, seat), reference)
 
 
@@ -295,7 +295,7 @@ def resolve_requests(
     targets: Block,
     limits: NDArray[np.float64],
     given_requests: RequestTable,
-    scratch: Scratch,
+    sections: Sections,
 ) -> None:
     """R1.4's phases 3 and 4: what fails by itself is refused in several lanes at once, and what is left is judged one
     lane after the other.
@@ -304,19 +304,19 @@ def resolve_requests(
         given_requests: requests that are judged instead of what the hunters ask for, in a block of one arena: their
             seats and slots, or the codes instead of a slot; or none.
     """
-    service_up, counts = scratch.rows[:LANES], scratch.rows[LANES : 2 * LANES]
+    service_up, counts = sections.rows[:LANES], sections.rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)
     ask_service(block, s, width, lanes, service_up)
     if len(given_requests) == 0:
         if s.policy != CAPSTONE:
-            refuse_requests(block, s, width, lanes, targets, limits, scratch, service_up)
-        count_requests(block, s, width, scratch, counts)
+            refuse_requests(block, s, width, lanes, targets, limits, sections, service_up)
+        count_requests(block, s, width, sections, counts)
     for lane in range(lanes):
         if len(given_requests) == 0 and counts[lane] == 0.0:
             continue
         requests = given_requests
         if len(given_requests) == 0:
-            requests = scratch.requests[: collect_requests(block, s, lane, scratch)]
+            requests = sections.requests[: collect_requests(block, s, lane, sections)]
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests, service_up[lane] > 0.0)
-        commit(block, s, lane, targets, limits, requests, scratch)
+        commit(block, s, lane, targets, limits, requests, sections)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
 from catch_arena.core.jit import Block, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
+from catch_arena.core.memory import Sections
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
     ABSENT,
@@ -37,7 +38,6 @@ from catch_arena.core.state import (
     targets_of,
 )
 from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
-from catch_arena.core.workspace import Scratch, progress_reference_of, requested_slots_of
 
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
@@ -85,7 +85,7 @@ def choose(
     One lane after the other, since the targets are anywhere.
 
     Args:
-        requested: the result, one row: see `workspace.requested_slots_of`.
+        requested: the result, one row: see `memory.Sections`.
         goals: the result, three rows: where the target is to which each lane drives, x and y [m], and its number, 0 for
             none.
     """
@@ -155,7 +155,7 @@ def request_nearest(
     """R4.4: under velocity control the nearest target is requested whenever it is within reach.
 
     Args:
-        requested: the result, one row: see `workspace.requested_slots_of`.
+        requested: the result, one row: see `memory.Sections`.
     """
     for lane in range(lanes):
         requested[lane] = NO_TARGET
@@ -184,7 +184,7 @@ def drive_by_command(
 
     Args:
         me: the rows of the seat; its velocities are written.
-        requested: one row: see `workspace.requested_slots_of`.
+        requested: one row: see `memory.Sections`.
     """
     for lane in range(lanes):
         me[SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
@@ -218,7 +218,7 @@ def steer_seat(
 
     Args:
         control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-        requested: the result, one row: see `workspace.requested_slots_of`.
+        requested: the result, one row: see `memory.Sections`.
         goals: room for three rows: see `choose`.
     """
     if control == TARGET_CONTROL:
@@ -250,7 +250,7 @@ def steer_lane_by_lane(
     """The same where the seat's control differs by arena: each lane as an arena that is alone.
 
     Args:
-        requested: the result, one row: see `workspace.requested_slots_of`.
+        requested: the result, one row: see `memory.Sections`.
         goals: room for three rows: see `choose`.
     """
     for lane in range(len(controls)):
@@ -290,22 +290,22 @@ def apply_actions(
     limits: NDArray[np.float64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    scratch: Scratch,
+    sections: Sections,
 ) -> None:
     """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t.
 
     Args:
-        scratch: see `workspace.Scratch`; the requested slots and the progress references are set.
+        sections: see `memory.Sections`; the requested slots and the progress references are set.
     """
-    targets, goals = targets_of(block, s), scratch.rows
+    targets, goals = targets_of(block, s), sections.rows
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         order = target_order_of(block, seat, s)
-        own, requested = limits_of(limits, seat), requested_slots_of(scratch, seat)
+        own, requested = limits_of(limits, seat), sections.requested_slots[seat]
         if s.any_control and differ(controls, seat):
             steer_lane_by_lane(me, order, targets, seat, controls, choices, commands, s, own, requested, goals)
         else:
             control = controls[0, seat]
             steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, requested, goals)
         if s.needs_progress:
-            set_progress_reference(me, order, targets, lanes, s, progress_reference_of(scratch, seat))
+            set_progress_reference(me, order, targets, lanes, s, sections.progress_references[seat])

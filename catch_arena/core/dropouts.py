@@ -62,4 +62,4 @@ def withdraw_at(memory: Bytes, arena: int, seat: int) -> None:
     Args:
         seat: whose.
     """
-    withdraw(seat_of(sections_of(memory).blocks[arena // LANES], seat), arena % LANES)
+    withdraw(seat_of(sections_of(memory, 0).blocks[arena // LANES], seat), arena % LANES)

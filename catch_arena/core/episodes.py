@@ -44,7 +44,6 @@ from catch_arena.core.state import (
     targets_of,
 )
 from catch_arena.core.vectors import Width, group, select
-from catch_arena.core.workspace import Scratch
 
 
 @outlined
@@ -154,27 +153,27 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 
 
 @phase
-def restore_finished(block: Block, s: Settings, lanes: int, scratch: Scratch, rewards: Rewards, parts: Parts) -> None:
+def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, rewards: Rewards, parts: Parts) -> None:
     """R1.5: arenas that had ended are played with the others of their block, and then put back as they were kept, but
     for the answers, which were MATCH_OVER (R5.2): nothing moves after the end.
 
     Args:
-        scratch: see `workspace.Scratch`, for the block before the step.
+        sections: see `memory.Sections`, for the block before the step.
         rewards: those of arenas that had ended become 0.
         parts: the same.
     """
     for lane in range(lanes):
-        if scratch.snapshot[ENDED + lane] == RUNNING:
+        if sections.snapshot[ENDED + lane] == RUNNING:
             continue
         for seat in range(s.hunters):
-            now, then = seat_of(block, seat), seat_of(scratch.snapshot, seat)
+            now, then = seat_of(block, seat), seat_of(sections.snapshot, seat)
             for offset in ANSWER:
                 then[offset + lane] = now[offset + lane]
             rewards[lane, seat] = 0.0
             for column in range(parts.shape[2] if len(parts) > 0 else 0):
                 parts[lane, seat, column] = 0.0
         for row in range(len(block) // LANES):
-            block[row * LANES + lane] = scratch.snapshot[row * LANES + lane]
+            block[row * LANES + lane] = sections.snapshot[row * LANES + lane]
 
 
 @outlined

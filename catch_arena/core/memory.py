@@ -3,6 +3,7 @@ would cost a microsecond a call to hand over.
 
 It begins with its directory: for each field of `Sections` where the section begins and its shape.
 `Settings` are a section, and have no numbering either: names, order and types stand in these two classes alone.
+Each thread has scratch sections of its own; nothing in them outlives a step.
 """
 
 import contextlib
@@ -17,8 +18,20 @@ from numba.extending import models, register_model
 from numpy.typing import NDArray
 
 from catch_arena.core.addresses import ArrayAt, product
-from catch_arena.core.extending import INT64, compiled_as, constant_at, fields_as, packed
-from catch_arena.core.state import Options, PlainSettings, Settings
+from catch_arena.core.arbiter import REQUEST_COLUMNS
+from catch_arena.core.extending import INT64, compiled_as, constant_at, fields_as, packed, unpacked
+from catch_arena.core.state import (
+    LANES,
+    MOST,
+    PART_NAMES,
+    RANKS_PER_WORD,
+    WITHDRAWN,
+    Options,
+    PlainSettings,
+    Settings,
+)
+from catch_arena.core.transfers import STREAMED, TILE
+from catch_arena.core.vectors import WIDE
 
 Bytes = NDArray[np.uint8]
 
@@ -33,25 +46,30 @@ class Section(NamedTuple):
 
     dtype: type[np.generic]
     ndim: int
+    by_thread: bool = False
+    """Whether the first dimension is that of the threads, each of which sees its own part alone."""
 
 
 # What a section holds stands beside its type, since NumPy's own annotations are for type checkers only.
 Floats1 = Annotated[NDArray[np.float32], Section(np.float32, 1)]
 Floats2 = Annotated[NDArray[np.float32], Section(np.float32, 2)]
 Floats3 = Annotated[NDArray[np.float32], Section(np.float32, 3)]
+ScratchFloats1 = Annotated[NDArray[np.float32], Section(np.float32, 2, by_thread=True)]
 Doubles1 = Annotated[NDArray[np.float64], Section(np.float64, 1)]
 Doubles2 = Annotated[NDArray[np.float64], Section(np.float64, 2)]
 Doubles3 = Annotated[NDArray[np.float64], Section(np.float64, 3)]
-Keys2 = Annotated[NDArray[np.int32], Section(np.int32, 2)]
+ScratchDoubles1 = Annotated[NDArray[np.float64], Section(np.float64, 2, by_thread=True)]
+ScratchDoubles2 = Annotated[NDArray[np.float64], Section(np.float64, 3, by_thread=True)]
+ScratchKeys1 = Annotated[NDArray[np.int32], Section(np.int32, 2, by_thread=True)]
 Integers1 = Annotated[NDArray[np.int64], Section(np.int64, 1)]
-Integers3 = Annotated[NDArray[np.int64], Section(np.int64, 3)]
+ScratchIntegers2 = Annotated[NDArray[np.int64], Section(np.int64, 3, by_thread=True)]
 Flags1 = Annotated[NDArray[np.int8], Section(np.int8, 1)]
 Flags2 = Annotated[NDArray[np.int8], Section(np.int8, 2)]
 Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
 
 
 class Sections(NamedTuple):
-    """B arenas in blocks; N agents, H hunters and then P prey; K targets seen; T threads.
+    """B arenas in blocks; N agents, H hunters and then P prey; K targets seen.
 
     Each field's type names its elements and the number of dimensions. What a scenario or a batch does not need has no
     numbers. The order matters where a line says so: sections are saved and copied together with their neighbours.
@@ -73,21 +91,38 @@ class Sections(NamedTuple):
     """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
     team_seats: Integers1
     """(teams,): and those seats, in the order of the teams; none where there are no teams."""
-    keys: Keys2
-    """(T, numbers), as those that follow: see `workspace.Scratch`."""
-    positions: Doubles2
-    target_tiles: Doubles2
-    body_tiles: Doubles2
-    staging: Floats2
-    requests: Integers3
-    rows: Doubles2
-    requested_slots: Doubles2
-    rival_orders: Doubles2
-    progress_references: Doubles2
-    team_rows: Doubles2
-    prey_references: Doubles2
-    gathered_prey: Doubles2
-    snapshot: Doubles2
+    keys: ScratchKeys1
+    """Sorting keys, by slot or seat: rows of LANES."""
+    positions: ScratchDoubles1
+    """Where the hunters are, in one group of lanes: see `ranking.note_positions`."""
+    target_tiles: ScratchDoubles1
+    """What is known of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
+    body_tiles: ScratchDoubles1
+    """The same of the hunters, or of all prey."""
+    staging: ScratchFloats1
+    """The observations of one group of lanes, as they lie in memory."""
+    requests: ScratchIntegers2
+    """The open requests of one lane: see `arbiter`."""
+    rows: ScratchDoubles1
+    """A few rows of LANES for whatever a phase counts."""
+    requested_slots: ScratchDoubles2
+    """(H, LANES): what each seat asks for in this step: a slot, NO_TARGET or MALFORMED_REQUEST."""
+    rival_orders: ScratchDoubles2
+    """R7.1, by seat: the rivals, nearest first, as `state.slot_at_rank` reads them."""
+    progress_references: ScratchDoubles2
+    """R6.2's progress, by seat, three rows: where the target is that was nearest after the commit, x and y [m], and how
+    far it was [m], -1 for none.
+    """
+    team_rows: ScratchDoubles1
+    """R11.2, of as many as there are hunters, or none: the catches of each team, by the seat that stands for it; and
+    then what each seat has earned by itself.
+    """
+    prey_references: ScratchDoubles2
+    """R12.5's gain, by index, four rows: see `prey.IN_PLAY` and those that follow."""
+    gathered_prey: ScratchDoubles2
+    """R12.4, by index: the body of one prey, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
+    snapshot: ScratchDoubles1
+    """The block as it was, if some of its arenas have ended."""
     # ---- saved, from here to the end; all but the blocks have a row for each arena ----
     blocks: Doubles2
     """(blocks, rows * LANES): see `state`."""
@@ -133,6 +168,39 @@ _INDICES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in ND
 """Where in the directory a section has its numbers."""
 
 
+_ROWS: Final = 2 + len(PART_NAMES)
+"""Rows that `rewards.reward_hunters` needs, which needs the most."""
+
+
+def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_play: bool) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of one thread's scratch sections.
+
+    Args:
+        hunters: H.
+        prey: P.
+        rows: number of rows of a block.
+        columns: number of columns of an arena's observations, of all agents together.
+        team_play: whether there are teams.
+    """
+    staging = len(WIDE) * columns + STREAMED  # with room for what is written too much
+    return {
+        "keys": (MOST * LANES,),
+        "positions": (MOST * 2 * len(WIDE),),
+        "target_tiles": ((MOST + 1) * len(WIDE) * TILE,),
+        "body_tiles": ((MOST + 1) * len(WIDE) * TILE,),
+        "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
+        "requests": (hunters, REQUEST_COLUMNS),
+        "rows": (_ROWS * LANES,),
+        "requested_slots": (hunters, LANES),
+        "rival_orders": (hunters, MOST // RANKS_PER_WORD * LANES),
+        "progress_references": (hunters, 3 * LANES),
+        "team_rows": (2 * hunters * LANES if team_play else 0,),
+        "prey_references": (prey, 4 * LANES),
+        "gathered_prey": (prey, WITHDRAWN + LANES),
+        "snapshot": (rows * LANES,),
+    }
+
+
 def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
     """For `lay_out`: a section that takes no memory yet."""
     return np.broadcast_to(np.zeros((), dtype=dtype), shape)
@@ -157,12 +225,10 @@ def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
         size += whole_lines(array.nbytes)
     memory = _new_bytes(size)
     memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
-    sections = sections_of(memory)
-    own: tuple[NDArray[Any], ...] = sections
-    for section, array in zip(own, arrays, strict=True):
+    for section, array in zip(_arrays_in(memory), arrays, strict=True):
         if any(array.strides):  # the others are zeros, as all is
             section[:] = array
-    return memory, sections
+    return memory, sections_of(memory)
 
 
 def offset_of(section: str, memory: Bytes) -> int:
@@ -195,14 +261,20 @@ def whole_lines(size: int) -> int:
     return -(-size // CACHE_LINE) * CACHE_LINE
 
 
-def sections_of(memory: Bytes) -> Sections:
-    """The sections of a memory."""
+def sections_of(memory: Bytes, thread: int = 0) -> Sections:
+    """Return the sections of a memory, those of scratch as one thread sees them."""
+    arrays = _arrays_in(memory)
+    kinds = _KINDS_OF_SECTIONS.values()
+    return Sections(*(array[thread] if kind.by_thread else array for array, kind in zip(arrays, kinds, strict=True)))
+
+
+def _arrays_in(memory: Bytes) -> list[NDArray[Any]]:
     directory = iter(memory[: 8 * _DIRECTORY].view(np.int64).tolist())
     sections = []
     for dtype, ndim in zip(DTYPES.values(), NDIMS, strict=True):
         begin, *shape = (next(directory) for _ in range(1 + ndim))
         sections.append(np.ndarray(shape, dtype, memory, begin))  # three times as fast as a slice, a view and a shape
-    return Sections(*sections)
+    return sections
 
 
 def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
@@ -215,7 +287,6 @@ def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
 # ---- for the compiler: settings and sections are where their memory is, and each is read where it is asked for ----
 
 _NUMBERS: Final = ir.DoubleType().as_pointer()
-_BYTES: Final = ir.IntType(8).as_pointer()
 _DIRECTORY_AT: Final = INT64.as_pointer()
 
 
@@ -230,7 +301,7 @@ class SettingsAt(types.Type):
 
 
 class SectionsAt(types.Type):
-    """`Sections`."""
+    """`Sections`: the memory, and which thread looks."""
 
 
 SECTIONS: Final = SectionsAt("Sections")
@@ -243,9 +314,9 @@ class _SettingsModel(models.PrimitiveModel):
 
 
 @register_model(SectionsAt)
-class _SectionsModel(models.PrimitiveModel):
+class _SectionsModel(models.StructModel):
     def __init__(self, manager: Any, of: SectionsAt) -> None:
-        super().__init__(manager, of, _BYTES)
+        super().__init__(manager, of, (("memory", types.CPointer(types.uint8)), ("thread", types.int64)))
 
 
 _KINDS: Final = {int: types.int64, float: types.float64}
@@ -273,36 +344,35 @@ def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
     return builder.extract_value(arguments[0], 0)
 
 
-def _type_of_sections(memory: Any) -> Any:
-    return SECTIONS(memory)
+def _type_of_sections(memory: Any, _thread: Any) -> Any:
+    return SECTIONS(memory, types.int64)
 
 
-@compiled_as(sections_of, _type_of_sections, 1)
+@compiled_as(sections_of, _type_of_sections, 2)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    return context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    memory, thread = arguments
+    return packed(
+        context, builder, SECTIONS, [context.make_array(signature.args[0])(context, builder, memory).data, thread]
+    )
 
 
-def type_of_section(name: str) -> Any:
-    """What a section is, or None where there is none of that name."""
+def _type_of_section(_sections: Any, name: str) -> Any:
     if name not in DTYPES:
         return None
-    return ArrayAt(from_dtype(DTYPES[name]), NDIMS[list(DTYPES).index(name)])
+    kind = _KINDS_OF_SECTIONS[name]
+    return ArrayAt(from_dtype(DTYPES[name]), kind.ndim - kind.by_thread)
 
 
-def section_at(context: Any, builder: Any, memory: Any, name: str, thread: Any = None) -> Any:
-    """A section, or of a section of scratch memory what one thread has."""
-    of = type_of_section(name)
+@fields_as(SectionsAt, _type_of_section)
+def _(context: Any, builder: Any, of: Any, sections: Any, name: str) -> Any:
+    memory, thread = unpacked(builder, sections)
+    one, by_thread = _type_of_section(of, name), _KINDS_OF_SECTIONS[name].by_thread
     directory = builder.bitcast(memory, _DIRECTORY_AT)
-    places = range(_INDICES[name], _INDICES[name] + 1 + of.ndim)
+    places = range(_INDICES[name], _INDICES[name] + 1 + one.ndim + by_thread)
     begin, *shape = (constant_at(builder, builder.gep(directory, [INT64(place)])) for place in places)
-    if thread is not None:
-        of, shape = of.row, shape[1:]
-        size = builder.mul(product(builder, shape), INT64(of.dtype.bitwidth // 8))
+    if by_thread:
+        shape = shape[1:]
+        size = builder.mul(product(builder, shape), INT64(one.dtype.bitwidth // 8))
         begin = builder.add(begin, builder.mul(thread, size))
-    numbers = context.get_value_type(types.CPointer(of.dtype))
-    return packed(context, builder, of, [builder.bitcast(builder.gep(memory, [begin]), numbers), *shape])
-
-
-@fields_as(SectionsAt, lambda _sections, name: type_of_section(name))
-def _(context: Any, builder: Any, _of: Any, sections: Any, name: str) -> Any:
-    return section_at(context, builder, sections, name)
+    numbers = context.get_value_type(types.CPointer(one.dtype))
+    return packed(context, builder, one, [builder.bitcast(builder.gep(memory, [begin]), numbers), *shape])

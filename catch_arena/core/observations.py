@@ -80,7 +80,6 @@ from catch_arena.core.transfers import (
 )
 from catch_arena.core.vectors import Width, group
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
-from catch_arena.core.workspace import Scratch, rival_order_of
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
 
 Masks = NDArray[np.int8]
@@ -320,19 +319,19 @@ def write_seat(
     first: int,
     width: Width,
     teams: NDArray[np.int64],
-    scratch: Scratch,
+    sections: Sections,
     place: Place,
 ) -> None:
     """R7.1: the observations of one seat, in the lanes of one group.
 
     Args:
-        scratch: see `workspace.Scratch`; tiles, the time left (its first row) and the rivals' orders are read.
+        sections: see `memory.Sections`; tiles, the time left (its first row) and the rivals' orders are read.
     """
-    write_self(seat_of(block, seat), scratch.rows[:LANES], first, width, place)
+    write_self(seat_of(block, seat), sections.rows[:LANES], first, width, place)
     targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
-    write_targets(block, seat, s, first, width, scratch.target_tiles, targets)
+    write_targets(block, seat, s, first, width, sections.target_tiles, targets)
     rivals = Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride)
-    write_rivals(block, seat, rival_order_of(scratch, seat), s, first, width, teams, scratch.body_tiles, rivals)
+    write_rivals(block, seat, sections.rival_orders[seat], s, first, width, teams, sections.body_tiles, rivals)
 
 
 @phase
@@ -358,7 +357,7 @@ def write(
     lanes: int,
     slots: int,
     teams: NDArray[np.int64],
-    scratch: Scratch,
+    sections: Sections,
     observations: NDArray[np.float32],
     arena: int,
     ahead: Block,
@@ -374,22 +373,22 @@ def write(
         arena: which of the batch is the first lane.
         ahead: see `prefetch_part`.
     """
-    compute_time_left(block, s, width, scratch.rows)
+    compute_time_left(block, s, width, sections.rows)
     columns, out = observations.shape[2], flat(observations)
     stride = observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
         apart = lanes - first < len(width) or len(out) > _STREAMED
-        to = scratch.staging if apart else out
+        to = sections.staging if apart else out
         begin = 0 if apart else (arena + first) * stride
-        tile_targets(block, targets_of(block, s), first, width, slots, s, scratch.target_tiles)
+        tile_targets(block, targets_of(block, s), first, width, slots, s, sections.target_tiles)
         if s.hunters_seen > 0:
-            tile_hunters(block, first, width, s, teams, scratch.body_tiles)
+            tile_hunters(block, first, width, s, teams, sections.body_tiles)
         for seat in range(s.hunters):
-            write_seat(block, seat, s, first, width, teams, scratch, Place(to, begin + seat * columns, stride))
+            write_seat(block, seat, s, first, width, teams, sections, Place(to, begin + seat * columns, stride))
             prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if apart:
             copy_to_observations(
-                scratch.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
+                sections.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
             )
 
 
@@ -407,36 +406,32 @@ def block_after(blocks: NDArray[np.float64], first: int) -> Block:
 
 
 @phase
-def rank_seen(
-    block: Block, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections, scratch: Scratch
-) -> None:
+def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections) -> None:
     """R7.1: who sees whom in which order, in the lanes of one group: what is read of all hunters again and again stays
     in the first cache.
 
     Args:
         slots: how many slots are in use in any lane.
-        scratch: see `workspace.Scratch`; the rivals' orders are the result, and in the block those of the targets.
+        sections: see `memory.Sections`; the rivals' orders are the result, and in the block those of the targets.
     """
-    keys, teams, targets = scratch.keys, sections.teams, targets_of(block, s)
+    keys, teams, targets = sections.keys, sections.teams, targets_of(block, s)
     if s.hunters_seen > 0:
-        note_positions(block, first, width, s, scratch.positions)
+        note_positions(block, first, width, s, sections.positions)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
         rank_targets(block, me, targets, first, width, slots, s, reach_limit_m2, keys)
         pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
-            measure_rivals(block, seat, first, width, s, reach_limit_m2, scratch.positions, keys)
+            measure_rivals(block, seat, first, width, s, reach_limit_m2, sections.positions, keys)
             # one rank more than is seen: a tie at the edge of the view has to be noticed
             sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-            resolve_ties(block, seat, first, width, lanes, s, teams, keys, scratch.rows[:LANES])
-            pack_order(keys, s.hunters, s.hunters_seen, first, width, rival_order_of(scratch, seat))
+            resolve_ties(block, seat, first, width, lanes, s, teams, keys, sections.rows[:LANES])
+            pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 
 
 @phase
-def observe(
-    block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections, scratch: Scratch
-) -> None:
+def observe(block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections) -> None:
     """R7.1, R7.2: who sees whom in which order, and then the observations and masks of a block: of the arenas from
     `first` up to, but not including, `last`.
 
@@ -451,9 +446,9 @@ def observe(
         for slot in range(slots):
             update_heading(body_of(targets, slot, s), width)
     for group_first in range(0, lanes, len(width)):
-        rank_seen(block, s, group_first, width, lanes, slots, sections, scratch)
+        rank_seen(block, s, group_first, width, lanes, slots, sections)
     ahead = block_after(sections.blocks, first)
-    write(block, s, width, lanes, slots, sections.teams, scratch, sections.observations, first, ahead)
+    write(block, s, width, lanes, slots, sections.teams, sections, sections.observations, first, ahead)
     write_masks(block, s, lanes, sections.masks[first:last])
     if s.prey > 0:
-        observe_as_prey(block, s, width, first, lanes, sections, scratch)
+        observe_as_prey(block, s, width, first, lanes, sections)

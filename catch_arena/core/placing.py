@@ -67,7 +67,7 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
         prey: (P, 3), of those that are in play; or (0, 3), and prey stays as it is.
         targets: (n, 5): see `put_target`.
     """
-    sections = sections_of(memory)
+    sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     for seat in range(len(hunters)):
@@ -104,7 +104,7 @@ def place_all(
         targets: (n, T, 5): see `put_target`; the oldest first, and NaN behind the last.
         steps: (n,), how many have been played.
     """
-    sections = sections_of(memory)
+    sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     for i in range(len(arenas)):
         block, lane = sections.blocks[arenas[i] // LANES], arenas[i] % LANES

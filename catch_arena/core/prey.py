@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, entry, outlined, rule
 from catch_arena.core.math import clamp
-from catch_arena.core.memory import Bytes, sections_of, settings_in
+from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.random import seed_of
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
@@ -46,7 +46,6 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import sqrt
-from catch_arena.core.workspace import Scratch, prey_reference_of
 
 # rows of a reference, of each prey from phase 2 to its reward
 IN_PLAY: Final = 0 * LANES  # 1 where it was not out on S_t, else 0
@@ -67,16 +66,16 @@ def begin_prey(block: Block, s: Settings, lane: int) -> None:
 
 @outlined
 def command_prey(
-    block: Block, s: Settings, lanes: int, targets: Block, commands: NDArray[np.float32], scratch: Scratch
+    block: Block, s: Settings, lanes: int, targets: Block, commands: NDArray[np.float32], sections: Sections
 ) -> None:
     """R12.2: prey's velocities for this step, and from where R12.5's gain is counted.
 
     Args:
-        scratch: see `workspace.Scratch`; the references are written.
+        sections: see `memory.Sections`; the references are written.
     """
     for index in range(s.prey):
         me, agent = prey_of(block, index, s), s.hunters + index
-        reference = prey_reference_of(scratch, index)
+        reference = sections.prey_references[index]
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
             me[CAUGHT_BY + lane] = -1.0
@@ -174,7 +173,7 @@ def reward_prey(
     lanes: int,
     had_ended: bool,
     targets: Block,
-    scratch: Scratch,
+    sections: Sections,
     rewards: NDArray[np.float64],
     parts: NDArray[np.float64],
 ) -> None:
@@ -187,10 +186,10 @@ def reward_prey(
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
-        reference = prey_reference_of(scratch, index)
+        reference = sections.prey_references[index]
         for lane in range(lanes):
             total, caught, survived, gained = 0.0, 0.0, 0.0, 0.0
-            if had_ended and scratch.snapshot[ENDED + lane] != RUNNING:
+            if had_ended and sections.snapshot[ENDED + lane] != RUNNING:
                 me[CAUGHT_BY + lane] = -1.0
             elif me[PREY_WITHDRAWN + lane] == 0.0:
                 caught, survived, gained = prey_parts(me, reference, targets, lane, s)
@@ -240,7 +239,7 @@ def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
     Args:
         index: which prey.
     """
-    sections = sections_of(memory)
+    sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     me, targets = prey_of(block, index, s), targets_of(block, s)

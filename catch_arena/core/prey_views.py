@@ -48,7 +48,6 @@ from catch_arena.core.state import (
 from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
 from catch_arena.core.transfers import Place, put_rows, take_tile
 from catch_arena.core.vectors import Width, any_of, group, long, select
-from catch_arena.core.workspace import GATHERED_SIZE, Scratch, gathered_of
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
 Numbers = NDArray[np.float32]
@@ -60,14 +59,14 @@ _NOT_AMONG_THEM: Final = -1
 
 
 @outlined
-def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, scratch: Scratch) -> None:
+def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, sections: Sections) -> None:
     """The bodies of all prey, from their slots; those of prey that is out are zero, and hidden like a withdrawn hunter.
 
     Args:
-        scratch: see `workspace.Scratch`; the result.
+        sections: see `memory.Sections`; the result.
     """
     for index in range(s.prey):
-        me, gathered = prey_of(block, index, s), gathered_of(scratch, index)
+        me, gathered = prey_of(block, index, s), sections.gathered_prey[index]
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
             gathered[WITHDRAWN + lane] = 1.0 if slot == NO_TARGET else 0.0
@@ -101,13 +100,13 @@ def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_
     Args:
         of_hunters: whether it is the hunters.
         index: which prey looks.
-        gathered_prey: see `workspace.Scratch`.
+        gathered_prey: see `memory.Sections`.
     """
     hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
     exactly = not of_hunters or prey_seen == 0
     return Bodies(
         rows=block[seat_at(0) : seat_at(s.hunters)] if of_hunters else gathered_prey,
-        size=SEAT_SIZE if of_hunters else GATHERED_SIZE,
+        size=SEAT_SIZE if of_hunters else WITHDRAWN + LANES,
         total=s.hunters if of_hunters else s.prey,
         myself=_NOT_AMONG_THEM if of_hunters else index,
         ranks=hunters_seen if of_hunters else prey_seen,
@@ -176,21 +175,21 @@ def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: in
 
 
 @phase
-def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, scratch: Scratch, place: Place) -> None:
+def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, sections: Sections, place: Place) -> None:
     """R12.4: what one prey sees of bodies, in the lanes of one group.
 
     Args:
         bodies: see `Bodies`.
-        scratch: see `workspace.Scratch`; its keys are as `rank_bodies` leaves them.
+        sections: see `memory.Sections`; its keys are as `rank_bodies` leaves them.
     """
     lane = group(first, width)
     observer = observer_of(me, lane)
     for item in range(bodies.total):
-        put_tile(scratch.body_tiles, item, width, body_tile(body_in(bodies, item), 0.0, lane))
+        put_tile(sections.body_tiles, item, width, body_tile(body_in(bodies, item), 0.0, lane))
     for rank in range(bodies.ranks):
-        items = long(item_of(scratch.keys[rank * LANES + lane]))
+        items = long(item_of(sections.keys[rank * LANES + lane]))
         there = items != ABSENT
-        tile = take_tile(scratch.body_tiles, tile_index(items, width))
+        tile = take_tile(sections.body_tiles, tile_index(items, width))
         at = place.at + bodies.first_column + rank * _BODY_WIDTH
         exactly = bodies.exactly and rank == bodies.ranks - 1
         seen = body_seen(observer, body_of_tile(tile))
@@ -224,7 +223,7 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
     """What was put together apart, since the group has lanes that are no arenas.
 
     Args:
-        staging: see `workspace.Scratch`.
+        staging: see `memory.Sections`.
         start: where that of the first lane begins there.
         columns: how many are there, from the first on.
         stride: see `transfers.Place`.
@@ -237,35 +236,33 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
 
 
 @outlined
-def observe_as_prey(
-    block: Block, s: Settings, width: Width, arena: int, lanes: int, sections: Sections, scratch: Scratch
-) -> None:
+def observe_as_prey(block: Block, s: Settings, width: Width, arena: int, lanes: int, sections: Sections) -> None:
     """R12.4, R12.3: the observations of all prey of a block.
 
     Args:
         arena: which of the batch is the first lane.
         sections: see `memory.Sections`; prey's rows of `observations` are the result.
     """
-    gather_prey(block, s, lanes, targets_of(block, s), scratch)
+    gather_prey(block, s, lanes, targets_of(block, s), sections)
     out = flat(sections.observations)
     columns = sections.observations.shape[2]
     stride = sections.observations.shape[1] * columns
     for index in range(s.prey):
-        me, caught = gathered_of(scratch, index), prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
+        me, caught = sections.gathered_prey[index], prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
         for side in range(2):  # in a loop, so that what it calls is compiled once
             of_hunters = side == 0
-            bodies = bodies_of(block, s, of_hunters, index, scratch.gathered_prey)
+            bodies = bodies_of(block, s, of_hunters, index, flat(sections.gathered_prey))
             if bodies.ranks == 0:
                 continue
             for first in range(0, lanes, len(width)):
-                rank_bodies(me, bodies, first, width, lanes, scratch.keys, scratch.rows[:LANES])
+                rank_bodies(me, bodies, first, width, lanes, sections.keys, sections.rows[:LANES])
                 apart = lanes - first < len(width)
                 staged = (s.hunters + index) * columns
                 begin = (arena + first) * stride + staged
-                place = Place(scratch.staging if apart else out, staged if apart else begin, stride)
+                place = Place(sections.staging if apart else out, staged if apart else begin, stride)
                 if of_hunters:
                     write_self(block, caught, me, s, first, width, place)
-                write_bodies(me, bodies, first, width, scratch, place)
+                write_bodies(me, bodies, first, width, sections, place)
                 if apart:
                     written = bodies.first_column + bodies.ranks * _BODY_WIDTH
-                    copy_lanes(scratch.staging, staged, written, lanes - first, stride, out, begin)
+                    copy_lanes(sections.staging, staged, written, lanes - first, stride, out, begin)

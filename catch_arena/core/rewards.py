@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Block, outlined, phase
+from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
     ABSENT,
@@ -31,7 +32,6 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
 from catch_arena.core.visibility import is_seen
-from catch_arena.core.workspace import Scratch, progress_reference_of
 from catch_arena.verdicts import Verdict
 
 _LOST_CONTEST: Final = float(Verdict.LOST_CONTEST)
@@ -53,7 +53,7 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
     """R6.2's progress: the nearest target that is seen on S_t, from where the hunter stands.
 
     Args:
-        reference: the result, three rows: see `workspace.progress_reference_of`.
+        reference: the result, three rows: see `memory.Sections`.
     """
     for lane in range(lanes):
         slot = slot_at_rank(order, 0, lane)
@@ -73,7 +73,7 @@ def renew_progress_reference(
     """The same in one lane where targets have just left: among those that are alive after the commit.
 
     Args:
-        reference: the result, three rows: see `workspace.progress_reference_of`.
+        reference: the result, three rows: see `memory.Sections`.
     """
     reference[2 * LANES + lane] = -1.0
     nearest = FAR
@@ -98,7 +98,7 @@ def count_catches(
     Args:
         in_teams: see `reward_hunters`.
         catches: the result, one row.
-        team_rows: the result where there are teams: see `workspace.Scratch`.
+        team_rows: the result where there are teams: see `memory.Sections`.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -127,7 +127,7 @@ def share_rewards(
     """R11.2: what each seat gets of what its team has earned, instead of what it has earned by itself.
 
     Args:
-        team_rows: see `workspace.Scratch`; what each seat has earned is there, and what it gets is written over it.
+        team_rows: see `memory.Sections`; what each seat has earned is there, and what it gets is written over it.
         rewards: the result.
     """
     earned = team_rows[s.hunters * LANES :]
@@ -164,7 +164,7 @@ def reward_hunters(
     lanes: int,
     teams: NDArray[np.int64],
     in_teams: bool,
-    scratch: Scratch,
+    sections: Sections,
     rewards: Rewards,
     parts: Parts,
 ) -> None:
@@ -175,13 +175,13 @@ def reward_hunters(
         rewards: the result.
         parts: the result, or none.
     """
-    catches = scratch.rows[:LANES]
-    amounts = scratch.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
+    catches = sections.rows[:LANES]
+    amounts = sections.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
     parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
-    count_catches(block, s, width, teams, in_teams, catches, scratch.team_rows)
+    count_catches(block, s, width, teams, in_teams, catches, sections.team_rows)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        reference = progress_reference_of(scratch, seat)
+        reference = sections.progress_references[seat]
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
             counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
@@ -189,7 +189,7 @@ def reward_hunters(
             granted = select(verdict == _GRANTED, 1.0, 0.0)
             of_team = granted
             if in_teams:
-                of_team = scratch.team_rows[teams[seat] * LANES + lane]
+                of_team = sections.team_rows[teams[seat] * LANES + lane]
             rival = counts * (catches[lane] - of_team)
             lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
             refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
@@ -213,7 +213,7 @@ def reward_hunters(
             if in_teams:
                 mate = counts * (of_team - granted)
                 total = total + s.mate_catch_weight * mate
-                scratch.team_rows[(s.hunters + seat) * LANES + lane] = total
+                sections.team_rows[(s.hunters + seat) * LANES + lane] = total
             if not is_shared:
                 me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + total
             amounts[lane] = total
@@ -239,14 +239,14 @@ def reward_teams(
     width: Width,
     lanes: int,
     teams: NDArray[np.int64],
-    scratch: Scratch,
+    sections: Sections,
     rewards: Rewards,
     parts: Parts,
 ) -> None:
     """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
-    reward_hunters(block, s, width, lanes, teams, True, scratch, rewards, parts)
+    reward_hunters(block, s, width, lanes, teams, True, sections, rewards, parts)
     if s.team_share > 0.0:
-        share_rewards(block, s, width, lanes, teams, scratch.team_rows, rewards)
+        share_rewards(block, s, width, lanes, teams, sections.team_rows, rewards)
 
 
 @outlined
@@ -285,12 +285,12 @@ def reward(
     width: Width,
     lanes: int,
     teams: NDArray[np.int64],
-    scratch: Scratch,
+    sections: Sections,
     rewards: Rewards,
     parts: Parts,
 ) -> None:
     """R6.2, R11.2: what each hunter gets for this step; arguments as of `reward_hunters`."""
     if s.has_teams:
-        reward_teams(block, s, width, lanes, teams, scratch, rewards, parts)
+        reward_teams(block, s, width, lanes, teams, sections, rewards, parts)
     else:
-        reward_hunters(block, s, width, lanes, teams, False, scratch, rewards, parts)
+        reward_hunters(block, s, width, lanes, teams, False, sections, rewards, parts)

@@ -159,7 +159,7 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     Returns:
         its number; 0 where the arena is full (R3.5).
     """
-    sections = sections_of(memory)
+    sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     if block[ALIVE + lane] >= s.max_targets:
@@ -177,7 +177,7 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     Args:
         number: the target's spawn number.
     """
-    sections = sections_of(memory)
+    sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
     targets = targets_of(block, s)

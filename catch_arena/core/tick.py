@@ -27,7 +27,6 @@ from catch_arena.core.spawner import spawn_through
 from catch_arena.core.state import LANES, STILL, Options, Settings, targets_of
 from catch_arena.core.targets import command_targets
 from catch_arena.core.vectors import Width
-from catch_arena.core.workspace import Scratch, scratch_of
 
 
 @phase
@@ -41,7 +40,6 @@ def play(
     commands: NDArray[np.float32],
     given_requests: RequestTable,
     sections: Sections,
-    scratch: Scratch,
 ) -> None:
     """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`."""
     lanes = last - first
@@ -49,26 +47,26 @@ def play(
     rewards, parts = sections.rewards[first:last], sections.parts[first:last]
     had_ended = some_ended(block, lanes)
     if had_ended:
-        take_snapshot(block, scratch.snapshot)
+        take_snapshot(block, sections.snapshot)
     if s.dropout_rate > 0.0:
         drop_out(block, s, lanes)
     controls, limits = sections.controls[first:last], sections.limits
-    apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], scratch)
+    apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], sections)
     if s.target_motion != STILL:
-        command_targets(block, s, width, lanes, targets, scratch.rows)
+        command_targets(block, s, width, lanes, targets, sections.rows)
     if s.prey > 0:
-        command_prey(block, s, lanes, targets, commands[first:last], scratch)
-    resolve_requests(block, s, width, lanes, targets, limits, given_requests, scratch)
-    move(block, s, width, lanes, targets, scratch.rows)
+        command_prey(block, s, lanes, targets, commands[first:last], sections)
+    resolve_requests(block, s, width, lanes, targets, limits, given_requests, sections)
+    move(block, s, width, lanes, targets, sections.rows)
     spawn_through(block, targets, lanes, s)
     if s.prey > 0:
         return_prey(block, s, lanes, targets)
     end_test(block, s, width)
-    reward(block, s, width, lanes, sections.teams, scratch, rewards, parts)
+    reward(block, s, width, lanes, sections.teams, sections, rewards, parts)
     if had_ended:
-        restore_finished(block, s, lanes, scratch, rewards, parts)
+        restore_finished(block, s, lanes, sections, rewards, parts)
     if s.prey > 0:
-        reward_prey(block, s, lanes, had_ended, targets, scratch, rewards, sections.prey_parts[first:last])
+        reward_prey(block, s, lanes, had_ended, targets, sections, rewards, sections.prey_parts[first:last])
     write_ends(block, lanes, sections.ends[first:last])
 
 
@@ -94,7 +92,7 @@ def run(
         width: how many lanes play at a time.
         view_width: how many lanes observe at a time.
         options: what is compiled: see `state.Options`.
-        thread: whose scratch memory is used, from 0 up.
+        thread: whose scratch sections are used, from 0 up.
         first_block: the first block.
         stop_block: the block after the last one.
         resets: (n, 2), arenas and the seeds with which they begin.
@@ -104,9 +102,8 @@ def run(
             same way.
         given_requests: of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
-    sections = sections_of(memory)
+    sections = sections_of(memory, thread)
     s = settings_in(sections.settings, options)
-    scratch = scratch_of(sections, thread)
     ranks, velocities, table = by_address(choices), by_address(commands), by_address(given_requests)
     for i in range(len(resets)):
         arena = int(resets[i, 0])
@@ -116,12 +113,12 @@ def run(
         first = index * LANES
         last = min(first + LANES, len(sections.ends))
         if playing:
-            play(block, s, width, first, last, ranks, velocities, table, sections, scratch)
+            play(block, s, width, first, last, ranks, velocities, table, sections)
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
         # where episodes have ended, the first pass observes their last states, the second the new ones; in a loop, so
         # that `observe` is compiled once
         for passes_left in range(1 if renewing else 0, -1, -1):
-            observe(block, s, view_width, first, last, sections, scratch)
+            observe(block, s, view_width, first, last, sections)
             if passes_left > 0:
                 begin_again(block, s, first, last, sections)
         if s.dropout_rate > 0.0 or s.prey > 0:
@@ -129,5 +126,5 @@ def run(
         if s.has_teams:
             team_scores = sections.team_scores[first:last]
             write_team_scores(
-                block, s, width, last - first, sections.teams, sections.team_seats, scratch.rows, team_scores
+                block, s, width, last - first, sections.teams, sections.team_seats, sections.rows, team_scores
             )

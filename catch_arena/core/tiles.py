@@ -140,7 +140,7 @@ def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: 
 
     Args:
         slots: how many slots are in use in any lane.
-        tiles: the result: see `workspace.Scratch`.
+        tiles: the result: see `memory.Sections`.
     """
     for slot in range(slots):
         lane = group(first, width)
@@ -157,7 +157,7 @@ def tile_hunters(block: Block, first: int, width: Width, s: Settings, teams: NDA
     """The same of every hunter.
 
     Args:
-        tiles: the result: see `workspace.Scratch`.
+        tiles: the result: see `memory.Sections`.
     """
     for seat in range(s.hunters):
         put_tile(tiles, seat, width, body_tile(seat_of(block, seat), float(teams[seat]), group(first, width)))

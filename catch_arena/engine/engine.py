@@ -21,6 +21,7 @@ from catch_arena.core.memory import (
     copy_of,
     lay_out,
     offset_of,
+    scratch_shapes,
     sections_of,
     settings_in,
     zeros,
@@ -28,7 +29,6 @@ from catch_arena.core.memory import (
 from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES, Settings
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
-from catch_arena.core.workspace import scratch_shapes
 from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of

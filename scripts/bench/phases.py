@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 import catch_arena
 from catch_arena.core import observations, tick
 from catch_arena.core.jit import Block, phase, unkept_entry
+from catch_arena.core.memory import Sections
 from catch_arena.core.observations import prefetch_part
 from catch_arena.core.ranking import Keys
 from catch_arena.core.state import LANES, Settings
 from catch_arena.core.vectors import Width, group
-from catch_arena.core.workspace import Scratch
 
 WHOLE = "the whole step"
 _LARGE = 16384
@@ -80,7 +80,7 @@ def _next_block_read_ahead(
     _lanes: int,
     _slots: int,
     _teams: NDArray[np.int64],
-    _scratch: Scratch,
+    _sections: Sections,
     _out: NDArray[np.float32],
     _arena: int,
     ahead: Block,

@@ -26,7 +26,7 @@ def some_sections() -> Sections:
     """Each of another size, with other numbers."""
     made = {}
     for place, ((name, dtype), ndim) in enumerate(zip(DTYPES.items(), NDIMS, strict=True)):
-        shape = (1 + place % 4, 3, 5)[:ndim]
+        shape = (2 + place % 4, 3, 5)[:ndim]
         made[name] = (np.arange(np.prod(shape)) + place).astype(dtype).reshape(shape)
     return Sections(**made)
 
@@ -36,7 +36,8 @@ def test_sections_lie_where_the_directory_says():
     wanted = some_sections()
     memory, sections = lay_out(wanted)
 
-    for name, section, array in zip(Sections._fields, sections, wanted, strict=True):
+    for name, section, stored in zip(Sections._fields, sections, wanted, strict=True):
+        array = stored[0] if section.ndim < stored.ndim else stored  # of scratch the first thread's
         assert section.tobytes() == array.tobytes(), name
         assert section.shape == array.shape, name
         assert section.ctypes.data % CACHE_LINE == 0, name
@@ -46,30 +47,38 @@ def test_sections_lie_where_the_directory_says():
     assert places[-1][0] + places[-1][1] <= memory.ctypes.data + memory.nbytes
 
 
-def test_compiled_code_finds_the_same_sections():
-    """It reads the last number of each, and writes the first."""
-    wanted = some_sections()
-    memory, sections = lay_out(wanted)
+@pytest.mark.parametrize("thread", [0, 1])
+def test_compiled_code_finds_the_same_sections(thread):
+    """It reads the last number of each, and writes the first; of scratch each thread has its own part."""
+    wanted = some_sections()._replace(requests=np.arange(30).reshape(2, 3, 5))
+    memory, _ = lay_out(wanted)
 
     @unkept_entry
-    def look(memory, shapes):
-        found = sections_of(memory)
-        shapes[0, 0], shapes[0, 1], shapes[0, 2] = found.requests.shape
+    def look(memory, thread, shapes):
+        found = sections_of(memory, thread)
+        shapes[0, 0], shapes[0, 1] = found.requests.shape
         shapes[1, 0], shapes[1, 1] = found.blocks.shape
-        (tables, seats, numbers), (rows, columns) = found.requests.shape, found.rewards.shape
-        total = found.requests[tables - 1, seats - 1, numbers - 1] + found.blocks[shapes[1, 0] - 1, shapes[1, 1] - 1]
+        (seats, numbers), (rows, columns) = found.requests.shape, found.rewards.shape
+        total = found.requests[seats - 1, numbers - 1] + found.blocks[shapes[1, 0] - 1, shapes[1, 1] - 1]
         total += found.masks[len(found.masks) - 1, 2, 4] + found.rewards[rows - 1, columns - 1]
+        found.requests[0, 0] = 55
         found.rewards[0, 1] = 77.0
         found.masks[0, 2, 1] = 7
         return total
 
-    shapes = np.zeros((2, 3), dtype=np.int64)
-    total = look(memory, shapes)
+    shapes = np.zeros((2, 2), dtype=np.int64)
+    total = look(memory, thread, shapes)
 
-    assert total == sum(float(getattr(wanted, name).flat[-1]) for name in ("requests", "blocks", "masks", "rewards"))
-    assert shapes.tolist() == [list(wanted.requests.shape), [*wanted.blocks.shape, 0]]
+    of_thread = wanted.requests[thread]
+    assert total == of_thread[-1, -1] + sum(
+        float(getattr(wanted, name).flat[-1]) for name in ("blocks", "masks", "rewards")
+    )
+    assert shapes.tolist() == [list(of_thread.shape), list(wanted.blocks.shape)]
+    sections = sections_of(memory, thread)
     assert sections.rewards[0, 1] == 77.0
     assert sections.masks[0, 2, 1] == 7
+    assert sections.requests[0, 0] == 55
+    assert sections_of(memory, 1 - thread).requests[0, 0] == wanted.requests[1 - thread, 0, 0]
 
 
 @pytest.mark.parametrize("options", [NO_OPTIONS, ALL_OPTIONS])
