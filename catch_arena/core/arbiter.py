@@ -37,8 +37,8 @@ FIRST_COME: Final = 1
 CAPSTONE: Final = 2
 POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 
-ELIGIBLE: Final = 0
-"""Instead of a verdict: R5.2 does not stand in the way."""
+ELIGIBLE: Final = -1
+"""In place of a verdict: no test of R5.2 fails. NO_REQUEST is another code."""
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
 _MALFORMED: Final = int(Verdict.MALFORMED)
 _HUNTER_INACTIVE: Final = int(Verdict.HUNTER_INACTIVE)
@@ -82,7 +82,7 @@ def common_checks(target: int, inactive: bool, over: bool, otherwise: int) -> in
 def first_failed_test(
     target: int, distance_um: float, reach_um: float, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
-    """R5.2: the first test that a request fails by itself, or 0 where only others can stand in its way.
+    """R5.2: the first test that a request fails by itself, or ELIGIBLE if only other requests can stand in its way.
 
     Args:
         target: the slot or number asked for, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.

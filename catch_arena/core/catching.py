@@ -57,12 +57,14 @@ from catch_arena.core.state import (
     span,
 )
 from catch_arena.core.vectors import Width, any_of, each, group, long, select, truncate
-from catch_arena.verdicts import Verdict
+from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
 """Above every seat."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
+_UNANSWERED: Final = float(NO_REQUEST)
+"""In place of a verdict, of who asks for nothing or has no answer yet."""
 
 
 @phase
@@ -71,7 +73,7 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for first in range(0, span(width), len(width)):
-            me[VERDICT + group(first, width)] = 0.0
+            me[VERDICT + group(first, width)] = _UNANSWERED
 
 
 @phase
@@ -113,13 +115,13 @@ def refuse_requests(
         me, own = seat_of(block, seat), limits_of(limits, seat)
         requested = sections.requested_slots[seat]
         for first in range(0, lanes, len(width)):
-            lane, arena = group(first, width), each(first, width)
+            lane, lane_number = group(first, width), each(first, width)
             slot = requested[lane]
-            asks = (slot != float(NO_TARGET)) & (arena < lanes)
+            asks = (slot != float(NO_TARGET)) & (lane_number < lanes)
             if not any_of(asks):
                 continue
             named = slot >= 0.0
-            at = long(truncate(select(named, slot, 0.0))) * s.slot_size + arena
+            at = long(truncate(select(named, slot, 0.0))) * s.slot_size + lane_number
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
             inactive, over, serves = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING, service_up[lane] > 0.0
             failed = first_failed_test(slot, distance_um, own.reach_um, inactive, repeated, over, serves)
@@ -127,7 +129,7 @@ def refuse_requests(
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
                 distance_told = select(failed == float(OUT_OF_REACH), distance_um, -1.0)
-                me[VERDICT + lane] = select(refused, failed, 0.0)
+                me[VERDICT + lane] = select(refused, failed, _UNANSWERED)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[DISTANCE + lane] = select(refused, distance_told, me[DISTANCE + lane])
                 me[WINNER + lane] = select(refused, -1.0, me[WINNER + lane])
@@ -141,7 +143,7 @@ def refuse_requests(
 @rule
 def is_open(me: Block, requested: Block, lane: int) -> bool:
     """Whether a hunter asks for something, and has no answer yet."""
-    asks: bool = (requested[lane] != float(NO_TARGET)) & (me[VERDICT + lane] == 0.0)
+    asks: bool = (requested[lane] != float(NO_TARGET)) & (me[VERDICT + lane] == _UNANSWERED)
     return asks
 
 
