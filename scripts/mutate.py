@@ -61,7 +61,6 @@ KILLERS = (
     "tests/unit/test_controllers.py",
     "tests/unit/test_physics.py",
     "tests/unit/test_ranking.py",
-    "tests/unit/test_sorting.py",
     "tests/unit/test_targets.py",
     "tests/unit/test_visibility.py",
     f"{MATCHES}[0]",
@@ -79,7 +78,7 @@ OWN_TESTS = {
     "controllers": ("test_rows_apart",),
     "prey": ("test_ch12_prey", "test_rows_apart"),
     "prey_views": ("test_ch12_prey", "test_rows_apart"),
-    "ranking": ("test_sorting",),
+    "ranking": ("test_ranking",),
     "rewards": ("test_ch6_score", "test_ch11_teams", "test_rows_apart"),
 }
 """Of a module, by their files' names: they are asked before all others. Unit tests need not be named here."""

@@ -59,45 +59,6 @@ def test_what_is_read_and_written_is_what_numpy_has(made, dtype):
     assert given.tolist() == written.tolist()
 
 
-def sum_flat(array):
-    total = 0.0
-    every = flat(by_address(array))
-    for place in range(len(every)):
-        total = 2.0 * total + every[place]
-    return total
-
-
-@pytest.mark.parametrize("shape", [(5,), (2, 3), (2, 0, 3), (2, 3, 4)])
-def test_a_flat_array_has_all_numbers_in_their_order(shape):
-    array = numbers(*shape)
-    compiled = sum_flat if INTERPRETED else numba.njit(**FLAGS)(sum_flat)
-    assert compiled(array) == sum_flat(array)
-    assert flat(array).tolist() == array.ravel().tolist()
-
-
-@only_compiled
-@pytest.mark.parametrize(
-    "mistake",
-    [
-        lambda given: by_address(given[:, ::2]),
-        lambda given: by_address(given)[0.5],
-        lambda given: by_address(given)[0, 0, 0],
-        lambda given: by_address(given)[::2],
-        lambda given: by_address(given).dtype,
-        flat,
-    ],
-)
-def test_what_it_is_not_made_for_is_refused_by_the_compiler(mistake):
-    inner = numba.njit(**FLAGS)(mistake)
-
-    @numba.njit(**FLAGS)
-    def ask(given):
-        inner(given)
-
-    with pytest.raises(numba.TypingError):
-        ask(numbers(4, 4))
-
-
 @only_compiled
 @pytest.mark.parametrize("index", [(-1, 0), (0, -1), (2, 0), (0, 3)])
 def test_an_index_outside_is_noticed_where_indices_are_tested(index):

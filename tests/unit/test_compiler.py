@@ -97,28 +97,6 @@ def test_the_bits_are_those_of_numbas_own_way_and_of_plain_python(tmp_path):
     assert compiled == run_small(tmp_path, interpreted=True)
 
 
-def test_what_is_cached_is_loaded_without_the_compiler_s_libraries(tmp_path):
-    """And what is compiled after it has them."""
-    loads = (
-        "import numba, numpy as np; print('numba.np.linalg' in sys.modules, numba.njit(lambda a: (a + a).sum())(block))"
-    )
-    script = SMALL + loads + "\n"
-    settings = {"NUMBA_DISABLE_JIT": "0", "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT)}
-    (tmp_path / "small.py").write_text(script, encoding="utf-8")
-    first, second = (
-        subprocess.run(
-            [sys.executable, tmp_path / "small.py"],
-            check=True,
-            capture_output=True,
-            text=True,
-            env={**os.environ, **settings},
-        ).stdout.splitlines()
-        for _ in range(2)
-    )
-    assert first[0] == second[0]
-    assert first[1].removeprefix("True") == second[1].removeprefix("False")
-
-
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 @pytest.mark.parametrize(
     "part",

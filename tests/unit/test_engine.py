@@ -78,19 +78,6 @@ def test_lanes_that_are_no_arenas_get_no_answers(control):
     assert tallies[:, :, :5].any()
 
 
-def test_who_is_not_alive_cannot_be_killed():
-    """R8.1, R5.8: in the second row, which has other targets than the first after a kill; nothing changes then."""
-    engine = Engine(scenario("duel", initial_targets=3), num_arenas=2)
-    engine.reset(range(2))
-    first = engine.digest(0)
-    assert engine.kill(1, 3)
-    assert [target.number for target in engine.world(1).targets] == [1, 2]
-    before = engine.digest(1)
-    for number in (3, 4, 0):
-        assert not engine.kill(1, number)
-    assert (engine.digest(0), engine.digest(1)) == (first, before)
-
-
 def test_the_next_episode_begins_where_one_has_ended_and_nowhere_else():
     """A.5: the arena beside it, which was reset two steps later, plays its own episode to the end."""
     config = scenario("duel", time_limit_s=2)
@@ -108,22 +95,6 @@ def test_the_next_episode_begins_where_one_has_ended_and_nowhere_else():
     assert engine.digest(1) == late.digest()
     late.reset(next_seeds(np.array([1], dtype=np.uint64)))
     assert engine.digest(0) == late.digest()
-
-
-def test_a_row_can_be_moved_to_another_engine():
-    """A saved row goes on identically in any row of any engine of an equal config."""
-    engine, other = Engine(scenario("standard"), 40), Engine(scenario("standard"), 3)
-    engine.reset(batch_seeds(5, 40))
-    other.reset([1, 2, 3])
-    for _ in range(30):
-        engine.step(*actions(engine))
-    other.restore_row(2, engine.save_row(36))
-    for _ in range(30):
-        engine.step(*actions(engine))
-        other.step(*actions(other))
-
-    assert engine.digest(36) == other.digest(2)
-    assert (engine.observations[36] == other.observations[2]).all()
 
 
 def test_a_slot_that_is_left_is_empty_throughout():

@@ -1,7 +1,6 @@
 """An engine's memory: what Python lays out and what compiled code finds there are the same arrays."""
 
 import itertools
-import os
 
 import numpy as np
 import pytest
@@ -123,16 +122,3 @@ def test_a_copy_shares_no_memory_whatever_its_size(rows):
     assert not sections_of(copied).rewards.any()
     assert memory.flags.writeable
     assert copied.flags.writeable
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
-@pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")
-def test_a_child_process_writes_to_memory_of_its_own():
-    """As it does with every other array."""
-    _, sections = lay_out(some_sections()._replace(rewards=zeros(1 << 18, 3)))
-    child = os.fork()
-    if child == 0:
-        sections.rewards[:] = 1.0
-        os._exit(int(sections.rewards.sum() != sections.rewards.size))
-    assert os.waitpid(child, 0)[1] == 0
-    assert not sections.rewards.any()

@@ -1,7 +1,6 @@
 """What targets that move decide, where random matches seldom come: lots among threats, in rows that differ."""
 
 import math
-from random import Random
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from oracle.arena import OracleArena
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.math import wrap
-from catch_arena.core.state import BODY, LANES, SPEED, TURN_RATE
 from catch_arena.core.visibility import squared_limit
 from catch_arena.engine import Engine
 
@@ -136,32 +134,3 @@ def test_a_threat_in_the_very_place_of_a_target_is_behind_it():
         oracle.alive[0].theta = wrap(1.0 + row)
     play_on(batch, oracles, 1)
     assert {oracle.alive[0].w for oracle in oracles} == {0.0}
-
-
-@pytest.mark.parametrize("motion", ["wander", "flee"])
-def test_each_row_of_a_full_block_moves_its_own_targets(motion):
-    """R3.9, R3.10: rows have times, hunters and numbers of targets of their own, and play as they do alone."""
-    config = ArenaConfig(hunters=3, control="full", initial_targets=0, spawning=False, max_targets=5)
-    config = config.replace(target_motion=motion, wander_period_ms=250, side_m=6.0, alarm_m=1.5)
-    rows, source, nodes = LANES + 2, Random(33), (0.5, 3.0, 4.0)  # an empty slot has its place at 0, 0
-    checked = [0, 1, 2, LANES - 1, LANES, LANES + 1]
-    batch, alone = Engine(config, rows), {row: Engine(config) for row in checked}
-    batch.reset(range(rows))
-    for row, engine in alone.items():
-        engine.reset([row])
-    hold, rest = np.zeros((rows, config.hunters), np.int64), np.zeros((rows, config.hunters, 2), np.float32)
-    for step in range(8):
-        for row in source.sample(checked, 2) if step % 2 == 0 else ():
-            hunters = [(source.choice(nodes), source.choice(nodes), 0.0) for _ in range(3)]
-            targets = [(source.choice([2.5, 3.5]), source.choice([2.5, 3.5])) for _ in range(source.randrange(6))]
-            seed = source.getrandbits(64)
-            batch.reset([seed], [row])
-            alone[row].reset([seed])
-            batch.place(row, hunters, targets)
-            alone[row].place(0, hunters, targets)
-        batch.step(hold, rest)
-        for row, engine in alone.items():
-            engine.step(hold[:1], rest[:1])
-            assert batch.digest(row) == engine.digest(), f"row {row}, step {step}"
-            empty = batch._views.targets[row // LANES, len(batch.world(row).targets) :, :, row % LANES]
-            assert not empty[:, [(BODY + SPEED) // LANES, (BODY + TURN_RATE) // LANES]].any()  # who appears is at rest

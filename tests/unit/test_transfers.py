@@ -3,22 +3,10 @@
 import numpy as np
 import pytest
 
-from catch_arena.core import observations
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import phase, unkept_entry
-from catch_arena.core.state import LANES
 from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile
-from catch_arena.core.transfers import (
-    PREFETCHED,
-    TILE,
-    prefetch,
-    put_exactly,
-    put_rows,
-    stream_eight,
-    take_half_tile,
-    take_tile,
-    where_there,
-)
+from catch_arena.core.transfers import TILE, put_exactly, put_rows, stream_eight, take_half_tile, take_tile, where_there
 from catch_arena.core.vectors import SINGLE, WIDE, group
 
 SIZE = 64
@@ -32,29 +20,6 @@ def interpreted(function):
 
 
 both_ways = pytest.mark.parametrize("made", [lambda f: f, unkept_entry], ids=["interpreted", "compiled"])
-
-
-def write_rows(a, b, out, width):
-    """Columns as rows: five, seven and ten of them."""
-    a, b, out = by_address(a), by_address(b), by_address(out)
-    for first in range(0, SIZE, len(width)):
-        lane = group(first, width)
-        x, y = a[lane], b[lane]
-        at = first * 32
-        put_rows(out, at, 32, (x, y, 1.0, y, x))
-        put_rows(out, at + 5, 32, (y, x, x, x, y, y, x))
-        put_rows(out, at + 12, 32, (x, y, y, y, x, x, 0.5, y, x, y))
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@both_ways
-@pytest.mark.parametrize("width", [SINGLE, WIDE], ids=["one", "eight"])
-def test_columns_become_rows(made, width):
-    out = np.zeros(32 * SIZE, dtype=np.float32)
-    made(write_rows)(NUMBERS, OTHERS, out, width)
-    x, y, one = (column.astype(np.float32) for column in (NUMBERS, OTHERS, np.ones(SIZE)))
-    columns = [x, y, one, y, x, y, x, x, x, y, y, x, x, y, y, y, x, x, one / 2, y, x, y]
-    assert np.array_equal(out.reshape(SIZE, 32)[:, :22], np.transpose(columns), equal_nan=True)
 
 
 def columns_of(count):
@@ -125,34 +90,3 @@ def test_eight_numbers_are_streamed(made):
     assert (out[24:32] == np.arange(8, 16)).all()
     assert not out[:24].any()
     assert not out[32:].any()
-
-
-@both_ways
-def test_prefetching_changes_nothing(made):
-    numbers = np.arange(3.0 * PREFETCHED)
-    made(lambda numbers: prefetch(by_address(numbers), 2 * PREFETCHED))(numbers)
-    assert (numbers == np.arange(3.0 * PREFETCHED)).all()
-
-
-@pytest.mark.parametrize("parts", [1, 4, 16, 24, 256])
-@pytest.mark.parametrize("rows", [0, 1, 7, 224, 2208])
-def test_each_cache_line_of_the_next_block_is_asked_for(monkeypatch, rows, parts):
-    asked = []
-    ask = interpreted(observations.prefetch_part)
-    monkeypatch.setattr(observations, "prefetch", lambda _numbers, at: asked.append(at))
-    ahead = np.zeros(rows * LANES)
-    for part in range(parts):
-        ask(ahead, part, parts)
-    assert {at // PREFETCHED for at in asked} == set(range(len(ahead) // PREFETCHED))
-    assert len(asked) <= len(ahead) // PREFETCHED + parts
-    assert max(asked, default=-1) < len(ahead)
-
-
-def test_only_what_the_caches_do_not_hold_is_asked_for():
-    """The block after the one that is played: none of a small batch, and none after the last."""
-    small, large = np.zeros((4, 7 * LANES)), np.broadcast_to(np.zeros(1), (4096, 224 * LANES))
-    block_after = interpreted(observations.block_after)
-    assert len(block_after(small, 0)) == 0
-    assert len(block_after(large, 0)) == 224 * LANES
-    assert len(block_after(large, 4094 * LANES)) == 224 * LANES
-    assert len(block_after(large, 4095 * LANES)) == 0

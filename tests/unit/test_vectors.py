@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core.addresses import by_address
-from catch_arena.core.compiler import INTERPRETED
-from catch_arena.core.jit import phase, unkept_entry
+from catch_arena.core.jit import unkept_entry
 from catch_arena.core.vectors import (
     HALF,
     SINGLE,
@@ -162,20 +161,6 @@ def test_int32(made, width):
     assert (keys.reshape(5, SIZE) == right).all()
 
 
-@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
-@pytest.mark.parametrize("mistake", [lambda row, lane: row[1.5 + lane], lambda row, lane: row[lane] + "text"])
-def test_what_is_no_place_and_no_number_is_refused_by_the_compiler(mistake):
-    """Where lanes are an index, whole numbers are added to them, and numbers to what is read there."""
-    inner = phase(mistake)
-
-    @unkept_entry
-    def read(row, width):
-        return any_of(inner(by_address(row), group(0, width)) > 0.0)
-
-    with pytest.raises(numba.TypingError, match="No implementation of function"):
-        read(np.zeros(16), WIDE)
-
-
 def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
     """NUMBA_BOUNDSCHECK=1 looks at both ends of a group."""
 
@@ -187,21 +172,3 @@ def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
     assert not checked(row, WIDE, 4)
     with pytest.raises(IndexError):
         checked(row, WIDE, 5)
-
-
-@at_every_width
-def test_a_place_of_one_lane_outside_the_row_is_noticed_too(width):
-    """Where each lane has a place of its own."""
-
-    def read(row, width, apart):
-        return any_of(by_address(row)[each(0, width) * apart + 4] > 0.0)
-
-    checked = numba.njit(boundscheck=True, error_model="numpy", _nrt=False)(read)
-    row = np.zeros(4 + len(width))
-    assert not checked(row, width, 1)
-    assert len(width) == 1 or not checked(row, width, 0)
-    with pytest.raises(IndexError):
-        checked(row[:4], width, 0)
-    if len(width) > 1:
-        with pytest.raises(IndexError):
-            checked(row, width, 2)
