@@ -8,7 +8,6 @@ from catch_arena.core.addresses import by_address, flat
 from catch_arena.core.compiler import INTERPRETED
 
 FLAGS = {"nogil": True, "error_model": "numpy", "_nrt": False}
-"""Those of the core."""
 both_ways = pytest.mark.parametrize("made", [lambda f: f, numba.njit(**FLAGS)], ids=["interpreted", "compiled"])
 only_compiled = pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 

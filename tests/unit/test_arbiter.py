@@ -1,4 +1,4 @@
-"""The arbiter's request table, column by column, and what no table can show."""
+"""The arbiter's preference between two seats."""
 
 import numpy as np
 import pytest

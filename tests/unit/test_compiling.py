@@ -44,7 +44,6 @@ def test_a_line_says_how_long_it_takes_if_something_is_compiled(capsys, tmp_path
 
 
 def test_the_line_is_printed_where_nothing_is_kept(capsys, monkeypatch):
-    """There is no cache that could lack the code."""
     monkeypatch.setattr(compiling, "CACHE_DIRECTORY", None)
     compile_once(ONE, lambda: None)
     assert capsys.readouterr().err.startswith("catch_arena: compiling the common rules for one arena")
