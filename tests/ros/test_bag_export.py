@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import pytest
+from ros.match import Match
 from rosbags.highlevel import AnyReader
 from ruamel.yaml import YAML
 from typer.testing import CliRunner
@@ -76,28 +77,12 @@ def test_every_tick_has_a_pose_of_each_hunter_and_boundaries_have_the_matchs_own
         assert max(steps) <= 1.5 * replay.config.max_speeds[seat] * 0.016 + 1e-6
 
 
-def test_the_rulings_and_the_calls_are_those_of_the_match_at_the_beginning_of_their_steps(bag):
+def test_the_rulings_are_those_of_the_match_at_the_beginning_of_their_steps(bag):
     folder, _, replay = bag
-    expected = []
-    for before, after in pairwise(replay.worlds()):
-        expected += [(before.time_ms * NS, ruling) for ruling in after.rulings]
-    assert expected
-    told, calls = [], []
-    for topic, kind, time, one in messages(folder):
-        if topic == "/rulings":
-            assert kind == "catch_arena_interfaces/msg/Ruling"
-            assert one.time == time / 1e9
-            told.append((time, one.step, one.hunter, one.target, one.verdict, one.success, round(1e6 * one.distance)))
-        elif topic.endswith("/_service_event"):
-            assert kind == "my_robot_interfaces/srv/CatchTurtle_Event"
-            assert (one.info.stamp.sec, one.info.stamp.nanosec) == divmod(time, 1_000_000_000)
-            names, answers = [asked.name for asked in one.request], [answer.success for answer in one.response]
-            key = bytes(one.info.client_gid), one.info.sequence_number
-            calls.append((time, topic, one.info.event_type, *key, names, answers))
     hunters = replay.config.hunter_names
-    assert told == [
+    expected = [
         (
-            time,
+            before.time_ms * NS,
             one.step,
             hunters[one.hunter],
             one.target,
@@ -105,15 +90,38 @@ def test_the_rulings_and_the_calls_are_those_of_the_match_at_the_beginning_of_th
             one.success,
             -1_000_000 if one.distance_um is None else one.distance_um,
         )
-        for time, one in expected
+        for before, after in pairwise(replay.worlds())
+        for one in after.rulings
     ]
-    received, sent = ([call for call in calls if call[2] == event] for event in (1, 2))
-    assert len(received) == len(sent) == len(expected)
-    for (time, ruling), request, response in zip(expected, received, sent, strict=True):
-        prefix = "" if len(hunters) == 1 else f"/{hunters[ruling.hunter]}"
-        assert request[:2] == response[:2] == (time, f"{prefix}/catch_turtle/_service_event")
-        assert request[3:5] == response[3:5]
-        assert (request[5:], response[5:]) == (([ruling.target], []), ([], [ruling.success]))
+    told = []
+    for topic, kind, time, one in messages(folder):
+        if topic == "/rulings":
+            assert kind == "catch_arena_interfaces/msg/Ruling"
+            assert one.time == time / 1e9
+            told.append((time, one.step, one.hunter, one.target, one.verdict, one.success, round(1e6 * one.distance)))
+    assert expected
+    assert told == expected
+
+
+def test_a_bag_has_every_ruling_that_the_bus_carried(tmp_path):
+    """Requests for what was caught, for what never was there, and several in a step are among them."""
+    match = Match(hunters=2, hunter_poses=((5.0, 5.0, 0.0), (6.0, 6.0, 0.0)), initial_targets=8, record=True,
+                  time_limit_s=2, reach_m=3.0)  # fmt: skip
+    names = ["nonsense", "target_turtle_99", "n" * 300]
+    while not match.service.over:
+        step = match.service.world.step
+        names += [turtle.name for turtle in match.service.alive_turtles().turtles if turtle.name not in names]
+        for number in range(step % 4):
+            match.ask(match.a, names[(step + 5 * number) % len(names)], f"/hunter_{step % 2}/catch_turtle")
+        match.tick()
+    match.service.replay.save(tmp_path / "m.replay")
+    assert run("ros", "bag", tmp_path / "m.replay", "-o", tmp_path / "m").exit_code == 0
+    sent = [(one.step, one.hunter, one.target, one.verdict) for one in match.sent("/rulings")]
+    told = [one for topic, _, _, one in messages(tmp_path / "m") if topic == "/rulings"]
+    assert sorted((one.step, one.hunter, one.target, one.verdict) for one in told) == sorted(sent)
+    assert {verdict for *_, verdict in sent} == {
+        "GRANTED", "DUPLICATE", "ALREADY_CAUGHT", "UNKNOWN_TARGET", "OUT_OF_REACH", "MALFORMED",
+    }  # fmt: skip
 
 
 def test_the_alive_lists_are_those_of_the_match_from_their_instants_on(bag):
@@ -177,7 +185,6 @@ def test_the_same_replay_gives_the_same_messages_and_other_packages_other_names(
     assert {kind for _, kind, *_ in messages(one)} == {
         "turtlesim_msgs/msg/Pose",
         "turtles_by_me/msg/TurtleArray",
-        "turtles_by_me/srv/CatchTurtle_Event",
         "catch_arena_interfaces/msg/Ruling",
     }
 

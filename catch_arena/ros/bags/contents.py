@@ -43,29 +43,19 @@ class Track:
         )
 
     @property
-    def begin_ms(self) -> float:
-        """Time of the first pose."""
-        return self.times_ms[0]
-
-    @property
     def end_ms(self) -> float:
         """Time of the last pose."""
         return self.times_ms[-1]
 
 
-@dataclass(slots=True)
-class RecordedRequest:
-    """A catch, or a call of catch_turtle."""
+@dataclass(frozen=True, slots=True)
+class RecordedCatch:
+    """A target that left the list."""
 
     time_ms: float
     name: str
-    """The target."""
     listed: Mapping[str, Place]
     """Targets that were alive before it, and their places in the list."""
-    success: bool | None = True
-    """The answer, or None if the bag has none."""
-    hunter: str | None = None
-    """The hunter that asked, or None if the bag does not have it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +64,10 @@ class BagContents:
 
     hunters: Mapping[str, Track]
     """By name, in the order of seats."""
-    targets: Mapping[str, Track]
-    """The targets whose poses were recorded, by name."""
     lists: Sequence[tuple[float, Sequence[Turtle]]]
     """The targets that were alive from a time on, in places clamped to the window as turtlesim does."""
-    requests: Sequence[RecordedRequest]
-    """Calls of the service if they were recorded, else the catches that the lists or the poses show."""
+    catches: Sequence[RecordedCatch]
+    """By time."""
     end_ms: float
     left_out: int
     """Number of messages that are damaged or have impossible values."""

@@ -5,21 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-
 from catch_arena.core.physics import TICK_MS
 from catch_arena.replay import Replay
 from catch_arena.replay.motion import Pose2D, StepMotion, step_motion
 from catch_arena.ros.bags.files import BagWriter, Storage, whole_bag
-from catch_arena.ros.bags.service_events import EVENT_INFO, REQUEST_RECEIVED, RESPONSE_SENT, TIME, TOPIC
-from catch_arena.ros.middleware.graph_names import (
-    ALIVE_TURTLES,
-    CATCH_TURTLE,
-    RULINGS,
-    TURTLE,
-    catch_turtle_of,
-    pose_of,
-)
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, RULINGS, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import RULING, Interfaces
 from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.verdicts import Ruling
@@ -74,19 +64,12 @@ class _MatchWriter:
 
     def __init__(self, bag: BagWriter, replay: Replay, interfaces: Interfaces) -> None:
         self._bag, self._replay = bag, replay
-        self._package, self._turtle = interfaces.package, interfaces.turtle.name
+        self._turtle = interfaces.turtle.name
         self._hunters = replay.config.hunter_names
-        self._numbers = [0] * len(self._hunters)
-        """Number of each hunter's last request."""
-        alone = len(self._hunters) == 1
-        services = [CATCH_TURTLE] if alone else [catch_turtle_of(hunter) for hunter in self._hunters]
-        self._calls = [f"{service}{TOPIC}" for service in services]
-        self._poses = [pose_of(turtle) for turtle in ([TURTLE] if alone else self._hunters)]
+        self._poses = [pose_of(turtle) for turtle in ([TURTLE] if len(self._hunters) == 1 else self._hunters)]
         for topic in self._poses:
             bag.announce(topic, interfaces.pose)
         bag.announce(ALIVE_TURTLES, interfaces.turtle_array)
-        for topic in self._calls:
-            bag.announce_calls(topic, self._package)
         bag.announce(RULINGS, RULING)
 
     def write_step(self, before: World, after: World) -> None:
@@ -124,20 +107,7 @@ class _MatchWriter:
         self.write_alive(time_ms, [(target.name, *poses[target.number]) for target in alive])
 
     def _write_ruling(self, time_ms: int, ruling: Ruling) -> None:
-        """Write a ruling, and before it the request and the response, unless it names no target that exists."""
+        """Write a ruling; half of a surrogate pair in a name is no UTF-8, and is written as an escape."""
         if ruling.target is not None:
-            name = str(ruling.target).encode(errors="backslashreplace").decode()  # half of a surrogate pair is no UTF-8
-            ruling = replace(ruling, target=name)
-            seat, time_ns = ruling.hunter, time_ms * _MS
-            self._numbers[seat] += 1
-            stamp = self._bag.make(TIME, *divmod(time_ns, 1_000_000_000))
-            client = np.frombuffer((seat + 1).to_bytes(16, "big"), np.uint8)
-            received, sent = (
-                self._bag.make(EVENT_INFO, event, stamp, client, self._numbers[seat])
-                for event in (REQUEST_RECEIVED, RESPONSE_SENT)
-            )
-            request = self._bag.make(f"{self._package}/srv/CatchTurtle_Request", name)
-            response = self._bag.make(f"{self._package}/srv/CatchTurtle_Response", ruling.success)
-            self._bag.write(self._calls[seat], time_ns, received, [request], [])
-            self._bag.write(self._calls[seat], time_ns, sent, [], [response])
+            ruling = replace(ruling, target=str(ruling.target).encode(errors="backslashreplace").decode())
         self._bag.write(RULINGS, time_ms * _MS, *ruling_message(ruling, time_ms, self._hunters))

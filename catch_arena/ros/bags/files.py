@@ -16,7 +16,6 @@ from rosbags.typesys import Stores, get_typestore
 
 from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder, unwritable
-from catch_arena.ros.bags.service_events import event_definition, event_type, register_idl
 from catch_arena.ros.middleware.interfaces import MessageType
 from catch_arena.ros.middleware.typestore import register
 
@@ -41,16 +40,6 @@ class BagWriter:
         """Add a topic of messages."""
         register(self._store, kind)
         self._connections[topic] = self._writer.add_connection(topic, kind.name, typestore=self._store)
-
-    def announce_calls(self, topic: str, package: str) -> None:
-        """Add a topic with the calls of a package's catch service."""
-        register_idl(self._store, event_definition(package))
-        self._connections[topic] = self._writer.add_connection(
-            topic,
-            event_type(package),
-            msgdef=event_definition(package),
-            rihs01=self._store.hash_rihs01(event_type(package)),
-        )
 
     def make(self, kind: str, *fields: Any) -> Any:
         """Return a message of a type that was announced, to stand in a field of another one."""

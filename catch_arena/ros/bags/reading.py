@@ -16,15 +16,8 @@ from rosbags.typesys.store import Typestore
 
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
-from catch_arena.messages import Pose, Turtle, TurtleArray
-from catch_arena.ros.bags.contents import BagContents, Place, RecordedRequest, Track
-from catch_arena.ros.bags.service_events import (
-    REQUEST_RECEIVED,
-    REQUEST_SENT,
-    TOPIC,
-    event_definition,
-    register_idl,
-)
+from catch_arena.messages import Pose, Turtle
+from catch_arena.ros.bags.contents import BagContents, Place, RecordedCatch, Track
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, POSE, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.middleware.typestore import register
@@ -34,8 +27,6 @@ _LONGEST_MS: Final = 24 * 3_600_000
 """The longest bag, as the longest replay; the clock of a recording machine may jump by years."""
 _OUTSIDE_M: Final = 0.01
 """Distance by which a pose may lie outside of turtlesim's window, which clamps in float32."""
-_GONE_MS: Final = 250.0
-"""A turtle without a pose for longer is gone: turtlesim publishes one every 16 ms."""
 _OWN_HUNTER: Final = re.compile(r"hunter_\d+")
 
 _Handler = Callable[[float, Any], None]
@@ -48,10 +39,7 @@ class _Recording:
 
     tracks: dict[str, Track] = field(default_factory=dict)
     lists: list[tuple[float, Sequence[Turtle]]] = field(default_factory=list)
-    left: list[RecordedRequest] = field(default_factory=list)
-    """Targets that left the list."""
-    calls: dict[tuple[str, bytes, int], RecordedRequest] = field(default_factory=dict)
-    """Calls of the service, by topic, client and number."""
+    catches: list[RecordedCatch] = field(default_factory=list)
     ever_listed: set[str] = field(default_factory=set)
     alive: dict[str, Place] = field(default_factory=dict)
     """Targets of the last list."""
@@ -72,26 +60,10 @@ class _Recording:
             raise ValueError("a target's place is not finite")
         turtles = [Turtle(one.name, _clamped(one.x), _clamped(one.y), float(one.theta)) for one in message.turtles]
         now = {turtle.name: (turtle.x, turtle.y) for turtle in turtles}
-        self.left += [RecordedRequest(time_ms, name, self.alive) for name in self.alive if name not in now]
+        self.catches += [RecordedCatch(time_ms, name, self.alive) for name in self.alive if name not in now]
         self.alive = now
         self.ever_listed |= now.keys()
         self.lists.append((time_ms, turtles))
-
-    def on_call(self, hunter: str | None, topic: str, time_ms: float, message: Any) -> None:
-        """Add a request or a response of the catch service. Client and server may each record both: the time at which
-        the server received a request counts.
-        """
-        info = message.info
-        key = topic, bytes(info.client_gid), int(info.sequence_number)
-        known = self.calls.get(key)
-        if info.event_type in {REQUEST_SENT, REQUEST_RECEIVED}:
-            if not message.request:
-                return  # the introspection of the service is set to metadata alone
-            if known is None or info.event_type == REQUEST_RECEIVED:
-                success = None if known is None else known.success
-                self.calls[key] = RecordedRequest(time_ms, message.request[0].name, self.alive, success, hunter)
-        elif known is not None:
-            known.success = bool(message.response[0].success)
 
 
 def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> BagContents:
@@ -138,36 +110,14 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
     hunters = _hunters(recording)
     if not hunters:
         raise ReplayError(f"{path}: holds poses of targets alone: record {pose_of(TURTLE)} too")
-    if not recording.lists:
-        _list_by_poses(recording, end_ms)
-    targets = {name: track for name, track in recording.tracks.items() if name in recording.ever_listed}
-    requests = sorted(recording.calls.values() or recording.left, key=lambda one: one.time_ms)
-    return BagContents(hunters, targets, recording.lists, requests, end_ms, left_out)
+    return BagContents(hunters, recording.lists, recording.catches, end_ms, left_out)
 
 
 def _hunters(recording: _Recording) -> dict[str, Track]:
-    """Return the hunters' tracks: hunter_0 and so on of `ros serve`, else the turtles that never were in a list; in a
-    bag without lists only turtle1.
-    """
+    """Return the hunters' tracks: hunter_0 and so on of `ros serve`, else the turtles that never were in a list."""
     free = [name for name in recording.tracks if name not in recording.ever_listed]
     own = sorted((name for name in free if _OWN_HUNTER.fullmatch(name)), key=lambda name: int(name[7:]))
-    alone = [name for name in free if recording.lists or name == TURTLE]
-    return {name: recording.tracks[name] for name in own or alone}
-
-
-def _list_by_poses(recording: _Recording, end_ms: float) -> None:
-    """Add the lists of a bag without lists: a target is alive from its first pose on, until its poses end."""
-    targets = {
-        name: one for name, one in recording.tracks.items() if name != TURTLE and not _OWN_HUNTER.fullmatch(name)
-    }
-    ends = {name: one.end_ms for name, one in targets.items() if one.end_ms < end_ms - _GONE_MS}
-    for time_ms in sorted({one.begin_ms for one in targets.values()} | set(ends.values())):
-        alive = [
-            Turtle(name, *one.last(time_ms)[:3])
-            for name, one in targets.items()
-            if one.begin_ms <= time_ms < ends.get(name, math.inf)
-        ]
-        recording.on_list(time_ms, TurtleArray(tuple(alive)))
+    return {name: recording.tracks[name] for name in own or free}
 
 
 def _clamped(place_m: float) -> float:
@@ -208,10 +158,6 @@ def _handlers(
         elif one.topic in lists and (one.topic.endswith(ALIVE_TURTLES) or len(lists) == 1):
             _register_list(one, store)
             handlers[one.topic] = recording.on_list
-        elif kind == "srv/CatchTurtle_Event" and one.topic.endswith(TOPIC):
-            register_idl(store, event_definition(package))
-            hunter = one.topic.strip("/").removesuffix(TOPIC).rpartition("/")[0] or None
-            handlers[one.topic] = partial(recording.on_call, hunter, one.topic)
     if not has_poses:
         raise ReplayError(f"{path}: has no poses of turtlesim: record with ros2 bag record -a")
     return handlers
@@ -221,7 +167,5 @@ def _register_list(one: Connection, store: Typestore) -> None:
     """Register a list's type by the bag's own definition, which may have float32; Humble's SQLite files have none."""
     if one.msgdef.format == MessageDefinitionFormat.NONE:
         register(store, Interfaces(one.msgtype.partition("/")[0]).turtle_array)
-    elif one.msgdef.format == MessageDefinitionFormat.MSG:
-        store.register(get_types_from_msg(one.msgdef.data, one.msgtype))
     else:
-        register_idl(store, one.msgdef.data)
+        store.register(get_types_from_msg(one.msgdef.data, one.msgtype))

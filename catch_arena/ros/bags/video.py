@@ -70,27 +70,23 @@ def render_bag(
 def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[World]:
     """Return the arena at each of turtlesim's ticks; a list or a ruling counts from the tick after it.
 
-    A caught target is gone even if the next list comes later. A name that comes back is another target.
+    A name that comes back is another target.
     """
     lists, numbers = deque(bag.lists), count(1)
     listed: dict[str, Turtle] = {}
     born: dict[str, tuple[int, int]] = {}
     """Number and time of each target in the list."""
-    caught: set[str] = set()
-    """Targets that are still in the list."""
     scores = [0] * len(bag.hunters)
     by_tick: dict[int, list[JudgedCatch]] = {}
     for one in judged:
-        by_tick.setdefault(int(one.request.time_ms // TICK_MS) + 1, []).append(one)
+        by_tick.setdefault(int(one.catch.time_ms // TICK_MS) + 1, []).append(one)
     for tick in range(ceil(bag.end_ms / TICK_MS) + 1):
         time_ms = tick * TICK_MS
         while lists and lists[0][0] < time_ms:
             listed_ms, turtles = lists.popleft()
             listed = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name it is not in turtlesim
             born = {name: born.get(name) or (next(numbers), int(listed_ms)) for name in listed}
-            caught &= listed.keys()
         catches = by_tick.get(tick, [])
-        caught |= listed.keys() & {one.request.name for one in catches if one.request.success}
         for one in catches:
             scores[one.ruling.hunter] += one.ruling.success
         yield World(
@@ -98,7 +94,7 @@ def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[Worl
             tick,
             TURTLESIM_SIDE_M,
             tuple(_hunter(bag, name, seat, time_ms, scores[seat]) for seat, name in enumerate(bag.hunters)),
-            tuple(_target(bag, listed[name], *born[name], time_ms) for name in listed if name not in caught),
+            tuple(_target(one, *born[name]) for name, one in listed.items()),
             tuple(one.ruling for one in catches),
         )
 
@@ -109,7 +105,5 @@ def _hunter(bag: BagContents, name: str, seat: int, time_ms: float, score: int) 
     return HunterState(name, *track.at(time_ms), team=seat, score=score, withdrawn=gone)
 
 
-def _target(bag: BagContents, listed: Turtle, number: int, spawned_ms: int, time_ms: float) -> TargetState:
-    track = bag.targets.get(listed.name)
-    x, y, theta = listed[1:] if track is None or time_ms < track.begin_ms else track.at(time_ms)[:3]
-    return TargetState(listed.name, number, x, y, theta, spawned_ms=spawned_ms)
+def _target(listed: Turtle, number: int, spawned_ms: int) -> TargetState:
+    return TargetState(listed.name, number, listed.x, listed.y, listed.theta, spawned_ms=spawned_ms)
