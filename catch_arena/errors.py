@@ -73,10 +73,6 @@ class BusError(CatchArenaError):
         self.hint = hint
 
 
-class MissingServiceError(BusError):
-    """A service of a ROS 2 bus that was to be tried, and that nobody serves."""
-
-
 def require_type(name: str, value: object, kind: type, made_by: str) -> None:
     """Require of an argument that it has a type.
 

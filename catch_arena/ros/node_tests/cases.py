@@ -3,19 +3,16 @@
 import secrets
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from catch_arena.arbitration import arbitrate
-from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.conformance.answers import DiffersError, UnreadableAnswer, request_in_words
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compare
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, LeftOut, Result
-from catch_arena.errors import BusError, MissingServiceError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
@@ -23,41 +20,14 @@ from catch_arena.verdicts import Ruling, Verdict
 _NOT_BY_SERVICE: Final = LeftOut("cannot be asked of a service", "cannot be asked of a service")
 _SETTLE_S: Final = (0.15, 1.0)
 """Time for which a position stands before the request: in the first play of a case, and in a second one."""
-_FITS_S: Final = 30.0
-"""Longest wait for a listed target around which a case fits between the walls."""
 _OWN_NAME: Final = "hunter_0"
 """Name of the hunter in the cases."""
 _LONG: Final = 200
 """From this length on the length of a name may matter, so that it stays as it is."""
 _STRICTNESS: Final = Strictness(evidence=False, success_only=True)
-_WITHOUT_A_TARGETS_NAME: Final = frozenset(
-    {
-        "names.unknown",
-        "names.empty",
-        "names.ones-own",
-        "names.255-characters",
-        "names.255-characters-in-510-bytes",
-        "names.256-characters",
-    }
-)
-"""Cases about names that mean the same whatever the targets' names are."""
 
 _Question = tuple[Mapping[str, Any], ExpectedRuling]
 """The arguments of `arbitrate` for one request, and the right answer."""
-
-
-class NodeLostError(BusError):
-    """Raised if a node stops answering.
-
-    Args:
-        case: the id of the first case without an answer.
-        why: the reason to give the node up.
-        before: the report of the cases before that one.
-    """
-
-    def __init__(self, case: str, why: BusError, before: Report) -> None:
-        super().__init__(f"the node fell silent at {case}: {why}")
-        self.before = before
 
 
 def can_be_asked(case: ArbiterCase | ArenaCase) -> bool:
@@ -80,27 +50,14 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
     """Play those of the cases that can be asked of a node that was met; in the report the others are not played.
 
     Raises:
-        MissingServiceError: if no node answers over this bus.
-        NodeLostError: if the node stops answering.
+        BusError: if no node answers over this bus.
     """
-    results: list[Result] = []
-    for case in cases:
-        try:
-            results.append(_result(node, case))
-        except MissingServiceError:
-            raise
-        except BusError as error:
-            first = case
-            while results and (not results[-1].played or _is_silence(results[-1].failure)):
-                last = results.pop()
-                first = last.case if last.played else first
-            raise NodeLostError(first.id, error, Report(tuple(results), _STRICTNESS)) from error
-    return Report(tuple(results), _STRICTNESS)
+    return Report(tuple(_result(node, case) for case in cases), _STRICTNESS)
 
 
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     """Play a case. A wrong answer counts only if it comes twice."""
-    if not isinstance(case, ArbiterCase) or not (_fits_listed(case) if node.keeps_the_list else can_be_asked(case)):
+    if not isinstance(case, ArbiterCase) or not can_be_asked(case):
         return Result(case, None, 0.0, _NOT_BY_SERVICE)
     start = time.perf_counter()
     failure: Failure | None = None
@@ -108,20 +65,15 @@ def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     for settle_s in _SETTLE_S:
         calls.clear()
         failure = _play(node, case, settle_s, calls)
-        if failure is None or _is_silence(failure):
+        if failure is None or not calls:  # a node that does not answer has had time
             break
     return Result(case, failure, time.perf_counter() - start, calls=tuple(calls))
 
 
-def _is_silence(failure: Failure | None) -> bool:
-    return failure is not None and any(isinstance(one, UnreadableAnswer) for one in failure.differences)
-
-
 def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float, calls: list[Call]) -> Failure | None:
     """Ask the questions of a case, and add each with its answer to the calls."""
-    questions = _questions_of_listed(node, case) if node.keeps_the_list else _questions(case)
-    token = "" if node.keeps_the_list else f"{secrets.token_hex(4)}_"
-    for arguments, expected in questions:
+    token = f"{secrets.token_hex(4)}_"
+    for arguments, expected in _questions(case):
         name = str(expected.target)
         targets = {_sent(token, one): place for one, place in arguments["targets"].items()}
         success = node.ask(arguments["hunters"][0], targets, _sent(token, name), settle_s)
@@ -153,72 +105,13 @@ def _sent(token: str, name: str) -> str:
 
 
 def _questions(case: ArbiterCase) -> Iterator[_Question]:
-    """Return a case's questions for a node that takes the list from us: first those that catch what is caught in it."""
+    """Return a case's questions: first those that catch what is caught in it."""
     given = case.arguments()
     for name in given["caught"]:
         alone = {"targets": {name: case.hunters[0]}, "requests": [(0, name)], "caught": []}
-        yield given | alone, _granted(name)
+        granted = ExpectedRuling(hunter=0, target=name, verdict=Verdict.GRANTED, distance_um=0, winner=0)
+        yield given | alone, granted
     yield given, case.expected[0]
-
-
-def _fits_listed(case: ArbiterCase) -> bool:
-    """Return whether a case can be asked with targets whose places and names the node chooses."""
-    if not can_be_asked(case) or len(case.targets) != 1 or not any(True for _ in _places(case, (5.5, 5.5))):
-        return False
-    asked = case.expected[0].target
-    names_mean_nothing = case.group != "names" and (asked in case.targets or asked in case.circumstances["caught"])
-    return names_mean_nothing or case.id in _WITHOUT_A_TARGETS_NAME
-
-
-def _questions_of_listed(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Question]:
-    """Return a case's questions about the node's targets: each answer may change its list before the next question.
-
-    Raises:
-        BusError: if the node lists no target that fits for long.
-    """
-    given = case.arguments()
-    caught: dict[str, str] = {}
-    for name in given["caught"]:
-        node.wait_for_target()
-        caught[name], place = next(iter(node.listed.items()))
-        alone = {"hunters": [_float32(place)], "targets": node.listed, "requests": [(0, caught[name])], "caught": []}
-        yield given | alone, _granted(caught[name])
-    (expected,), (only,) = case.expected, case.targets
-    asked = str(expected.target)
-    end = time.monotonic() + _FITS_S
-    while time.monotonic() < end:
-        node.wait_for_target()
-        listed = node.listed
-        for target, place in listed.items():
-            name = {**caught, only: target}.get(asked, asked)
-            for hunter in _places(case, place):
-                position = {
-                    "hunters": [hunter],
-                    "targets": listed,
-                    "requests": [(0, name)],
-                    "caught": [one for one in caught.values() if one not in listed],
-                }
-                if arbitrate(**given | position)[0].verdict is expected.verdict:
-                    yield given | position, replace(expected, target=name)
-                    return
-        node.publish_for(_SETTLE_S[0])
-    raise BusError(f"for {_FITS_S:g} s no target that the node lists was where {case.id} could be asked")
-
-
-def _places(case: ArbiterCase, target: Place) -> Iterator[Place]:
-    """Return where the hunter is as far from a target as in the case: on the same side, mirrored or turned."""
-    (hunter,), (there,) = case.hunters, case.targets.values()
-    dx, dy = hunter[0] - there[0], hunter[1] - there[1]
-    for along, across in ((dx, dy), (dy, dx)):
-        for x in (along, -along):
-            for y in (across, -across):
-                place = _float32((target[0] + x, target[1] + y))
-                if all(0.0 <= number <= TURTLESIM_SIDE_M for number in place):
-                    yield place
-
-
-def _granted(name: str) -> ExpectedRuling:
-    return ExpectedRuling(hunter=0, target=name, verdict=Verdict.GRANTED, distance_um=0, winner=0)
 
 
 def _can_be_sent(name: object) -> bool:

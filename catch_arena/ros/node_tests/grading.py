@@ -1,13 +1,13 @@
 """Grades of a node by a spec: points for conformance cases that its service answers right."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
 from catch_arena.errors import ConfigError
-from catch_arena.ros.node_tests.cases import NodeLostError, can_be_asked, run_on_node
+from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
 from catch_arena.tournament.grading import GradingSpec, GradingTest, TestGrade
@@ -15,9 +15,7 @@ from catch_arena.tournament.grading import GradingSpec, GradingTest, TestGrade
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeGrade(TestGrade):
-    """Result of one test of a node: its failures are the case at which the node fell silent, if it did, and then a line
-    for the clauses of the failed cases.
-    """
+    """Result of one test of a node. Its failures are a line for the clauses of the failed cases."""
 
     cases: int
     passed: int
@@ -29,38 +27,16 @@ class NodeGrade(TestGrade):
 
 
 def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
-    """Grade a node by the tests of a spec, one after the other. A node that falls silent keeps its points, and gets
-    none for that test and the following ones.
+    """Grade a node by the tests of a spec, one after the other. A request without an answer fails its case.
 
     Raises:
         ConfigError: for a test without cases that can be asked of a service, before the first request.
-        MissingServiceError: if no node serves the service.
+        BusError: if no node serves the service.
     """
     tests = [(test, _cases(test)) for test in spec.tests]
     node.meet()
-    lost: NodeLostError | None = None
     for test, cases in tests:
-        if lost is not None:
-            yield NodeGrade(
-                test=test.name,
-                points=0.0,
-                possible=test.points,
-                cases=len(cases),
-                passed=0,
-                failures=(str(lost),),
-                hints=(),
-            )
-            continue
-        try:
-            report = run_on_node(node, cases)
-        except NodeLostError as error:
-            lost = error
-            grade = _grade(test, lost.before)
-            yield replace(grade, points=0.0, cases=len(cases), failures=(str(lost), *grade.failures))
-        else:
-            if not any(result.played for result in report.results):
-                raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
-            yield _grade(test, report)
+        yield _grade(test, run_on_node(node, cases))
 
 
 def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:

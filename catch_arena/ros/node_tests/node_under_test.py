@@ -2,147 +2,94 @@
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Any, Final
 
 from catch_arena.core.physics import DT
-from catch_arena.errors import BusError, MissingServiceError
+from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Log, Request
+from catch_arena.ros.middleware.bus import Bus, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, KILL, SPAWN, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
 ANSWER_S: Final = 2.0
 """Longest wait for an answer."""
 _THERE_S: Final = 10.0
-"""Longest wait for a node to appear, and for a target in its list."""
+"""Longest wait for a node to appear."""
 _LOOK_S: Final = 0.5
 """How long publishers of the list are looked for."""
-_LISTEN_S: Final = 3.0
-"""How long a list is waited for if the bus does not know publishers: the exercise's spawner sends one after 2 s."""
-_MOST_SILENT: Final = 3
-"""A node is given up after this many requests in a row without an answer."""
 
 Place = tuple[float, float]
 
 
 class NodeUnderTest:
-    """A service on a bus, and the position that it is asked about.
-
-    We publish the pose of turtle1 and the list of targets. A node that publishes the list itself, as the exercise's
-    spawner does, is asked for its own targets, and turtle1 moves to them.
+    """A service on a bus, and the position that it is asked about: the pose of turtle1, and the list of targets.
 
     Args:
         bus: the bus.
         service: its name, for example /catch_turtle.
         interfaces: the packages of the types.
-        log: takes one line when there is news.
     """
 
-    def __init__(self, bus: Bus, service: str, interfaces: Interfaces, log: Log) -> None:
-        self._bus, self._service, self._interfaces, self._log = bus, service, interfaces, log
+    def __init__(self, bus: Bus, service: str, interfaces: Interfaces) -> None:
+        self._bus, self._service, self._interfaces = bus, service, interfaces
         self._pose = bus.publisher(pose_of(TURTLE), interfaces.pose)
-        bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
+        self._alive: Callable[[Any], None] = lambda _: None
+        bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, lambda _: None)  # `meet` looks for its publishers
         bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
         bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
-        self._client = bus.client(service, interfaces.catch_turtle, self._on_failure)
+        self._client = bus.client(service, interfaces.catch_turtle)
         self._spawned = 1
-        self._heard: TurtleArray | None = None
-        self._position = Pose(0.0, 0.0, 0.0, 0.0, 0.0), TurtleArray(())
         self._answered = False
         """Whether any request was answered."""
-        self._silent = 0
-        """Number of the last requests, if they were not answered."""
-        self._failure = ""
-        self._alive: Callable[[TurtleArray], None] | None = None
-        self.keeps_the_list = False
-        """Whether the node publishes /alive_turtles itself."""
-
-    @property
-    def listed(self) -> dict[str, Place]:
-        """Targets in the last list of a node that keeps the list."""
-        return {} if self._heard is None else {name: (x, y) for name, x, y, _ in self._heard.turtles}
 
     def meet(self) -> None:
-        """Wait until the service is there, and see which side keeps the list.
+        """Wait until the service is there, and begin to publish the list.
 
         Raises:
-            MissingServiceError: if no node serves it.
-            BusError: if the node that serves it cannot answer over this bus.
+            BusError: if no node serves it, if its node cannot answer over this bus, or if a node publishes the list.
         """
         end = time.monotonic() + _THERE_S
         while not self._client.ready:
             if time.monotonic() > end:
-                raise MissingServiceError(
-                    f"nobody serves {self._service} on this bus: does the node run, in the same domain?"
-                )
+                raise BusError(f"nobody serves {self._service} on this bus: does the node run, in the same domain?")
             self._bus.spin(0.05)
-        self._spin(_LOOK_S if self._bus.publishers_of(ALIVE_TURTLES) is not None else _LISTEN_S)
-        self.keeps_the_list = bool(self._bus.publishers_of(ALIVE_TURTLES)) or self._heard is not None
-        if self.keeps_the_list:
-            self._log(
-                f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets, one after the other"
+        self._spin_until(time.monotonic() + _LOOK_S)
+        if self._bus.publishers_of(ALIVE_TURTLES):
+            raise BusError(
+                f"a node publishes {ALIVE_TURTLES} already, and would not know the targets of the cases",
+                f"let the node that serves {self._service} subscribe to {ALIVE_TURTLES}, and start no spawner",
             )
-        else:
-            self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
-
-    def wait_for_target(self) -> None:
-        """Wait until the list of a node that keeps it has a target.
-
-        Raises:
-            BusError: if it stays empty.
-        """
-        end = time.monotonic() + _THERE_S
-        while not self.listed:
-            if time.monotonic() > end:
-                raise BusError(f"the node lists no target on {ALIVE_TURTLES} for {_THERE_S:g} s: does it call {SPAWN}?")
-            self.publish_for(DT)
+        self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
 
     def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
         """Publish a position for a while, then request a target; return the answer, or None without one in time.
 
         Raises:
-            MissingServiceError: if rosbridge reports that nobody serves it, which `meet` cannot see there.
-            BusError: if this is the third request in a row without an answer.
+            BusError: if no request was answered so far: over rosbridge `meet` cannot see that nobody serves it.
         """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
-        self._position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
-        self.publish_for(settle_s)
+        position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
+        self._publish_for(settle_s, *position)
         call = self._client.call(CatchTurtleRequest(name))
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
-            self.publish_for(DT)
-            if self._failure and not self._answered:
-                raise MissingServiceError(f"nobody answers on this bus ({self._failure}): does the node run?")
-        if call.response is None:
-            self._silent += 1
-            if self._silent == _MOST_SILENT:
-                raise BusError(f"it has not answered {_MOST_SILENT} requests one after the other, and is given up")
-            return None
-        self._silent, self._answered = 0, True
-        return bool(call.response.success)
+            self._publish_for(DT, *position)
+        if call.response is None and not self._answered:
+            raise BusError(f"{self._service} does not answer on this bus: does the node run, in the same domain?")
+        self._answered = True
+        return None if call.response is None else bool(call.response.success)
 
-    def publish_for(self, seconds: float) -> None:
-        """Publish the position for a time, every 16 ms as turtlesim does: the pose, and the list if it is ours."""
+    def _publish_for(self, seconds: float, pose: Pose, alive: TurtleArray) -> None:
+        """Publish a position for a time, every 16 ms as turtlesim does."""
         end = time.monotonic() + seconds
         while (now := time.monotonic()) < end:
-            self._pose(self._position[0])
-            if self._alive is not None:
-                self._alive(self._position[1])
-            self._spin(min(now + DT, end) - now)
+            self._pose(pose)
+            self._alive(alive)
+            self._spin_until(min(now + DT, end))
 
-    def _spin(self, seconds: float) -> None:
-        end = time.monotonic() + seconds
+    def _spin_until(self, end: float) -> None:
         while (left := end - time.monotonic()) > 0.0:
             self._bus.spin(left)
-
-    def _on_list(self, message: TurtleArray) -> None:
-        if self._alive is None:  # else it is ours
-            self._heard = message
-
-    def _on_failure(self, why: str) -> None:
-        self._failure = why
-        if self._answered:
-            self._log(f"warning: {why}")
 
     def _on_spawn(self, request: Request) -> None:
         """Answer as turtlesim does; every name is free."""
