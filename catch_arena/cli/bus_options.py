@@ -14,7 +14,6 @@ from catch_arena.ros.middleware.names import BRIDGE_URL, INTERFACES, TURTLESIM, 
 if TYPE_CHECKING:
     from catch_arena.ros.middleware.bus import Bus
     from catch_arena.ros.middleware.interfaces import Interfaces
-    from catch_arena.ros.middleware.parameters import Parameters
 
 BusOption = Annotated[
     Backend | None,
@@ -55,8 +54,7 @@ RosArgs = Annotated[
     typer.Option(
         _ROS_ARGS,
         metavar="ARGS...",
-        help="As for ros2 run, after all other options: -p NAME:=VALUE, --params-file FILE, -r __node:=NAME "
-        "(`catch-arena docs ros2`).",
+        help="The node's parameters, after all other options: -p NAME:=VALUE (`catch-arena docs ros2`).",
     ),
 ]
 """Only of a NodeCommand."""
@@ -88,8 +86,8 @@ class BusOptions(NamedTuple):
         return interfaces_of(self.interfaces, self.turtlesim)
 
     @contextmanager
-    def joined(self, node: str, parameters: "Parameters | None" = None) -> Iterator["Bus"]:
-        """The bus, with a node of this name and these parameters on it; it is left in the end.
+    def joined(self, node: str) -> Iterator["Bus"]:
+        """The bus, with a node of this name on it; it is left in the end.
 
         Raises:
             BusError: where it cannot be reached.
@@ -100,8 +98,6 @@ class BusOptions(NamedTuple):
             self.backend, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True)
         )
         try:
-            if parameters is not None:
-                joined.declare(parameters)
             say(described(joined, self.domain, joined.interfaces(self.types())), err=True)
             yield joined
         finally:

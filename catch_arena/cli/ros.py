@@ -38,8 +38,8 @@ ros = Program(
 main.add_typer(ros)
 
 _TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_EXERCISE = {"nearest": True, "first": False}
-"""The agents that the exercise's catch_closest_turtle_first chooses from, by its value."""
+_CLOSEST, _OLDEST = "nearest", "first"
+"""The agents that the exercise's catch_closest_turtle_first chooses from: true, and false."""
 _OWN_SETTINGS = {
     "control_period_ms": "on a bus each step is one tick, 16 ms",
     "observed_targets": "agents see every target on a bus",
@@ -97,8 +97,7 @@ def serve(
 
     `catch-arena docs ros2` has an example.
     """
-    from catch_arena.ros.middleware.parameters import NAME_PREFIX, SPAWN_FREQUENCY, arena_parameters
-    from catch_arena.ros.nodes.ros_args import take_ros_args
+    from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.serving import serve_match
     from catch_arena.seeding import arena_seed
 
@@ -107,11 +106,10 @@ def serve(
     config = _arena(scenario, settings, seats)
     if seats and max(seats) >= config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}, got {max(seats)}")
-    parameters = arena_parameters(config)
-    called = take_ros_args(ros_args or (), "catch_arena", parameters, _warn)
-    config = config.replace(
-        spawn_frequency_hz=parameters[SPAWN_FREQUENCY].value, name_prefix=parameters[NAME_PREFIX].value
+    values = parameters_from(
+        ros_args or (), {SPAWN_FREQUENCY: float(config.spawn_frequency_hz), NAME_PREFIX: config.name_prefix}
     )
+    config = config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
     nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
     allowed = limits_or_trust(limits, trusted=trusted)
@@ -126,7 +124,7 @@ def serve(
         for number in range(config.hunters)
     ]
     served = serve_match(
-        given_bus.joined(called, parameters),
+        given_bus.joined("catch_arena"),
         config,
         arena_seed(seed),
         entrants,
@@ -180,31 +178,29 @@ def controller(
     is a parameter of the node.
     """
     from catch_arena.ros.middleware.opening import is_service
-    from catch_arena.ros.middleware.parameters import CLOSEST_FIRST, controller_parameters
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
+    from catch_arena.ros.nodes.parameters import CLOSEST_FIRST, parameters_from
     from catch_arena.ros.nodes.rate import Rate
-    from catch_arena.ros.nodes.ros_args import take_ros_args
     from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
-    specs = list(_EXERCISE) if agent in _EXERCISE else [agent]
     allowed = limits_or_trust(limits, trusted=trusted)
-    parameters = controller_parameters(_EXERCISE.get(agent))
-    called = take_ros_args(ros_args or (), "turtle_controller", parameters, _warn)
-    closest_first = parameters[CLOSEST_FIRST] if agent in _EXERCISE else None
+    values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
+    if values:
+        agent = _CLOSEST if values[CLOSEST_FIRST] else _OLDEST
     config = arena("capstone", settings)
     turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
     types = given_bus.types()
-    entrants = enter_agents(specs, allowed)
+    entrants = enter_agents([agent], allowed)
     with (
         sandbox_for(allowed) as sandbox,
         start_players(entrants, sandbox) as players,
-        given_bus.joined(called, parameters) as joined,
+        given_bus.joined("turtle_controller") as joined,
     ):
         types = joined.interfaces(types)
-        node = Controller(joined, players, config, turtle, types, closest_first, service=service, log=say)
+        node = Controller(joined, players, config, turtle, types, service=service, log=say)
         rate = Rate(PERIOD_S)
 
         def drive() -> None:
@@ -244,9 +240,8 @@ def spawner(
     With several turtles each asks its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
-    from catch_arena.ros.middleware.parameters import NAME_PREFIX, SPAWN_FREQUENCY, spawner_parameters
+    from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.rate import Rate
-    from catch_arena.ros.nodes.ros_args import take_ros_args
     from catch_arena.ros.nodes.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
@@ -255,15 +250,13 @@ def spawner(
     for name in turtles:
         if turtles.count(name) > 1:
             raise ConfigError(f"--turtle {name} must be given once")
-    parameters = spawner_parameters(spawn_frequency, name_prefix)
-    called = take_ros_args(ros_args or (), "turtle_spawner", parameters, _warn)
-    frequency = parameters[SPAWN_FREQUENCY]
+    values = parameters_from(ros_args or (), {SPAWN_FREQUENCY: spawn_frequency, NAME_PREFIX: name_prefix})
     config = arena("capstone", [f"reach_m={reach}"]).replace(
-        spawn_frequency_hz=frequency.value, name_prefix=checked_turtle(NAME_PREFIX, str(parameters[NAME_PREFIX].value))
+        spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX]))
     )
     types = given_bus.types()
-    with given_bus.joined(called, parameters) as joined:
-        node = Spawner(joined, turtles, joined.interfaces(types), config, frequency, seed=arena_seed(seed), log=say)
+    with given_bus.joined("turtle_spawner") as joined:
+        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(seed), log=say)
         rate = Rate(DT)
 
         def judge() -> None:

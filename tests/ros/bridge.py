@@ -58,9 +58,6 @@ class Bridge:
     def on_subscribe(self, socket, frame):
         self._subscribers.setdefault(frame["topic"], set()).add(socket)
 
-    def on_unsubscribe(self, socket, frame):
-        self._subscribers[frame["topic"]].discard(socket)
-
     def on_publish(self, socket, frame):
         del socket
         for other in self._subscribers.get(frame["topic"], ()):

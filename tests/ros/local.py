@@ -41,9 +41,6 @@ class LocalBus(Bus):
         del kind
         self.hub.heard.setdefault(topic, []).append((self, on_message))
 
-    def unsubscribe(self, topic):
-        self.hub.heard[topic] = [one for one in self.hub.heard[topic] if one[0] is not self]
-
     def serve(self, service, kind, on_request):
         del kind
         self.hub.served[service] = self, on_request

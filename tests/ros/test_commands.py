@@ -3,14 +3,16 @@
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 from ros.processes import own_domain
 from typer.testing import CliRunner
 
-from catch_arena.cli import main
-from catch_arena.errors import BusError
+from catch_arena.cli import main, ros
+from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.middleware import opening
+from catch_arena.ros.nodes import rate as rate_module
 from catch_arena.ros.nodes.rate import Rate
 
 
@@ -46,10 +48,8 @@ def run(*arguments):
         ),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--domain", "300"), "from 0 to 232, got 300"),
         (("spawner", "--domain", "300", "--ros-args"), "from 0 to 232, got 300"),
-        (
-            ("serve", "--ros-args", "-r", "pose:=x", "--ros-args", "-p", "x:=1"),
-            "-r must be __node:=NAME, got 'pose:=x'",
-        ),
+        (("serve", "--ros-args", "-r", "pose:=x"), "--ros-args must be -p NAME:=VALUE, as -p spawn_frequency:=2.0,"),
+        (("serve", "--ros-args", "-p", "spawn_frequency:=nan"), "spawn_frequency_hz must be a finite number"),
         (
             ("serve", "--ros-args", "-p", "catch_closest_turtle_first:=true"),
             "there is no parameter 'catch_closest_turtle_first': known: spawn_frequency, turtle_name_prefix",
@@ -67,16 +67,10 @@ def run(*arguments):
             ("serve", "--bus", "rosbridge", "--domain", "7"),
             "--domain 7 must be left out with --bus rosbridge: the server has a domain of its own",
         ),
-        *(
-            (
-                (command, *which, "--url", "ws://x"),
-                "--url ws://x must come with --bus rosbridge, whose server listens there, got --bus cyclonedds",
-            )
-            for command in ("serve", "controller", "spawner")
-            for which in (("--bus", "cyclonedds"), ())
+        (
+            ("serve", "--bus", "cyclonedds", "--url", "ws://x"),
+            "--url ws://x must come with --bus rosbridge, whose server listens there, got --bus cyclonedds",
         ),
-        (("serve", "-s", "capstone", "--record", "x.replay"), "of another policy than capstone"),
-        (("serve", "-s", "tag"), "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 1"),
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
         (("serve", "--seat", "0=Ros"), "--seat 0: did you mean ros? got Ros"),
         (("serve", "--seat", "0=neerest"), "--seat 0: unknown agent 'neerest': did you mean nearest or intercept?"),
@@ -152,24 +146,22 @@ def test_importing_the_package_loads_nothing_of_it():
     assert found.stderr.strip() == "", found.stderr
 
 
-class Wall:
-    """A clock that goes on where somebody sleeps, or holds it up."""
+@pytest.mark.parametrize(("agent", "closest", "driver"), [("nearest", "false", "first"), ("first", "true", "nearest")])
+def test_catch_closest_turtle_first_chooses_the_agent(monkeypatch, agent, closest, driver):
+    def refuse(specs, _):
+        raise ConfigError(f"{specs} drive")
 
-    def __init__(self):
-        self.now = 100.0
-
-    def tell(self):
-        return self.now
-
-    def sleep(self, seconds):
-        assert seconds > 0
-        self.now += seconds
+    monkeypatch.setattr(ros, "enter_agents", refuse)
+    status, said = run("controller", agent, "--ros-args", "-p", f"catch_closest_turtle_first:={closest}")
+    assert (status, said) == (2, f"error: ['{driver}'] drive\n")
 
 
-def test_ticks_keep_their_times_and_late_ones_are_counted():
+def test_ticks_keep_their_times_and_late_ones_are_counted(monkeypatch):
     """One late tick does not move those that follow; after a long stop there is no hurry."""
-    wall = Wall()
-    rate = Rate(0.016, wall.tell, wall.sleep)
+    wall = SimpleNamespace(now=100.0)
+    monkeypatch.setattr(rate_module.time, "perf_counter", lambda: wall.now)
+    monkeypatch.setattr(rate_module.time, "sleep", lambda seconds: setattr(wall, "now", wall.now + seconds))
+    rate = Rate(0.016)
     rate.sleep()
     assert wall.now == pytest.approx(100.016)
 

@@ -1,7 +1,5 @@
 """Messages and services as bytes, which are written out here from the description of the wire."""
 
-import struct
-
 import pytest
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
@@ -82,11 +80,6 @@ def test_requests_and_responses_begin_with_the_client_and_a_number(kind, message
 
     assert encoded(kind, message, **HEADER) == expected
     assert decoded(kind, expected, header=True) == (message, *HEADER.values())
-
-
-def test_big_endian_messages_are_read():
-    """The first bytes say which order it is."""
-    assert decoded(TYPES.pose, b"\x00\x00\x00\x00" + struct.pack(">5f", 1, 2, 3, 4, 5)) == (1, 2, 3, 4, 5)
 
 
 def test_hashes_of_types_are_those_that_ros_announces():

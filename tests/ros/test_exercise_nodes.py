@@ -5,7 +5,6 @@ from ros.local import Hub
 from ros.turtlesim import TYPES, Turtlesim
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.parameters import SPAWN_FREQUENCY, spawner_parameters
 from catch_arena.ros.nodes.controller import Controller
 from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
@@ -31,18 +30,15 @@ class Node:
 
     def __init__(self, hub, turtlesim):
         self.hub, self.turtlesim, self.said = hub, turtlesim, []
-        parameters = spawner_parameters(1.0, "t_")
         config = scenario("capstone").replace(spawn_frequency_hz=1.0, name_prefix="t_")
         self.bus = hub.bus("ours")
-        self.frequency = parameters[SPAWN_FREQUENCY]
-        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, self.frequency, seed=1, log=self.said.append)
+        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, seed=1, log=self.said.append)
         self.spawner.begin()
 
-    def play(self, ticks, *, simulated=True):
+    def play(self, ticks):
         for _ in range(ticks):
             self.spawner.tick()
-            if simulated:
-                self.turtlesim.tick()
+            self.turtlesim.tick()
             self.bus.spin()
 
     @property
@@ -62,45 +58,20 @@ def node(hub, turtlesim):
     return Node(hub, turtlesim)
 
 
-def test_targets_that_somebody_else_removed_leave_the_list_and_cannot_be_caught(node, turtlesim):
-    node.play(3 * A_SECOND + 2)
-    assert node.listed == ["t_1", "t_2", "t_3"]
-    turtlesim.there["turtle1"] = turtlesim.there.pop("t_1")  # within its reach, and removed: a ghost
-    turtlesim.there.pop("t_3")
-    node.play(30)
-    assert node.listed == ["t_2"]
-    assert node.said == ["t_1 and 1 more are not in turtlesim any more"]
-    assert not node.catch("t_1")
+def test_a_target_appears_every_second_and_leaves_the_list_when_it_is_caught(node, turtlesim):
+    """62 ticks of 16 ms are a second. What was caught is removed from turtlesim, and cannot be caught again."""
+    node.play(61)
+    assert turtlesim.asked == []
+    node.play(2 * A_SECOND + 3)
+    assert (turtlesim.asked, node.listed) == (["t_1", "t_2", "t_3"], ["t_1", "t_2", "t_3"])
     turtlesim.there["turtle1"] = turtlesim.there["t_2"]
     node.play(1)
+    assert not node.catch("t_1")
     assert node.catch("t_2")
-    node.play(30)
-    assert len([line for line in node.said if "not in turtlesim" in line]) == 1  # what is caught is no ghost
-
-
-def test_the_spawners_timer_goes_on_from_the_last_target_at_its_new_frequency(node, turtlesim):
-    """One that is slower waits longer, one that is quicker does not make up for the past."""
-
-    def asked_in(ticks):
-        before = len(turtlesim.asked)
-        node.play(ticks)
-        return len(turtlesim.asked) - before
-
-    assert [asked_in(ticks) for ticks in (61, 1, 125)] == [0, 1, 2]  # 62 ticks of 16 ms are a second
-    node.frequency.set(10.0)
-    assert asked_in(60) == 10
-    node.frequency.set(0.0)  # R3.1: one every 5 s
-    assert [asked_in(ticks) for ticks in (310, 1)] == [0, 1]
-    assert node.said == [f"{SPAWN_FREQUENCY}: 10", f"{SPAWN_FREQUENCY}: 0"]
-
-
-def test_while_all_are_silent_nobody_is_missed(node):
-    node.play(2 * A_SECOND + 2)
-    node.play(40, simulated=False)
-    assert node.listed == ["t_1", "t_2"]
-    node.play(40)
-    assert node.listed == ["t_1", "t_2", "t_3"]
-    assert node.said == []
+    node.play(2)
+    assert not node.catch("t_2")
+    assert node.listed == ["t_1", "t_3"]
+    assert "t_2" not in turtlesim.there
 
 
 def test_names_that_are_taken_are_passed_over_at_once_and_told_once(node, turtlesim):

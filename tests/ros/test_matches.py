@@ -2,11 +2,9 @@
 
 import re
 import signal
-import time
 from contextlib import ExitStack
 from itertools import islice
 
-from ros import wire
 from ros.bridge import running_bridge
 from ros.processes import own_domain, started
 
@@ -40,27 +38,6 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     assert int(told) == score
     played = Replay.load(replay)
     assert (played.names, played.steps) == (("ann",), 250)
-    assert verify(played) == []
-
-
-def test_a_match_that_is_broken_off_is_recorded_as_far_as_it_was_played(tmp_path):
-    replay = tmp_path / "match.replay"
-    with (
-        own_domain() as domain,
-        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--record", replay) as arena,
-        started("student.py", domain, "turtle1", "/catch_turtle", 150),
-    ):
-        assert any("the match begins" in line for line in arena.stdout)
-        poses, seen = wire.Node(domain).reader("rt/turtle1/pose", wire.POSE), 0
-        while seen < 30 and arena.poll() is None:
-            seen += len(poses.take())
-            time.sleep(0.01)
-        arena.send_signal(signal.SIGINT)
-        out, err, status = finished(arena)
-    assert (status, out.splitlines()[-1]) == (0, f"replay: {replay}"), err
-    assert "ann (hunter_0)" in out
-    played = Replay.load(replay)
-    assert played.steps > 10
     assert verify(played) == []
 
 

@@ -7,9 +7,16 @@ import pytest
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import ros_types
+from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import Interfaces, from_attributes
 from catch_arena.ros.middleware.rclpy_bus import to_ros
-from catch_arena.ros.middleware.ros_types import described, fitting_packages, package_types, turtlesim_package
+from catch_arena.ros.middleware.ros_types import (
+    described,
+    fitting_packages,
+    found_types,
+    package_types,
+    turtlesim_package,
+)
 
 USUAL = {
     "msg": {
@@ -158,6 +165,23 @@ def test_where_none_fits_the_nearest_are_told_with_what_they_hold(package, monke
     monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds"]))
     with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import$"):
         fitting_packages(Interfaces())
+
+
+def test_the_types_that_a_node_uses_come_before_those_of_packages(package, monkeypatch):
+    """If several packages fit and no node runs, one must be named."""
+    for name in ("a", "b"):
+        msg = {
+            word: {one: of.replace("mine", name) for one, of in fields.items()} for word, fields in USUAL["msg"].items()
+        }
+        package(name, msg, USUAL["srv"])
+    monkeypatch.setattr(ros_types, "_packages", lambda: iter(["a", "b"]))
+    monkeypatch.setattr(ros_types, "_LOOK_S", 0.0)
+    used = [Endpoint("/mine", "client", "/catch_turtle", "b/srv/CatchTurtle")]
+    assert found_types(Interfaces(), lambda: used).package == "b"
+    assert found_types(Interfaces("a"), lambda: used).package == "a"
+    with pytest.raises(BusError, match=r"^a and b have a catch service each$") as error:
+        found_types(Interfaces(), list)
+    assert error.value.hint == "give --interfaces a, or another"
 
 
 def test_turtlesim_has_another_package_from_kilted_on(package):

@@ -89,24 +89,17 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
         assert json.loads(socket.recv(60)) == {"op": "publish", "topic": "/alive_turtles", "msg": turtles}
 
 
-def test_it_goes_on_when_the_server_is_back(bridge, joined):
-    """With all that was announced and not ended since, and a line for each."""
+def test_a_server_that_goes_away_is_told_once_and_harms_nothing(bridge, joined):
+    """A match plays on to its end, and is recorded."""
     ours, said = joined
-    heard = []
-    for topic in ("/a", "/b"):
-        ours.subscribe(topic, TWIST, lambda *message, topic=topic: heard.append((topic, message)))
-    ours.unsubscribe("/a")
-    until(joined, lambda: len(bridge[0].frames) == 3)
-    assert bridge[0].frames[-1] == {"op": "unsubscribe", "topic": "/a"}
+    publish = ours.publisher("/x", TWIST)
+    until(joined, lambda: bridge[0].frames)
     bridge[0].hang_up()
-    ours.publisher("/x", TWIST)(TwistMessage.of(0.0, 0.0))  # the server is away
-    until(joined, lambda: "rosbridge: the server is back" in said and frames(bridge, "subscribe") == 3)
-    assert said[0] == "warning: rosbridge: the connection is lost; it is tried again every second"
-    assert frames(bridge, "advertise") == 1
-    bridge[0].raw(published("/a", 1.0))
-    bridge[0].raw(published("/b", 1.0))
-    until(joined, lambda: heard)
-    assert heard == [("/b", (TwistMessage.of(1.0, 2.0),))]
+    until(joined, lambda: said)
+    ours.client("/kill", EMPTY).call(Empty())
+    publish(TwistMessage.of(0.0, 0.0))
+    ours.spin()
+    assert said == ["warning: rosbridge: the connection is lost: start the server and this command again"]
 
 
 @pytest.mark.parametrize("url", ["ws://127.0.0.1:1", "nonsense", "ws://127.0.0.1:99999"])
@@ -127,15 +120,13 @@ def test_the_proxies_of_the_environment_are_not_asked(bridge, monkeypatch):
 
 
 def test_a_service_that_nobody_serves_is_told(bridge, joined):
-    """Once, in the server's words, since `ready` cannot know; or to whoever calls. No connection stays."""
+    """Once, in the server's words, since `ready` cannot know. No connection stays."""
     ours, said = joined
-    client, failed = ours.client("/kill", EMPTY), []
+    client = ours.client("/kill", EMPTY)
     assert client.ready
     calls = [client.call(Empty()) for _ in range(3)]
-    ours.client("/kill", EMPTY, failed.append).call(Empty())
-    until(joined, lambda: said and failed and len(bridge[0].clients) == 1)
+    until(joined, lambda: said and len(bridge[0].clients) == 1)
     assert said == ["warning: rosbridge: /kill: Service /kill does not exist"]
-    assert failed == ["/kill: Service /kill does not exist"]
     assert [call.response for call in calls] == [None] * 3
 
 
@@ -146,7 +137,8 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
     ours.subscribe("/t", TWIST, heard.append)
     ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
     until(joined, lambda: len(bridge[0].frames) == 2)
-    for message in (None, 3, {}, {"linear": 1, "angular": {}}, {"linear": {"x": "1", "y": 0, "z": 0}, "angular": {}}):
+    odd = ({"x": x, "y": 0, "z": 0} for x in ("1", True, 10**400, [0.0]))
+    for message in (None, 3, {}, {"linear": 1, "angular": {}}, *({"linear": one, "angular": one} for one in odd)):
         bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": message}))
     for text in ("no json", "[]", '"x"', "{}", '{"op": "publish"}', '{"op": "dance", "topic": "/t"}'):
         bridge[0].raw(text)
@@ -236,20 +228,3 @@ def test_messages_are_read_as_the_protocol_writes_them():
     assert from_json(EMPTY.request, {}) == Empty()
     assert from_json(TYPES.turtle_array, {"turtles": [], "more": 1}) == TurtleArray(())
     assert math.isnan(from_json(TYPES.pose, dict.fromkeys(TYPES.pose.make._fields)).x)
-
-
-@pytest.mark.parametrize(
-    ("kind", "values", "why"),
-    [
-        (TYPES.turtle_array, {"turtles": 3}, "turtles must be a list, got 3"),
-        (TYPES.turtle_array, {"turtles": ["x" * 1000]}, "my_robot_interfaces/msg/Turtle must be an object, got 'xxx"),
-        (TYPES.turtle_array, {"turtles": [{"name": "a"}]}, "my_robot_interfaces/msg/Turtle must have x"),
-        (TYPES.pose, dict.fromkeys(TYPES.pose.make._fields, True), "x must be a float32, got True"),
-        (TYPES.catch_turtle.response, {"success": 1}, "success must be a bool, got 1"),
-    ],
-)
-def test_what_is_no_message_is_refused_in_one_line(kind, values, why):
-    with pytest.raises(ValueError) as error:
-        from_json(kind, values)
-    assert str(error.value).startswith(why)
-    assert len(str(error.value)) < 200

@@ -79,6 +79,20 @@ def test_a_spawner_next_to_the_arena_is_named(course):
     assert "ros2 run" in line
 
 
+def test_a_second_arena_is_named(course):
+    """Both have the same node name."""
+    first = course.serve(*ALONE)
+    second = course.serve(*ALONE)
+    for arena in (first, second):
+        assert "second arena" in arena.wait_for("^warning: /catch_arena .*answers /catch_turtle").string
+
+
+def test_answers_may_come_later_and_leave_before_the_next_message(course):
+    """R8.4, in a process that has two of our buses."""
+    code, printed = course.node("buses").finish()
+    assert (code, printed.splitlines()[-1:]) == (0, ["right"]), printed
+
+
 def test_another_turtle_and_service_play_with_the_line_that_is_printed(course):
     """Its remapping is given to the node, and then it catches."""
     arena = course.serve(*ANNA)

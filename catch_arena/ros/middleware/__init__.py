@@ -5,7 +5,6 @@
 - graph_names: the names of topics and services. names: the names of back-ends and packages.
 - bus: the part of a middleware that the arena uses. dds_bus, rosbridge_bus and rclpy_bus: the three back-ends. opening:
   the choice of one.
-- parameters: the parameters of our nodes.
 - ros_types: the types of a package as ROS has them.
 - typestore: our types as the library rosbags has them, and their hashes.
 - dds_domain: where DDS looks for other processes. dds_types: messages as DDS has them. fast_dds: nodes with Fast DDS.

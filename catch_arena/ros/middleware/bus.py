@@ -7,7 +7,6 @@ from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol
 
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType
 from catch_arena.ros.middleware.names import Backend
-from catch_arena.ros.middleware.parameters import Parameters
 
 DEPTH: Final = 10
 """Messages of each topic that are kept until they are read, as usual in ROS; then the oldest is lost."""
@@ -92,7 +91,7 @@ class Client(Protocol):
 class Bus(ABC):
     """A middleware, reached by a back-end. All is done by the thread that calls `spin`, in which callbacks run.
 
-    A back-end that cannot report other nodes, or serve parameters, keeps the answers of this class.
+    A back-end that cannot report other nodes keeps the answers of this class.
     """
 
     backend: ClassVar[Backend]
@@ -121,10 +120,6 @@ class Bus(ABC):
         del topic
         return None
 
-    def declare(self, parameters: Parameters) -> None:
-        """Let others read and change the node's parameters, as `ros2 param` does, if there is a node of ROS's."""
-        del parameters
-
     @abstractmethod
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic, and return a function that sends one message."""
@@ -134,16 +129,12 @@ class Bus(ABC):
         """Subscribe to a topic; a message that cannot be read is left out, with one line for all of them."""
 
     @abstractmethod
-    def unsubscribe(self, topic: str) -> None:
-        """End a subscription."""
-
-    @abstractmethod
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
 
     @abstractmethod
-    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> Client:
-        """Return a client of a service; over rosbridge `on_failure` takes the line that says why a call failed."""
+    def client(self, service: str, kind: ServiceType) -> Client:
+        """Return a client of a service."""
 
     @abstractmethod
     def spin(self, timeout_s: float = 0.0) -> None:

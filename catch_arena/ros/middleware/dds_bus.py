@@ -72,10 +72,6 @@ class DdsBus(Bus):
 
         self._reader(f"rt{topic}", kind, on_sample, _announced(kind))
 
-    def unsubscribe(self, topic: str) -> None:
-        """End a subscription; DDS's reader ends with its last reference."""
-        self._waiting.detach(self._readers.pop(f"rt{topic}").fresh)
-
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
         user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
@@ -90,9 +86,8 @@ class DdsBus(Bus):
 
         reader = self._reader(f"rq{service}Request", kind.request, on_sample, user, header=True)
 
-    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_DdsClient":
+    def client(self, service: str, kind: ServiceType) -> "_DdsClient":
         """Return a client of a service."""
-        del on_failure  # DDS does not tell
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
         writer = self._writer(f"rq{service}Request", kind.request, user, header=True)
         client = _DdsClient(service, kind, writer, self._write)

@@ -30,11 +30,7 @@ def join(domain: int, qos: Qos) -> DomainParticipant:
     """
     try:
         if domain not in _domains:
-            try:
-                _domains[domain] = Domain(domain, configuration(os.environ))
-            except DDSException as error:
-                if error.code != DDSException.DDS_RETCODE_PRECONDITION_NOT_MET:  # configured by another library
-                    raise
+            _domains[domain] = Domain(domain, configuration(os.environ))
         return DomainParticipant(domain, qos=qos)
     except UnicodeEncodeError:
         raise BusError("CYCLONEDDS_URI must be ASCII, which is all that the package cyclonedds takes") from None

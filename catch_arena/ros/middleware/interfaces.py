@@ -231,10 +231,6 @@ class Interfaces:
         self.spawn = service_type(f"{turtlesim}/srv/Spawn", SpawnRequest, Name, floats="float32")
         self.kill = service_type(f"{turtlesim}/srv/Kill", Name, Empty)
 
-    def of_turtlesim(self, package: str) -> "Interfaces":
-        """Return the same with turtlesim's types of another package."""
-        return self if package == self.turtlesim else Interfaces(self.package, package)
-
     def with_types(self, turtle_array: MessageType, catch_turtle: ServiceType) -> "Interfaces":
         """Return the same with a list and a catch service of another package."""
         changed = Interfaces(catch_turtle.name.partition("/")[0], self.turtlesim)

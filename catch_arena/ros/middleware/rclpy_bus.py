@@ -1,23 +1,15 @@
 """The bus by ROS's own library: any middleware that is set there works, services too."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib import import_module
 from operator import attrgetter
-from typing import Any, Final
+from typing import Any
 
-from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Bus, Call, Endpoint, EndpointKind, Log, Request
-from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Bus, Call, Endpoint, EndpointKind, Request
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType, from_attributes
-from catch_arena.ros.middleware.names import INTERFACES
-from catch_arena.ros.middleware.parameters import Parameters
-from catch_arena.ros.middleware.ros_types import fitting_packages, package_types, ros_class, turtlesim_package
-from catch_arena.text import one_line
-
-_LOOK_S: Final = 2.0
-"""If several packages have the types, nodes that use one of them are looked for so long."""
+from catch_arena.ros.middleware.ros_types import found_types, ros_class, turtlesim_package
 
 
 class RclpyBus(Bus):
@@ -26,20 +18,14 @@ class RclpyBus(Bus):
     Args:
         node: its name.
         domain: from 0 to 232.
-
-    Raises:
-        BusError: if rclpy cannot be loaded.
     """
 
     backend = "rclpy"
 
     def __init__(self, node: str, domain: int) -> None:
-        try:
-            rclpy = import_module("rclpy")
-            groups, executors = import_module("rclpy.callback_groups"), import_module("rclpy.executors")
-            self._future = import_module("rclpy.task").Future
-        except ImportError as error:  # its C parts need libraries that are found when ROS is sourced
-            raise BusError(f"rclpy cannot be loaded ({error}): source ROS first") from None
+        rclpy = import_module("rclpy")
+        groups, executors = import_module("rclpy.callback_groups"), import_module("rclpy.executors")
+        self._future = import_module("rclpy.task").Future
         self.about = str(rclpy.get_rmw_implementation_identifier())
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
@@ -48,7 +34,6 @@ class RclpyBus(Bus):
         """Group of all callbacks: in ROS's usual one an unanswered request keeps all else waiting."""
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._subscriptions: dict[str, Any] = {}
         self._types: Interfaces | None = None
         self._heard = 0
         self._owed = 0
@@ -59,33 +44,8 @@ class RclpyBus(Bus):
     def interfaces(self, given: Interfaces) -> Interfaces:
         """Return the types of the nodes that are there, else of the one package that has them."""
         if self._types is None:
-            self._types = self._find_types(given.of_turtlesim(turtlesim_package(given.turtlesim)))
+            self._types = found_types(Interfaces(given.package, turtlesim_package(given.turtlesim)), self.graph)
         return self._types
-
-    def _find_types(self, given: Interfaces) -> Interfaces:
-        if given.package != INTERFACES:
-            return package_types(given.package, given)
-        found: dict[str, Interfaces] = {}
-        end = time.monotonic() + _LOOK_S
-        while not (used := self._used_types(given)):
-            found = found or fitting_packages(given)
-            if len(found) == 1:
-                return next(iter(found.values()))
-            if time.monotonic() >= end:
-                names = " and ".join(found)
-                raise BusError(
-                    f"{names} have a catch service each", f"give --interfaces {next(iter(found))}, or another"
-                )
-            time.sleep(0.1)
-        return used
-
-    def _used_types(self, given: Interfaces) -> Interfaces | None:
-        """Return the types of the nodes that are there, if there is one."""
-        used = {one.name: one.type for one in self.graph()}
-        turtles, catch = used.get(ALIVE_TURTLES, ""), used.get(CATCH_TURTLE, "")
-        if not (turtles or catch):
-            return None
-        return package_types((turtles or catch).partition("/")[0], given, turtles=turtles, catch=catch)
 
     def graph(self) -> list[Endpoint]:
         """Return the endpoints of all other nodes.
@@ -143,13 +103,7 @@ class RclpyBus(Bus):
             self._heard += 1
             on_message(from_attributes(kind, message))
 
-        self._subscriptions[topic] = self._node.create_subscription(
-            ros_class(kind.name), topic, hear, DEPTH, callback_group=self._group
-        )
-
-    def unsubscribe(self, topic: str) -> None:
-        """End a subscription."""
-        self._node.destroy_subscription(self._subscriptions.pop(topic))
+        self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH, callback_group=self._group)
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service. Its callback is a coroutine, which the executor resumes when there is an answer.
@@ -175,30 +129,9 @@ class RclpyBus(Bus):
 
         self._node.create_service(ros_class(kind.name), service, handle, callback_group=self._group)
 
-    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_RclpyClient":
+    def client(self, service: str, kind: ServiceType) -> "_RclpyClient":
         """Return a client of a service."""
-        del on_failure  # rclpy does not tell
         return _RclpyClient(self._node.create_client(ros_class(kind.name), service, callback_group=self._group), kind)
-
-    def declare(self, parameters: Parameters) -> None:
-        """Let ROS's node serve them. It refuses other types and fixed parameters itself, and has more of its own."""
-        messages = import_module("rcl_interfaces.msg")
-        for one in parameters.values():
-            descriptor = messages.ParameterDescriptor(
-                description=one.description, additional_constraints=one.fixed, read_only=bool(one.fixed)
-            )
-            self._node.declare_parameter(one.name, one.value, descriptor)
-
-        def change(changes: Sequence[Any]) -> Any:
-            try:
-                for one in changes:
-                    if one.name in parameters:
-                        parameters[one.name].set(one.value)
-            except ConfigError as error:
-                return messages.SetParametersResult(successful=False, reason=one_line(str(error)))
-            return messages.SetParametersResult(successful=True)
-
-        self._node.add_on_set_parameters_callback(change)
 
     def publishers_of(self, topic: str) -> int:
         """Return the number of publishers of a topic."""

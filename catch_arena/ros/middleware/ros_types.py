@@ -1,12 +1,15 @@
 """The exercise's types in a student's own package: fields are matched by name, then by kind."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
 from catch_arena.errors import BusError
+from catch_arena.ros.middleware.bus import Endpoint
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE
 from catch_arena.ros.middleware.interfaces import OWN_PACKAGE, Field, Interfaces, MessageType, ServiceType
 from catch_arena.ros.middleware.names import INTERFACES
 
@@ -27,6 +30,8 @@ _LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
 _CORRECT: Final = (
     "correct the file, build the package again with colcon and source it; ros2/catch_arena_interfaces is an example"
 )
+_LOOK_S: Final = 2.0
+"""If several packages have the types, nodes that use one of them are looked for so long."""
 _MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
@@ -41,6 +46,34 @@ def ros_class(name: str) -> Any:
         return getattr(import_module(f"{package}.{folder}"), word)
     except (ImportError, AttributeError):
         raise BusError(f"{name} is not known to this ROS: build {package} with colcon, and source it") from None
+
+
+def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> Interfaces:
+    """Return the types of the nodes that are there, else of the one package that has them.
+
+    Args:
+        given: the packages of --interfaces and --turtlesim; a package that is not the usual one is taken.
+        graph: returns the endpoints of other nodes.
+
+    Raises:
+        BusError: if the types do not fit, or if several packages have them and no node uses one in time.
+    """
+    if given.package != INTERFACES:
+        return package_types(given.package, given)
+    found: dict[str, Interfaces] = {}
+    end = time.monotonic() + _LOOK_S
+    while True:
+        used = {one.name: one.type for one in graph()}
+        turtles, catch = used.get(ALIVE_TURTLES, ""), used.get(CATCH_TURTLE, "")
+        if turtles or catch:
+            return package_types((turtles or catch).partition("/")[0], given, turtles=turtles, catch=catch)
+        found = found or fitting_packages(given)
+        if len(found) == 1:
+            return next(iter(found.values()))
+        if time.monotonic() >= end:
+            names = " and ".join(found)
+            raise BusError(f"{names} have a catch service each", f"give --interfaces {next(iter(found))}, or another")
+        time.sleep(0.1)
 
 
 def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: str = "") -> Interfaces:

@@ -15,11 +15,11 @@ from websockets.sync.client import ClientConnection, connect
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S, Bus, Call, Log, OnceLog, Request
 from catch_arena.ros.middleware.interfaces import Field, MessageType, ServiceType, values_by_field
-from catch_arena.text import one_line
+from catch_arena.text import in_short, one_line
 
 _OPEN_S: Final = 5.0
-_AGAIN_S: Final = 1.0
-"""A connection that was lost is tried again after so long, and for so long."""
+_CALL_OPEN_S: Final = 1.0
+"""The connection of a call is waited for so long."""
 _CLOSE_S: Final = 1.0
 _READ_S: Final = 0.5
 """The end waits so long for the server to read it."""
@@ -29,6 +29,8 @@ _LONGEST_FRAME: Final = 32 * 2**20
 """Bytes; a longer one ends the connection. rosbridge cuts at 10 MB, and a quote in it takes two bytes then."""
 _OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
 """rosbridge's own. Its response, or the error of a server without it, says that all before it was read."""
+_KINDS: Final = {"string": (str,), "bool": (bool,), "float32": (int, float), "float64": (int, float)}
+"""JSON's types of a field, by ROS's word; other fields are whole numbers."""
 
 
 class _Inbox(NamedTuple):
@@ -45,11 +47,10 @@ class _OpenCall(NamedTuple):
     service: str
     response: MessageType
     call: Call
-    on_failure: Log
 
 
 class RosbridgeBus(Bus):
-    """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, `spin` connects again when it is back.
+    """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, nothing comes any more, with one line for it.
 
     Args:
         url: the server's.
@@ -62,15 +63,11 @@ class RosbridgeBus(Bus):
     backend = "rosbridge"
 
     def __init__(self, url: str, *, log: Log) -> None:
-        self._url, self._log = url, log
+        self._url, self._log = url, OnceLog(log)
         self._inboxes: dict[tuple[str, str], _Inbox] = {}
         """By what its frames do and by topic or service."""
-        self._announced: list[dict[str, Any]] = []
         self._calls: dict[str, _OpenCall] = {}
-        self._log_once = OnceLog(log)
         self._ids = count(1)
-        self._again_s = 0.0
-        self._connection: ClientConnection | None
         try:
             self._connection = _connection_to(url, _OPEN_S)
         except (OSError, ValueError, WebSocketException) as error:
@@ -81,7 +78,7 @@ class RosbridgeBus(Bus):
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
-        self._announce({"op": "advertise", "topic": topic, "type": kind.name})
+        self._send({"op": "advertise", "topic": topic, "type": kind.name})
         return lambda message: self._send({"op": "publish", "topic": topic, "msg": to_json(kind, message)})
 
     def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
@@ -92,14 +89,7 @@ class RosbridgeBus(Bus):
 
         self._inboxes["publish", topic] = _Inbox(deque(maxlen=DEPTH), handle)
         # Without a queue_length: its queue's thread in rosbridge never ends if it is left with something in it.
-        self._announce({"op": "subscribe", "topic": topic, "type": kind.name})
-
-    def unsubscribe(self, topic: str) -> None:
-        """End a subscription."""
-        del self._inboxes["publish", topic]
-        ended = ("subscribe", topic)
-        self._announced = [frame for frame in self._announced if (frame["op"], frame.get("topic")) != ended]
-        self._send({"op": "unsubscribe", "topic": topic})
+        self._send({"op": "subscribe", "topic": topic, "type": kind.name})
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
@@ -118,22 +108,19 @@ class RosbridgeBus(Bus):
             on_request(Request(request, answer))
 
         self._inboxes["call_service", service] = _Inbox(deque(maxlen=SERVICE_DEPTH), handle)
-        self._announce({"op": "advertise_service", "service": service, "type": kind.name})
+        self._send({"op": "advertise_service", "service": service, "type": kind.name})
 
-    def client(self, service: str, kind: ServiceType, on_failure: Log | None = None) -> "_BridgeClient":
+    def client(self, service: str, kind: ServiceType) -> "_BridgeClient":
         """Return a client of a service."""
-        return _BridgeClient(lambda request: self._call(service, kind, request, on_failure or self._warn_once))
+        return _BridgeClient(lambda request: self._call(service, kind, request))
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle what has come."""
-        if self._connection is None:
-            self._connect_again(timeout_s)
         wait_s = min(timeout_s, _CALL_S) if self._calls else timeout_s
         if any(inbox.frames for inbox in self._inboxes.values()):
             wait_s = 0.0
-        if self._connection is not None and not self._read(self._connection, wait_s):
-            self._log("warning: rosbridge: the connection is lost; it is tried again every second")
-            self._connection = None
+        if not self._read(self._connection, wait_s):
+            self._warn_once("the connection is lost: start the server and this command again")
         for name, one in list(self._calls.items()):
             if not self._read(one.connection):
                 self._calls.pop(name, None)
@@ -146,34 +133,13 @@ class RosbridgeBus(Bus):
         for one in self._calls.values():
             one.connection.close()
         self._calls.clear()
-        if self._connection is not None:
-            self._end_services(self._connection)
-            self._connection.close()
-            self._connection = None
-
-    def _announce(self, frame: dict[str, Any]) -> None:
-        self._announced.append(frame)
-        self._send(frame)
+        self._end_services()
+        self._connection.close()
 
     def _send(self, frame: dict[str, Any]) -> None:
-        """Send a frame; if the server is away it is left out, since an old pose is of no use later."""
-        if self._connection is not None:
-            with suppress(OSError, WebSocketException):
-                self._connection.send(json.dumps(frame))
-
-    def _connect_again(self, timeout_s: float) -> None:
-        left_s = self._again_s - time.monotonic()
-        if left_s > 0.0:
-            time.sleep(min(left_s, timeout_s))
-            return
-        try:
-            self._connection = _connection_to(self._url, _AGAIN_S)
-        except (OSError, WebSocketException):
-            self._again_s = time.monotonic() + _AGAIN_S
-            return
-        for frame in self._announced:
-            self._send(frame)
-        self._log("rosbridge: the server is back")
+        """Send a frame; if the server is away it is left out."""
+        with suppress(OSError, WebSocketException):
+            self._connection.send(json.dumps(frame))
 
     def _read(self, connection: ClientConnection, timeout_s: float = 0.0) -> bool:
         """Sort in what has come over a connection, for SPIN_S, and return False if it has ended."""
@@ -211,8 +177,8 @@ class RosbridgeBus(Bus):
 
     def _hand_out(self, key: tuple[str, str]) -> int:
         """Handle the oldest frame of an inbox, and return their number: 0 or 1."""
-        inbox = self._inboxes.get(key)  # a handler before it may have unsubscribed
-        if inbox is None or not inbox.frames:
+        inbox = self._inboxes[key]
+        if not inbox.frames:
             return 0
         try:
             inbox.handle(inbox.frames.popleft())
@@ -220,16 +186,14 @@ class RosbridgeBus(Bus):
             self._warn_once(f"a message on {key[1]} cannot be read: {error}", key[1])
         return 1
 
-    def _call(self, service: str, kind: ServiceType, request: Any, on_failure: Log) -> Call:
+    def _call(self, service: str, kind: ServiceType, request: Any) -> Call:
         """Call over a connection of its own: until a call is answered rosbridge reads nothing else of a connection."""
         call = Call()
-        if self._connection is None:
-            return call
         name = f"call_service:{service}:{next(self._ids)}"
         frame = {"op": "call_service", "id": name, "service": service, "args": to_json(kind.request, request)}
         with suppress(OSError, WebSocketException):
-            connection = _connection_to(self._url, _AGAIN_S)
-            self._calls[name] = _OpenCall(connection, service, kind.response, call, on_failure)
+            connection = _connection_to(self._url, _CALL_OPEN_S)
+            self._calls[name] = _OpenCall(connection, service, kind.response, call)
             connection.send(json.dumps(frame))
         if len(self._calls) > SERVICE_DEPTH:
             self._calls.pop(next(iter(self._calls))).connection.close()
@@ -241,7 +205,7 @@ class RosbridgeBus(Bus):
             return
         answered.connection.close()
         if not frame.get("result"):
-            answered.on_failure(one_line(f"{answered.service}: {frame.get('values')}"))
+            self._warn_once(f"{answered.service}: {frame.get('values')}")
             return
         try:
             answered.call.response = from_json(answered.response, frame.get("values"))
@@ -249,9 +213,9 @@ class RosbridgeBus(Bus):
             self._warn_once(f"a message on {answered.service} cannot be read: {error}", answered.service)
 
     def _warn_once(self, what: str, about: str = "") -> None:
-        self._log_once.warn(f"rosbridge: {one_line(what)}", about or what)
+        self._log.warn(f"rosbridge: {one_line(what)}", about or what)
 
-    def _end_services(self, connection: ClientConnection) -> None:
+    def _end_services(self) -> None:
         """End them, and wait until rosbridge has read it: what it has not read when a connection ends is forgotten."""
         served = [name for does, name in self._inboxes if does == "call_service"]
         if not served:
@@ -260,7 +224,7 @@ class RosbridgeBus(Bus):
             self._send({"op": "unadvertise_service", "service": service})
         self._send({"op": "call_service", "service": _OWN_SERVICE, "args": {}})
         with suppress(TimeoutError, WebSocketException):
-            while '"service_response"' not in str(connection.recv(_READ_S)):
+            while '"service_response"' not in str(self._connection.recv(_READ_S)):
                 pass
 
 
@@ -298,31 +262,23 @@ def from_json(kind: MessageType, values: Any) -> Any:
     Raises:
         ValueError: for what is no such message, in one line: a student's package may have other fields.
     """
-    if not isinstance(values, dict):
-        raise ValueError(f"{kind.name} must be an object, got {_short(values)}")  # noqa: TRY004 - of the message
-    for name, _, _ in kind.fields:
-        if name not in values:
-            raise ValueError(f"{kind.name} must have {name}")
+    if not isinstance(values, dict) or any(field.name not in values for field in kind.fields):
+        words = ", ".join(field.name for field in kind.fields) or "no field"
+        raise ValueError(f"{kind.name} must be an object with {words}, got {in_short(values)}")
     return kind.make(*(_value(field, values[field.name]) for field in kind.fields))
 
 
 def _value(field: Field, value: Any) -> Any:
-    if field.is_sequence:
-        if not isinstance(value, list):
-            raise ValueError(f"{field.name} must be a list, got {_short(value)}")
-        return tuple(_value(field._replace(is_sequence=False), one) for one in value)
     if isinstance(field.type, MessageType):
-        return from_json(field.type, value)
-    if field.type.startswith("float"):
-        if value is None:  # rosbridge's word for NaN and the infinities, which JSON does not have
-            return math.nan
-        if type(value) in {int, float}:
-            with suppress(OverflowError):
-                return float(value)
-    elif type(value) is {"string": str, "bool": bool}.get(field.type, int):
-        return value
-    raise ValueError(f"{field.name} must be a {field.type}, got {_short(value)}")
-
-
-def _short(value: Any) -> str:
-    return one_line(repr(value)[:100])
+        if not field.is_sequence:
+            return from_json(field.type, value)
+        if isinstance(value, list):
+            return tuple(from_json(field.type, one) for one in value)
+        raise ValueError(f"{field.name} must be a list, got {in_short(value)}")
+    if field.type.startswith("float") and value is None:
+        return math.nan  # rosbridge's word for NaN and the infinities, which JSON does not have
+    kinds = _KINDS.get(field.type, (int,))
+    if type(value) in kinds:
+        with suppress(OverflowError):
+            return kinds[-1](value)
+    raise ValueError(f"{field.name} must be a {field.type}, got {in_short(value)}")

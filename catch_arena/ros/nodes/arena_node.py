@@ -30,7 +30,6 @@ from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.neighbours import Neighbours, run_line
 from catch_arena.ros.nodes.seats import RosSeat
 from catch_arena.service import ArenaService, response
-from catch_arena.text import one_line
 from catch_arena.tournament.ranks import ranks_of
 from catch_arena.world import World
 
@@ -293,17 +292,11 @@ class ArenaNode:
             x, y = (min(max(place, 0.0), side) for place in (asked.x, asked.y))
             name = self._service.spawn(x, y, asked.theta)
         except (ActionError, EpisodeError) as error:
-            recorded = "nothing is spawned in a recorded match" if self._service.is_recorded else str(error)
-            self._log_once.warn(f"{graph_names.SPAWN}: {recorded}", "spawn")
+            self._log_once.warn(f"{graph_names.SPAWN}: {error}", "spawn")
         else:
             if not name:
                 most = self._service.config.max_targets
                 self._log_once.warn(f"{graph_names.SPAWN}: the arena is full, with {most} targets: nothing is spawned")
-            elif asked.name not in {"", name}:
-                names = f"{name} for {one_line(asked.name[:40])}"
-                self._log_once.warn(
-                    f"{graph_names.SPAWN}: the arena gives its targets names of its own: {names}", "names"
-                )
         request.answer(Name(name))
 
     def _on_kill(self, request: Request) -> None:
@@ -320,8 +313,7 @@ class ArenaNode:
             try:
                 self._service.kill(name)
             except EpisodeError as error:
-                recorded = "nothing is killed in a recorded match" if self._service.is_recorded else str(error)
-                self._log_once.warn(f"{kill}: {recorded}")
+                self._log_once.warn(f"{kill}: {error}")
         request.answer(Empty())
 
     def _on_reset(self, request: Request) -> None:

@@ -19,7 +19,6 @@ from catch_arena.policy import Limits
 from catch_arena.ros.middleware.bus import Bus, Call, Log, OnceLog
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, catch_turtle_of, cmd_vel_of, pose_of
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
-from catch_arena.ros.middleware.parameters import Parameter
 from catch_arena.tournament.players import Players
 from catch_arena.tournament.secret import agent_seed
 
@@ -27,8 +26,6 @@ PERIOD_S: Final = 0.1
 """R1.3: period of the exercise's control loop."""
 _ANSWER_S: Final = 1.0
 """A request without an answer is repeated after this time."""
-_SILENT_S: Final = 1.0
-"""A turtle without a pose for longer is gone."""
 _ALONE: Final[dict[str, Any]] = {
     "hunters": 1,
     "initial_targets": 0,
@@ -47,11 +44,10 @@ class Controller:
 
     Args:
         bus: the bus.
-        players: the agent in seat 0; with `closest_first` the agents nearest in seat 0 and first in seat 1.
+        players: the agent in seat 0.
         config: reach and limits of the turtle; the rest is the exercise's.
         turtle: its name.
         interfaces: the packages of the types.
-        closest_first: the parameter that chooses between two agents in each period, or None if there is one agent.
         service: the service to call; None is the turtle's own, /turtle1/catch_turtle, if it is served, else
             /catch_turtle.
         log: takes one line when there is news.
@@ -64,18 +60,14 @@ class Controller:
         config: ArenaConfig,
         turtle: str,
         interfaces: Interfaces,
-        closest_first: Parameter | None = None,
         *,
         service: str | None = None,
         log: Log,
     ) -> None:
         config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
         self._engine = Engine(config)
-        self._players, self._closest_first = players, closest_first
-        self._turtle, self._log = turtle, log
+        self._players, self._turtle, self._log = players, turtle, log
         self._pose: Pose | None = None
-        self._pose_s = 0.0
-        """Time of the last pose."""
         self._targets: list[Turtle] = []
         self._listed_s: dict[str, float] = {}
         """Time at which each of the targets was first in the list."""
@@ -92,8 +84,7 @@ class Controller:
         bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_turtles)
         self._engine.reset([0])
         limits = replace(Limits.of(config), control_period_ms=config.control_period_ms)
-        seats = range(len(players.controls))
-        for fault in players.reset([agent_seed(0, seat) for seat in seats], [limits for _ in seats]).values():
+        for fault in players.reset([agent_seed(0, 0)], [limits]).values():
             raise AgentError(fault.reason)
 
     def tick(self) -> None:
@@ -104,10 +95,6 @@ class Controller:
         """
         self._read_answers()
         if self._pose is None:
-            return
-        if time.monotonic() > self._pose_s + _SILENT_S:
-            self._pose = None
-            self._log(f"{self._turtle} is silent: no pose for {_SILENT_S:g} s")
             return
         names = self._place(self._pose)
         self._decide()
@@ -126,7 +113,7 @@ class Controller:
         if all(map(math.isfinite, pose)):
             if self._pose is None:
                 self._log(f"{self._turtle} is there")
-            self._pose, self._pose_s = pose, time.monotonic()
+            self._pose = pose
 
     def _on_turtles(self, turtles: TurtleArray) -> None:
         self._targets = list(turtles.turtles)
@@ -155,8 +142,7 @@ class Controller:
         config = self._engine.config
         control = config.controls[0]
         mask = [] if control == "velocity" else self._engine.masks[0, 0].tolist()
-        seat = 0 if self._closest_first is None or self._closest_first.value else 1
-        action, _, fault = self._players.act({seat: (self._engine.observations[0, 0].tolist(), mask)})[seat]
+        action, _, fault = self._players.act({0: (self._engine.observations[0, 0].tolist(), mask)})[0]
         if fault is not None:
             raise AgentError(f"{fault.code}: {fault.reason}")
         try:

@@ -1,7 +1,6 @@
 """Steps at an even rate, by the wall clock, as `rclpy.Rate` makes them."""
 
 import time
-from collections.abc import Callable
 from typing import Final
 
 LATE_S: Final = 0.005
@@ -15,33 +14,25 @@ class Rate:
 
     Args:
         period_s: from tick to tick, by the wall's clock.
-        clock: tells seconds.
-        sleep: waits so many of them.
     """
 
-    def __init__(
-        self,
-        period_s: float,
-        clock: Callable[[], float] = time.perf_counter,
-        sleep: Callable[[float], None] = time.sleep,
-    ) -> None:
+    def __init__(self, period_s: float) -> None:
         self.period_s = period_s
         self.ticks = 0
         self.late = 0
         """How many of them began more than LATE_S after their time."""
         self.latest_s = 0.0
-        self._clock, self._sleep = clock, sleep
-        self._due = clock()
+        self._due = time.perf_counter()
 
     def sleep(self) -> None:
         """Wait until the next tick is due."""
         self._due += self.period_s
-        ahead = self._due - self._clock()
+        ahead = self._due - time.perf_counter()
         if ahead > 0:
-            self._sleep(ahead)
-        behind = self._clock() - self._due
+            time.sleep(ahead)
+        behind = time.perf_counter() - self._due
         self.ticks += 1
         self.late += behind > LATE_S
         self.latest_s = max(self.latest_s, behind)
         if behind > _GIVEN_UP_S:
-            self._due = self._clock()
+            self._due = time.perf_counter()

@@ -16,7 +16,6 @@ from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.ros.middleware.bus import Bus, Call, Log, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, KILL, SPAWN, catch_turtle_of, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
-from catch_arena.ros.middleware.parameters import Parameter
 
 _LOW_M, _HIGH_M = 0.5, 10.5
 """R3.2: range of the places where targets appear."""
@@ -26,8 +25,6 @@ _ANSWER_TICKS: Final = 125
 """A call of /spawn without an answer is given up after this many ticks."""
 _MOST_NAMES: Final = 64
 """Number of taken names that are tried before the next firing of the timer."""
-_SILENT_TICKS: Final = 250 // TICK_MS
-"""A target without a pose for this long is gone, if other turtles have poses."""
 
 
 class Spawner:
@@ -37,8 +34,7 @@ class Spawner:
         bus: the bus.
         turtles: the hunters' names in turtlesim.
         interfaces: the packages of the types.
-        config: the arena's settings, of which the prefix of names and the reach (R5.3) are used.
-        spawn_frequency: frequency of the spawn timer (R3.1); a new value counts from the last target on.
+        config: the arena's settings, of which spawn timer (R3.1), prefix of names and reach (R5.3) are used.
         seed: seed of the places.
         log: takes one line when there is news.
     """
@@ -49,13 +45,14 @@ class Spawner:
         turtles: tuple[str, ...],
         interfaces: Interfaces,
         config: ArenaConfig,
-        spawn_frequency: Parameter,
         *,
         seed: int,
         log: Log,
     ) -> None:
         self._bus, self._turtles, self._interfaces, self._log = bus, turtles, interfaces, log
-        self._config, self._frequency = config, spawn_frequency
+        self._config = config
+        self._period = max(1, round(config.spawn_period_ms / 1000.0 / DT))
+        """Of the spawn timer, in ticks."""
         self._seed, self._places = seed, Random(seed)
         self._ticks = self._fired = 0
         """The tick now, and that of the timer's last firing."""
@@ -66,8 +63,7 @@ class Spawner:
         self._spawning: tuple[Call, SpawnRequest, int] | None = None
         """A call of /spawn that is not answered yet, and its tick."""
         self._poses: dict[str, Pose] = {}
-        self._last_pose: dict[str, int] = {}
-        """The tick of each turtle's last pose."""
+        """By hunter."""
         self._alive: dict[str, Turtle] = {}
         self._caught: set[str] = set()
         self._pending: list[tuple[int, Request]] = []
@@ -99,15 +95,10 @@ class Spawner:
         """Play 16 ms: judge the requests since the last tick together (R5.1)."""
         self._ticks += 1
         self._read_spawned()
-        if self._frequency.value != self._config.spawn_frequency_hz:
-            self._config = self._config.replace(spawn_frequency_hz=self._frequency.value)
-            self._log(f"{self._frequency.name}: {self._frequency.value:g}")
-        period = max(1, round(self._config.spawn_period_ms / 1000.0 / DT))
-        if self._ticks >= self._fired + period and self._spawning is None:
+        if self._ticks >= self._fired + self._period and self._spawning is None:
             self._fired = self._ticks
             x, y = (self._places.uniform(_LOW_M, _HIGH_M) for _ in range(2))
             self._call_spawn(x, y, self._places.uniform(0.0, math.tau))
-        self._drop_ghosts()
         if self._pending:
             self._judge()
         if self._ticks % _SECOND == 0:
@@ -116,7 +107,6 @@ class Spawner:
     def _on_pose(self, turtle: str, pose: Pose) -> None:
         if all(map(math.isfinite, pose)):
             self._poses[turtle] = pose
-            self._last_pose[turtle] = self._ticks
 
     def _on_catch_turtle(self, seat: int, request: Request) -> None:
         if self._turtles[seat] in self._poses:
@@ -144,7 +134,6 @@ class Spawner:
         if name:
             self._refused = 0
             self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
-            self._bus.subscribe(pose_of(name), self._interfaces.pose, partial(self._on_pose, name))
             self._publish_alive()
             return
         self._refused += 1
@@ -155,21 +144,6 @@ class Spawner:
             )
         if self._refused % _MOST_NAMES:
             self._call_spawn(asked.x, asked.y, asked.theta)
-
-    def _drop_ghosts(self) -> None:
-        """Take targets off the list that turtlesim lost, as in its /reset: they are silent, other turtles are not."""
-        last = max(self._last_pose.values(), default=0)
-        ghosts = [name for name in self._alive if last >= self._last_pose.get(name, last) + _SILENT_TICKS]
-        if ghosts:
-            others = f" and {len(ghosts) - 1} more are" if len(ghosts) > 1 else " is"
-            self._log(f"{ghosts[0]}{others} not in turtlesim any more")
-            for name in ghosts:
-                self._forget(name)
-            self._publish_alive()
-
-    def _forget(self, name: str) -> None:
-        del self._alive[name]
-        self._bus.unsubscribe(pose_of(name))
 
     def _judge(self) -> None:
         asked, self._pending = self._pending, []
@@ -189,7 +163,7 @@ class Spawner:
             self._log(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
             if ruling.success:
                 name = request.message.name
-                self._forget(name)
+                del self._alive[name]
                 self._caught.add(name)
                 self._kill.call(Name(name))
                 self._publish_alive()
