@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
 from catch_arena.cli.bus_options import BusOptions
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -34,4 +35,4 @@ def node_under_test(word: str, bus: BusOptions) -> "Iterator[NodeUnderTest]":
         raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
     types = bus.types()
     with bus.joined("catch_arena") as joined:
-        yield NodeUnderTest(joined, service, joined.interfaces(types))
+        yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))

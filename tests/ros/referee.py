@@ -1,14 +1,15 @@
 """A student's referee: it serves /catch_turtle by /turtle1/pose and /alive_turtles.
 
-Arguments: domain, seconds, and what it does wrong, or "right".
+Arguments: domain, seconds, and what it does wrong, or "right". "its_own_list" is the exercise's own spawner.
 """
 
 import math
+import random
 import sys
 import time
 
-from catch_arena.messages import CatchTurtleResponse
-from catch_arena.ros.middleware.interfaces import Interfaces, Name
+from catch_arena.messages import CatchTurtleResponse, Turtle, TurtleArray
+from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
 from catch_arena.ros.middleware.opening import open_bus
 
 TYPES = Interfaces()
@@ -21,11 +22,12 @@ class Referee:
         self.bus, self.mistake = bus, mistake
         self.place, self.turtles, self.caught = (0.0, 0.0), {}, set()
         bus.subscribe("/turtle1/pose", TYPES.pose, self.on_pose)
-        bus.subscribe("/alive_turtles", TYPES.turtle_array, self.on_list)
-        if mistake == "keeps_the_list":  # as the exercise's spawner
-            self.publish = bus.publisher("/alive_turtles", TYPES.turtle_array)
+        self.begin()
         bus.serve("/catch_turtle", TYPES.catch_turtle, self.on_request)
         self.kill = bus.client("/kill", TYPES.kill)
+
+    def begin(self):
+        self.bus.subscribe("/alive_turtles", TYPES.turtle_array, self.on_list)
 
     def tick(self):
         self.bus.spin(0.004)
@@ -61,9 +63,31 @@ class Referee:
         return math.floor(1e6 * metres + 0.5) < 300_000
 
 
+class Spawner(Referee):
+    """The exercise's: it asks turtlesim for turtles, and keeps the list itself."""
+
+    def begin(self):
+        self.client = self.bus.client("/spawn", TYPES.spawn)
+        self.publish = self.bus.publisher("/alive_turtles", TYPES.turtle_array)
+        self.random, self.asked, self.next = random.Random(1), [], 0.0
+
+    def tick(self):
+        super().tick()
+        if time.monotonic() > self.next:
+            self.next = time.monotonic() + 0.1
+            x, y = self.random.uniform(0.5, 10.5), self.random.uniform(0.5, 10.5)
+            request = SpawnRequest(x, y, 0.0, f"target_turtle_{len(self.asked) + 1}")
+            self.asked.append((self.client.call(request), (x, y)))
+        there = [(call.response.name, *place) for call, place in self.asked if call.response is not None]
+        self.turtles = {name: (x, y) for name, x, y in there if name not in self.caught}
+        self.publish(TurtleArray(tuple(Turtle(name, *place, 0.0) for name, place in self.turtles.items())))
+
+
 if __name__ == "__main__":
     domain, seconds, mistake = sys.argv[1:]
-    referee = Referee(open_bus("cyclonedds", domain=int(domain), log=lambda _: None), mistake)
+    own = mistake.startswith("its_own_list")
+    bus = open_bus("cyclonedds", domain=int(domain), log=lambda _: None)
+    referee = (Spawner if own else Referee)(bus, mistake.removeprefix("its_own_list").strip())
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     end = time.monotonic() + float(seconds)

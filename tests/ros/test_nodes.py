@@ -54,7 +54,8 @@ def conformance(mistake, *only):
 JOBS = {
     "right": lambda _: conformance("right", "basics", "identity", "names.255", "names.256", "reach.3", "reach.299"),
     "yes": lambda _: conformance("says_yes", "names.unknown", "names.ones-own", "reach.no-square"),
-    "own list": lambda _: conformance("keeps_the_list", "basics"),
+    "own list": lambda _: conformance("its_own_list", "reach.3", "reach.299", "names.unknown", "names.caught-in"),
+    "own list, yes": lambda _: conformance("its_own_list says_yes", "reach.300000-is-out", "names.unknown"),
     "silent": lambda _: conformance("silent", "basics", "reach"),
     "nobody": lambda _: conformance(None, "basics"),
     "graded until it is silent": lambda folder: tried(
@@ -96,12 +97,14 @@ def test_a_wrong_referee_is_told_its_mistake(outcomes):
     assert 'looks like "the policy is always capstone"' in stdout
 
 
-def test_a_node_that_publishes_the_list_itself_is_refused_in_one_line(outcomes):
-    """As the exercise's spawner does: it does not know the targets of the cases."""
-    code, stdout, stderr = outcomes["own list"]
-    assert (code, stdout) == (2, "")
-    error = "error: a node publishes /alive_turtles already, and would not know the targets of the cases"
-    assert stderr.splitlines()[1] == error
+def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets(outcomes):
+    right, wrong = outcomes["own list"], outcomes["own list, yes"]
+    for _, _, stderr in (right, wrong):
+        assert "the node publishes /alive_turtles itself" in stderr
+    assert right[0] == 0, right
+    assert "cases: 5 passed, 0 failed" in right[1]
+    assert wrong[0] == 1, wrong
+    assert "cases: 0 passed, 2 failed" in wrong[1]
 
 
 def test_the_marks_say_which_clause_failed(outcomes, folder):
@@ -134,6 +137,8 @@ def test_a_node_that_falls_silent_keeps_what_it_has_earned(outcomes, folder):
 
 class YesNode:
     """Says yes to everything."""
+
+    keeps_the_list = False
 
     def meet(self):
         pass

@@ -1,18 +1,22 @@
 """Conformance cases that can be asked of a service by name, and their run on a node."""
 
+import itertools
 import secrets
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from catch_arena.arbitration import arbitrate
+from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.conformance.answers import DiffersError, UnreadableAnswer, request_in_words
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compare
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, LeftOut, Result
+from catch_arena.errors import BusError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
@@ -20,6 +24,8 @@ from catch_arena.verdicts import Ruling, Verdict
 _NOT_BY_SERVICE: Final = LeftOut("cannot be asked of a service", "cannot be asked of a service")
 _SETTLE_S: Final = (0.15, 1.0)
 """Time for which a position stands before the request: in the first play of a case, and in a second one."""
+_FITS_S: Final = 30.0
+"""Longest wait for a target of the node's own around which a case fits between the walls."""
 _OWN_NAME: Final = "hunter_0"
 """Name of the hunter in the cases."""
 _LONG: Final = 200
@@ -57,7 +63,7 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
 
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     """Play a case. A wrong answer counts only if it comes twice."""
-    if not isinstance(case, ArbiterCase) or not can_be_asked(case):
+    if not isinstance(case, ArbiterCase) or not (_fits_own(case) if node.keeps_the_list else can_be_asked(case)):
         return Result(case, None, 0.0, _NOT_BY_SERVICE)
     start = time.perf_counter()
     failure: Failure | None = None
@@ -72,8 +78,8 @@ def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
 
 def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float, calls: list[Call]) -> Failure | None:
     """Ask the questions of a case, and add each with its answer to the calls."""
-    token = f"{secrets.token_hex(4)}_"
-    for arguments, expected in _questions(case):
+    token = "" if node.keeps_the_list else f"{secrets.token_hex(4)}_"
+    for arguments, expected in _questions_of_own(node, case) if node.keeps_the_list else _questions(case):
         name = str(expected.target)
         targets = {_sent(token, one): place for one, place in arguments["targets"].items()}
         success = node.ask(arguments["hunters"][0], targets, _sent(token, name), settle_s)
@@ -109,9 +115,57 @@ def _questions(case: ArbiterCase) -> Iterator[_Question]:
     given = case.arguments()
     for name in given["caught"]:
         alone = {"targets": {name: case.hunters[0]}, "requests": [(0, name)], "caught": []}
-        granted = ExpectedRuling(hunter=0, target=name, verdict=Verdict.GRANTED, distance_um=0, winner=0)
-        yield given | alone, granted
+        yield given | alone, _granted(name)
     yield given, case.expected[0]
+
+
+def _fits_own(case: ArbiterCase) -> bool:
+    """Return whether a case can be asked with targets whose places and names the node chooses."""
+    return can_be_asked(case) and len(case.targets) == 1 and (case.group != "names" or case.id == "names.unknown")
+
+
+def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Question]:
+    """Return a case's questions about the node's own targets: an answer may change its list before the next question.
+
+    Raises:
+        BusError: if the node lists no target that fits for long.
+    """
+    given, (expected,), (only,) = case.arguments(), case.expected, case.targets
+    asked = str(expected.target)
+    caught: dict[str, str] = {}
+    for name in given["caught"]:
+        node.wait_for_target()
+        caught[name], place = next(iter(node.listed.items()))
+        alone = {"hunters": [_float32(place)], "targets": node.listed, "requests": [(0, caught[name])], "caught": []}
+        yield given | alone, _granted(caught[name])
+    end = time.monotonic() + _FITS_S
+    while time.monotonic() < end:
+        node.wait_for_target()
+        listed = node.listed
+        gone = [name for name in caught.values() if name not in listed]
+        for target, place in listed.items():
+            name = {**caught, only: target}.get(asked, asked)
+            for hunter in _places(case, place):
+                position = {"hunters": [hunter], "targets": listed, "requests": [(0, name)], "caught": gone}
+                if arbitrate(**given | position)[0].verdict is expected.verdict:
+                    yield given | position, replace(expected, target=name)
+                    return
+    raise BusError(f"for {_FITS_S:g} s no target that the node lists was where {case.id} could be asked")
+
+
+def _places(case: ArbiterCase, target: Place) -> Iterator[Place]:
+    """Return where the hunter is as far from a target as in the case: on the same side, mirrored or turned."""
+    (hunter,), (there,) = case.hunters, case.targets.values()
+    dx, dy = hunter[0] - there[0], hunter[1] - there[1]
+    for along, across in ((dx, dy), (dy, dx)):
+        for x, y in itertools.product((along, -along), (across, -across)):
+            place = _float32((target[0] + x, target[1] + y))
+            if all(0.0 <= number <= TURTLESIM_SIDE_M for number in place):
+                yield place
+
+
+def _granted(name: str) -> ExpectedRuling:
+    return ExpectedRuling(hunter=0, target=name, verdict=Verdict.GRANTED, distance_um=0, winner=0)
 
 
 def _can_be_sent(name: object) -> bool:

@@ -2,12 +2,12 @@
 
 import time
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Final
 
 from catch_arena.core.physics import DT
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Request
+from catch_arena.ros.middleware.bus import Bus, Log, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, KILL, SPAWN, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
@@ -15,8 +15,8 @@ ANSWER_S: Final = 2.0
 """Longest wait for an answer."""
 _THERE_S: Final = 10.0
 """Longest wait for a node to appear."""
-_LOOK_S: Final = 0.5
-"""How long publishers of the list are looked for."""
+_LISTEN_S: Final = 3.0
+"""How long another node's list is waited for: the exercise's spawner sends one after 2 s."""
 
 Place = tuple[float, float]
 
@@ -24,17 +24,24 @@ Place = tuple[float, float]
 class NodeUnderTest:
     """A service on a bus, and the position that it is asked about: the pose of turtle1, and the list of targets.
 
+    A node that publishes the list itself, as the exercise's spawner does, is asked for its own targets.
+
     Args:
         bus: the bus.
         service: its name, for example /catch_turtle.
         interfaces: the packages of the types.
+        log: takes one line if the node publishes the list.
     """
 
-    def __init__(self, bus: Bus, service: str, interfaces: Interfaces) -> None:
-        self._bus, self._service, self._interfaces = bus, service, interfaces
+    def __init__(self, bus: Bus, service: str, interfaces: Interfaces, log: Log) -> None:
+        self._bus, self._service, self._interfaces, self._log = bus, service, interfaces, log
         self._pose = bus.publisher(pose_of(TURTLE), interfaces.pose)
-        self._alive: Callable[[Any], None] = lambda _: None
-        bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, lambda _: None)  # `meet` looks for its publishers
+        self._alive: Callable[[TurtleArray], None] | None = None
+        self.listed: dict[str, Place] = {}
+        """Targets in the node's own list."""
+        self.keeps_the_list = False
+        """Whether the node publishes the list itself."""
+        bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
         bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
         bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
         self._client = bus.client(service, interfaces.catch_turtle)
@@ -43,23 +50,35 @@ class NodeUnderTest:
         """Whether any request was answered."""
 
     def meet(self) -> None:
-        """Wait until the service is there, and begin to publish the list.
+        """Wait until the service is there, and publish the list if the node does not.
 
         Raises:
-            BusError: if no node serves it, if its node cannot answer over this bus, or if a node publishes the list.
+            BusError: if no node serves it, or if its node cannot answer over this bus.
         """
         end = time.monotonic() + _THERE_S
         while not self._client.ready:
             if time.monotonic() > end:
                 raise BusError(f"nobody serves {self._service} on this bus: does the node run, in the same domain?")
             self._bus.spin(0.05)
-        self._spin_until(time.monotonic() + _LOOK_S)
-        if self._bus.publishers_of(ALIVE_TURTLES):
-            raise BusError(
-                f"a node publishes {ALIVE_TURTLES} already, and would not know the targets of the cases",
-                f"let the node that serves {self._service} subscribe to {ALIVE_TURTLES}, and start no spawner",
-            )
-        self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
+        self._spin_until(time.monotonic() + _LISTEN_S)
+        self.keeps_the_list = self.keeps_the_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
+        if self.keeps_the_list:
+            self._log(f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets")
+        else:
+            self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
+
+    def wait_for_target(self) -> None:
+        """Hear what is new, and wait until the node's own list has a target.
+
+        Raises:
+            BusError: if it stays empty.
+        """
+        end = time.monotonic() + _THERE_S
+        self._bus.spin(DT)
+        while not self.listed:
+            if time.monotonic() > end:
+                raise BusError(f"the node lists no target on {ALIVE_TURTLES} for {_THERE_S:g} s: does it call {SPAWN}?")
+            self._bus.spin(DT)
 
     def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
         """Publish a position for a while, then request a target; return the answer, or None without one in time.
@@ -84,12 +103,18 @@ class NodeUnderTest:
         end = time.monotonic() + seconds
         while (now := time.monotonic()) < end:
             self._pose(pose)
-            self._alive(alive)
+            if self._alive is not None:
+                self._alive(alive)
             self._spin_until(min(now + DT, end))
 
     def _spin_until(self, end: float) -> None:
         while (left := end - time.monotonic()) > 0.0:
             self._bus.spin(left)
+
+    def _on_list(self, message: TurtleArray) -> None:
+        if self._alive is None:  # else it is ours
+            self.keeps_the_list = True
+            self.listed = {name: (x, y) for name, x, y, _ in message.turtles}
 
     def _on_spawn(self, request: Request) -> None:
         """Answer as turtlesim does; every name is free."""
