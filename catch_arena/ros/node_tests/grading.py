@@ -53,6 +53,8 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
 
 def _grade(test: GradingTest, report: Report) -> NodeGrade:
     played = sum(result.played for result in report.results)
+    if not played:
+        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
     by_clauses: dict[str, list[str]] = {}
     for failure in report.failures:
         by_clauses.setdefault(", ".join(failure.case.clauses), []).append(failure.case.id)
