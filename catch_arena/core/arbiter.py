@@ -72,7 +72,7 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 
 @rule
 def common_checks(target: int, inactive: bool, over: bool, otherwise: int) -> int:
-    """R5.2, R9.1: the first test that a request fails of those that all policies share; `otherwise` where none."""
+    """R5.2, R9.1: return the first test that a request fails of those that all policies share; else `otherwise`."""
     verdict = select(inactive, _HUNTER_INACTIVE, otherwise)
     verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
     return select(over, _MATCH_OVER, verdict)
@@ -144,7 +144,8 @@ def is_preferred(
 
 @phase
 def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
-    """R5.1 to R5.7: writes the verdict and the winner of every request of one step.
+    """R5.1 to R5.7: write the verdict and the winner of every request of one step: first the tests of R5.2 by which a
+    request fails alone, then the contests among those that are left.
 
     Args:
         requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes -1

@@ -64,12 +64,12 @@ _NO_CATCHER: Final = 1 << 30
 """Above every seat."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 _UNANSWERED: Final = float(NO_REQUEST)
-"""In place of a verdict, of who asks for nothing or has no answer yet."""
+"""In the place of a verdict: the hunter asks for nothing, or has no answer yet."""
 
 
 @phase
 def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
-    """Nobody has an answer yet, and what else there is of an older one counts no more."""
+    """Clear the verdicts of the last step. Without a verdict the evidence next to it is not read."""
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for first in range(0, span(width), len(width)):
@@ -78,10 +78,10 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
 
 @phase
 def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up: Block) -> None:
-    """R8.3: whether the kill service answers in this step.
+    """R8.3: decide whether the kill service answers in this step.
 
     Args:
-        service_up: the result, one row of flags.
+        service_up: the result, one row: 1 if it answers, else 0.
     """
     for first in range(0, span(width), len(width)):
         service_up[group(first, width)] = 1.0
@@ -102,15 +102,15 @@ def refuse_requests(
     sections: Sections,
     service_up: Block,
 ) -> None:
-    """R5.2, several lanes at once: a request that fails a test by itself, whatever others ask for, is answered. Under
-    full control these are most.
+    """R5.2: answer the requests that fail a test whatever others ask for, several lanes at once. Under full control
+    these are most.
 
     Args:
-        block: the block, without verdicts; they are written, and what stands beside them.
+        block: the block without verdicts; verdicts, evidence and tallies of these requests are written.
         sections: see `memory.Sections`; its requested slots are read.
         service_up: see `ask_service`.
     """
-    repeated = False  # a hunter has one request
+    duplicate = False  # a hunter has one request
     for seat in range(s.hunters):
         me, own = seat_of(block, seat), limits_of(limits, seat)
         requested = sections.requested_slots[seat]
@@ -124,14 +124,14 @@ def refuse_requests(
             at = long(truncate(select(named, slot, 0.0))) * s.slot_size + lane_number
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
             inactive, over, serves = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING, service_up[lane] > 0.0
-            failed = first_failed_test(slot, distance_um, own.reach_um, inactive, repeated, over, serves)
+            failed = first_failed_test(slot, distance_um, own.reach_um, inactive, duplicate, over, serves)
             refused = asks & (failed != float(ELIGIBLE))
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
-                distance_told = select(failed == float(OUT_OF_REACH), distance_um, -1.0)
+                distance_given = select(failed == float(OUT_OF_REACH), distance_um, -1.0)
                 me[VERDICT + lane] = select(refused, failed, _UNANSWERED)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
-                me[DISTANCE + lane] = select(refused, distance_told, me[DISTANCE + lane])
+                me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
                 me[WINNER + lane] = select(refused, -1.0, me[WINNER + lane])
                 for verdict in range(1, OUT_OF_REACH + 1):
                     happened = refused & (failed == float(verdict))
@@ -142,14 +142,18 @@ def refuse_requests(
 
 @rule
 def is_open(me: Block, requested: Block, lane: int) -> bool:
-    """Whether a hunter asks for something, and has no answer yet."""
+    """Return whether a hunter asks for something and has no answer yet."""
     asks: bool = (requested[lane] != float(NO_TARGET)) & (me[VERDICT + lane] == _UNANSWERED)
     return asks
 
 
 @phase
 def count_requests(block: Block, s: Settings, width: Width, sections: Sections, counts: Block) -> None:
-    """How many requests are open in each lane: `counts`, one row, is the result."""
+    """Count the requests that are open in each lane.
+
+    Args:
+        counts: the result, one row.
+    """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         count = 0.0
@@ -161,14 +165,9 @@ def count_requests(block: Block, s: Settings, width: Width, sections: Sections, 
 
 @phase
 def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -> int:
-    """Who asks for which slot, in one lane, and has no answer yet.
+    """Write the seats and slots of the open requests of one lane into the request table, and return their number.
 
-    Args:
-        sections: see `memory.Sections`; of its requests one row is written for each that is open, the seat and the
-            slot: the other columns are `fill_requests`'.
-
-    Returns:
-        how many they are.
+    `fill_requests` writes the other columns.
     """
     number = 0
     for seat in range(s.hunters):
@@ -184,11 +183,11 @@ def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -
 def fill_requests(
     block: Block, s: Settings, lane: int, targets: Block, limits: NDArray[np.float64], requests: RequestTable
 ) -> None:
-    """What the arbiter has to know of each request, from S_t; its seat and its slot, or a code for none, are there.
+    """Write what the arbiter has to know of each request, as it is in S_t.
 
     Args:
-        requests: the request table of the lane, whose seats and slots are there; the columns from REQUEST_NUMBER to
-            REQUEST_REACH are written.
+        requests: the request table of the lane with its seats and slots, or codes in the place of slots; the columns
+            from REQUEST_NUMBER to REQUEST_REACH are written.
     """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step = block[STEP + lane]
@@ -213,7 +212,7 @@ def fill_requests(
 
 @phase
 def has_verdict(requests: RequestTable, verdict: int) -> bool:
-    """Whether some request of a lane got it."""
+    """Return whether some request of a lane got this verdict."""
     found = False
     for i in range(len(requests)):
         found = found or requests[i, REQUEST_VERDICT] == verdict
@@ -222,7 +221,7 @@ def has_verdict(requests: RequestTable, verdict: int) -> bool:
 
 @phase
 def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable, service_up: bool) -> None:
-    """R1.4's phase 3 in one lane: the request table is judged, and the evidence noted: of each hunter its first.
+    """R1.4's phase 3 in one lane: judge the request table, and keep the ruling on each hunter's first request.
 
     Args:
         requests: the request table of the lane; its verdicts and winners are written.
@@ -237,7 +236,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
         me[DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
         me[WINNER + lane] = requests[i, REQUEST_WINNER]
-        me[TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0
+        me[TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0  # one row for each verdict
         for j in range(len(requests) if contested else 0):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
@@ -258,7 +257,9 @@ def commit(
     requests: RequestTable,
     sections: Sections,
 ) -> None:
-    """R1.4's phase 4 in one lane: grants are credited, and the targets whose kill is not refused leave (R5.7, R5.8).
+    """R1.4's phase 4 in one lane: credit the grants, and remove the targets whose kill is not refused (R5.7, R5.8).
+
+    Under `capstone` a grant counts even if the kill is refused, and several hunters may have one for the same target.
 
     Args:
         requests: the request table of the lane, judged.
@@ -299,8 +300,7 @@ def resolve_requests(
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
-    """R1.4's phases 3 and 4: what fails by itself is refused in several lanes at once, and what is left is judged one
-    lane after the other.
+    """R1.4's phases 3 and 4: refuse what fails by itself, several lanes at once, and judge the rest lane by lane.
 
     Args:
         given_requests: requests that are judged instead of what the hunters ask for, in a block of one arena: their

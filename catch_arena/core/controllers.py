@@ -42,6 +42,10 @@ from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
 FULL_CONTROL: Final = 2
+GOAL_X: Final = 0
+GOAL_Y: Final = LANES
+GOAL_NUMBER: Final = 2 * LANES
+"""Rows of goals: the target to which each lane drives."""
 CONTROLS: Final = {"target": TARGET_CONTROL, "velocity": VELOCITY_CONTROL, "full": FULL_CONTROL}
 
 
@@ -68,7 +72,7 @@ def pi_step(
 
 
 @phase
-def choose(
+def look_up_choices(
     me: Block,
     order: Block,
     targets: Block,
@@ -79,15 +83,13 @@ def choose(
     requested: Block,
     goals: Block,
 ) -> None:
-    """R4.1: the slots that belong to the ranks chosen, NO_TARGET for hold and MALFORMED_REQUEST for a rank without a
-    target; and where the target is to which each lane drives, x and y, and its number, 0 for none.
-
-    One lane after the other, since the targets are anywhere.
+    """R4.1: look up the target of the rank that each lane has chosen; lane by lane, since targets are anywhere.
 
     Args:
-        requested: the result, one row: see `memory.Sections`.
-        goals: the result, three rows: where the target is to which each lane drives, x and y [m], and its number, 0 for
-            none.
+        requested: the result, one row: the target's slot, NO_TARGET for hold, MALFORMED_REQUEST for a rank without a
+            target.
+        goals: the result, the rows GOAL_X, GOAL_Y [m] and GOAL_NUMBER of the target; its number is 0 if the hunter
+            holds or is withdrawn.
     """
     for lane in range(lanes):
         rank = choices[lane, seat]
@@ -97,25 +99,25 @@ def choose(
         at = select(seen, slot, 0) * s.slot_size + lane
         unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
         requested[lane] = select(seen, float(slot), unseen)
-        goals[lane] = targets[TARGET_X + at]
-        goals[LANES + lane] = targets[TARGET_Y + at]
-        goals[2 * LANES + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[NUMBER + at], 0.0)
+        goals[GOAL_X + lane] = targets[TARGET_X + at]
+        goals[GOAL_Y + lane] = targets[TARGET_Y + at]
+        goals[GOAL_NUMBER + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[NUMBER + at], 0.0)
 
 
 @phase
 def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: SeatLimits, requested: Block) -> None:
-    """R4.1, R4.2, R4.3: the hosted controllers; a target out of reach is driven to, but not yet requested.
+    """R4.1, R4.2, R4.3: drive to the goals by the hosted controllers, and drop requests for targets out of reach.
 
     Args:
         me: the rows of the seat; its velocities, integrals and active target are written.
-        goals: see `choose`.
-        requested: what `choose` has written; NO_TARGET is written where the target is out of reach.
+        goals: see `look_up_choices`.
+        requested: what `look_up_choices` has written; NO_TARGET is written where the target is out of reach.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        dx = goals[lane] - me[X + lane]
-        dy = goals[LANES + lane] - me[Y + lane]
-        number = goals[2 * LANES + lane]
+        dx = goals[GOAL_X + lane] - me[X + lane]
+        dy = goals[GOAL_Y + lane] - me[Y + lane]
+        number = goals[GOAL_NUMBER + lane]
         holds = number == 0.0
         fresh = holds | (number != me[ACTIVE + lane])
         sine, cosine = me[SINE + lane], me[COSINE + lane]
@@ -144,8 +146,8 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
         me[BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
         me[ACTIVE + lane] = number
         near = within_reach(to_micrometres(distance), limits.reach_um)
-        wanted = requested[lane]
-        requested[lane] = select(near | (wanted < 0.0), wanted, float(NO_TARGET))
+        without_target = requested[lane] < 0.0
+        requested[lane] = select(near | without_target, requested[lane], float(NO_TARGET))
 
 
 @phase
@@ -172,7 +174,7 @@ def mark_active(me: Block, goals: Block, width: Width) -> None:
     """R4.4: under full control the target requested is the active one, for this step."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
-        me[ACTIVE + lane] = goals[2 * LANES + lane]
+        me[ACTIVE + lane] = goals[GOAL_NUMBER + lane]
 
 
 @phase
@@ -214,21 +216,21 @@ def steer_seat(
     requested: Block,
     goals: Block,
 ) -> None:
-    """R4.1, R4.4: one seat by one control, in all lanes.
+    """R4.1, R4.4: steer one seat by one control, in all lanes.
 
     Args:
         control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
         requested: the result, one row: see `memory.Sections`.
-        goals: room for three rows: see `choose`.
+        goals: room for three rows: see `look_up_choices`.
     """
     if control == TARGET_CONTROL:
-        choose(me, order, targets, seat, choices, lanes, s, requested, goals)
+        look_up_choices(me, order, targets, seat, choices, lanes, s, requested, goals)
         drive_to_goal(me, goals, width, s, limits, requested)
     elif control == VELOCITY_CONTROL:
         request_nearest(me, order, targets, lanes, s, limits, requested)
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
     else:
-        choose(me, order, targets, seat, choices, lanes, s, requested, goals)
+        look_up_choices(me, order, targets, seat, choices, lanes, s, requested, goals)
         mark_active(me, goals, width)
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
 
@@ -247,11 +249,11 @@ def steer_lane_by_lane(
     requested: Block,
     goals: Block,
 ) -> None:
-    """The same where the seat's control differs by arena: each lane as an arena that is alone.
+    """Steer one seat whose control differs by arena: each lane as an arena of its own.
 
     Args:
         requested: the result, one row: see `memory.Sections`.
-        goals: room for three rows: see `choose`.
+        goals: room for three rows: see `look_up_choices`.
     """
     for lane in range(len(controls)):
         steer_seat(
@@ -273,7 +275,7 @@ def steer_lane_by_lane(
 
 @phase
 def differ(controls: NDArray[np.int8], seat: int) -> bool:
-    """Whether a seat's control differs by arena."""
+    """Return whether a seat's control differs by arena."""
     found = False
     for lane in range(1, len(controls)):
         found |= controls[lane, seat] != controls[0, seat]

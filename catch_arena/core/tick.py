@@ -41,7 +41,17 @@ def play(
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
-    """R1.4, but for the observations: one step of the arenas from `first` up to, but not including, `last`."""
+    """R1.4: play one step of a block, whose arenas are those from `first` up to, but not including, `last`.
+
+    Args:
+        width: how many lanes play at a time.
+        first: the number of the arena in the block's first lane.
+        last: the number after that of the last arena.
+        choices: see `run`.
+        commands: see `run`.
+        given_requests: see `run`.
+        sections: see `memory.Sections`.
+    """
     lanes = last - first
     targets = targets_of(block, s)
     rewards, parts = sections.rewards[first:last], sections.parts[first:last]
@@ -85,21 +95,21 @@ def run(
     commands: NDArray[np.float32],
     given_requests: RequestTable,
 ) -> None:
-    """Episodes begin where that is asked for, then one step of every arena (R1.4) where there is play, and then all
-    observe.
+    """Begin the requested episodes, play one step (R1.4) if `playing` is true, and write the observations.
 
     Args:
         width: how many lanes play at a time.
         view_width: how many lanes observe at a time.
         options: what is compiled: see `state.Options`.
-        thread: whose scratch sections are used, from 0 up.
-        first_block: the first block.
+        memory: of all arenas: see `memory.Sections`.
+        thread: the thread whose scratch sections are used, from 0 up.
+        first_block: the first block that is played and observed.
         stop_block: the block after the last one.
         resets: (n, 2), arenas and the seeds with which they begin.
-        playing: whether a step is played, or the arenas only observe.
-        choices: (B, H), ranks or 0; may be empty where no seat's control reads them.
-        commands: (B, N, 2), fractions of the limits in [-1, 1], of the hunters and then of prey; may be empty in the
-            same way.
+        playing: whether a step is played.
+        choices: (B, H), ranks or 0; may be empty if no seat's control reads them.
+        commands: (B, N, 2), fractions of the limits in [-1, 1], of the hunters and then of prey; may be empty if nobody
+            reads them.
         given_requests: of a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory, thread)
@@ -114,13 +124,13 @@ def run(
         last = min(first + LANES, len(sections.ends))
         if playing:
             play(block, s, width, first, last, ranks, velocities, table, sections)
+        # if episodes have ended, their last states are observed first, and the new ones after that; in a loop, so that
+        # `observe` is compiled once
         renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
-        # where episodes have ended, the first pass observes their last states, the second the new ones; in a loop, so
-        # that `observe` is compiled once
-        for passes_left in range(1 if renewing else 0, -1, -1):
-            observe(block, s, view_width, first, last, sections)
-            if passes_left > 0:
+        for turn in range(2 if renewing else 1):
+            if turn == 1:
                 begin_again(block, s, first, last, sections)
+            observe(block, s, view_width, first, last, sections)
         if s.dropout_rate > 0.0 or s.prey > 0:
             write_active(block, s, last - first, sections.active[first:last])
         if s.has_teams:

@@ -180,32 +180,33 @@ class Engine:
                 of which REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all else is written.
         """
         blocks, chunks = len(self.blocks), self._chunks
+        playing = True
         if self.threads.size == 1:
-            self._run(0, 0, blocks, _NO_RESETS, True, choices, commands, requests)
+            thread = first = 0
+            self._run(thread, first, blocks, _NO_RESETS, playing, choices, commands, requests)
             return
 
         def play(thread: int, chunk: int) -> None:
-            first, last = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
-            self._run(thread, first, last, _NO_RESETS, True, choices, commands, requests)
+            first, stop = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
+            self._run(thread, first, stop, _NO_RESETS, playing, choices, commands, requests)
 
         self.threads.run(chunks, play)
 
-    def observe(self, arena: int | None = None) -> None:
-        """Write observations and masks as things stand, of all arenas or of those in one arena's block."""
-        first, last = (0, len(self.blocks)) if arena is None else (arena // LANES, arena // LANES + 1)
-        self._observe(first, last, _NO_RESETS)
+    def _observe(self, first: int, stop: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """Begin episodes, and write the observations and masks of the blocks from `first` up to `stop`."""
+        thread, playing = 0, False
+        self._run(thread, first, stop, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
 
-    def _observe(self, first: int, last: int, resets: NDArray[np.uint64]) -> None:
-        """Begin episodes, and observe those blocks; nobody plays."""
-        self._run(0, first, last, resets, False, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
+    def _observe_block_of(self, arena: int) -> None:
+        self._observe(arena // LANES, arena // LANES + 1)
 
     def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """The same of the blocks in which these arenas are; the others keep what they observe."""
+        """Begin episodes, and write the observations of the blocks in which these arenas are."""
         blocks = np.unique(arenas // LANES)
         gaps = np.flatnonzero(np.diff(blocks) > 1) + 1
         for adjoining in np.split(blocks, gaps) if len(blocks) else ():  # one call for each run of blocks
             self._observe(adjoining[0], adjoining[-1] + 1, resets)
-            resets = _NO_RESETS  # all have begun
+            resets = _NO_RESETS  # all episodes have begun
 
     def withdraw(self, arena: int, agent: int) -> None:
         """R1.6, R12.5: the agent, one of N, stands still from now on; a hunter is not seen by the others any more."""
@@ -213,7 +214,7 @@ class Engine:
             dropouts.withdraw_at(self._memory, arena, agent)
         else:
             withdraw_prey_at(self._memory, arena, agent - self.config.hunters)
-        self.observe(arena)
+        self._observe_block_of(arena)
 
     def place(
         self,
@@ -237,7 +238,7 @@ class Engine:
         # 0.0 is added so that no zero has a sign
         poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
         placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
-        self.observe(arena)
+        self._observe_block_of(arena)
 
     def place_batch(
         self,
@@ -263,22 +264,23 @@ class Engine:
         rows = np.take_along_axis(rows, oldest_first[:, :, None], axis=1)
         placing.place_all(self._memory, arenas, hunters + 0.0, rows, steps)
         self.ends[arenas] = 0
-        for told in (self.rewards, self.parts):
-            told[arenas[: len(told)]] = 0.0
+        self.rewards[arenas] = 0.0
+        if self.with_infos:
+            self.parts[arenas] = 0.0
         self._observe_blocks_of(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
         number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero has a sign
-        self.observe(arena)
+        self._observe_block_of(arena)
         return number
 
     def kill(self, arena: int, number: int) -> bool:
-        """R8.1: an alive target leaves uncaught and no longer counts as spawned (R5.8). False where it is not alive,
-        and for one that prey plays, which is never killed.
+        """R8.1: remove an alive target, which no longer counts as spawned (R5.8). Return False if it is not alive, or
+        if prey plays it, which is never killed.
         """
         killed = spawner.kill(self._memory, arena, number)
-        self.observe(arena)
+        self._observe_block_of(arena)
         return killed
 
     # reading
@@ -292,7 +294,7 @@ class Engine:
         return read_world(self.config, self._views, arena)
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
-        """R7.1: the rank at which a seat sees the target of that name, 0 where it does not."""
+        """R7.1: return the rank at which a seat sees the target of that name; 0 if it does not see it."""
         numbers = self._views.targets_seen(arena, seat)
         return next((rank for rank, number in enumerate(numbers, 1) if self.config.target_name(number) == name), 0)
 
@@ -379,7 +381,7 @@ class Engine:
         return make, (self.config, self.num_arenas), self._memory
 
     def __setstate__(self, state: Bytes) -> None:
-        """Take over what another engine holds."""
+        """Take the memory of another engine of the same config and size."""
         self._memory[:] = state
 
 
@@ -426,12 +428,12 @@ def _write_rows(sections: Sequence[NDArray[np.uint8]], arena: int, saved: Bytes)
 
 
 def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of ages in seconds."""
+    """Return ages in seconds as whole milliseconds."""
     return np.floor(1000.0 * ages + 0.5)
 
 
 def _play_smallest(variant: Variant) -> None:
-    """All that an engine of this variant calls, so that it is compiled."""
+    """Play one step of the smallest engine of this variant, so that all that it calls is compiled."""
     config = ArenaConfig(hunters=1, max_targets=1, initial_targets=1)
     num_arenas = 2 if variant.batch else 1
     smallest = Engine(config, num_arenas, any_control=variant.options)  # one option is enough: all come together
