@@ -12,7 +12,7 @@ from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fi
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.comparison import Strictness
-from catch_arena.conformance.mistakes.diagnosis import Diagnosis
+from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result, needs
 from catch_arena.errors import ConfigError, suggest
@@ -103,5 +103,4 @@ def _run_case(
         except TimeoutError as error:  # between two calls
             failure = Failure(case, runner.how, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),))
             break
-    calls = [] if not runners else runner.calls if failure else runners[0].calls[:1]
-    return Result(case, failure, time.perf_counter() - start, None if runners else needs(case), calls=tuple(calls))
+    return Result(case, failure, time.perf_counter() - start, None if runners else needs(case))

@@ -5,7 +5,7 @@ import signal
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from threading import current_thread, main_thread
@@ -22,6 +22,8 @@ _LARGEST: Final = 2**64
 """Of whole numbers: longer ones mean nothing here, and Python refuses to write the longest."""
 _AGAIN_S: Final = 1.0
 """Code that swallows the interruption is interrupted again."""
+KINDS: Final = ("success", "verdict", "evidence")
+"""What can differ in a ruling, the strongest first: whether it is a grant, its verdict, its distance or its winner."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +33,8 @@ class Difference:
     about: str
     expected: str
     got: str
+    kind: str = field(default="", kw_only=True)
+    """What of a ruling differs: one of KINDS; "" where it is another thing."""
 
     def __str__(self) -> str:
         return f"{self.about}: expected {self.expected}; got {self.got}"
@@ -170,9 +174,9 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
     if hunter is None:
         raise wrong("hunter", "a whole number", fields["hunter"])
     evidence = {field: _whole(fields.get(field)) for field in _EVIDENCE}
-    for field, value in evidence.items():
-        if value is None and fields.get(field) is not None:
-            raise wrong(field, "a whole number or None", fields[field])
+    for word, value in evidence.items():
+        if value is None and fields.get(word) is not None:
+            raise wrong(word, "a whole number or None", fields[word])
     target = fields["target"]
     repeated = expected.target if _repeats(expected.target, target) else WrongTarget(in_short(target))
     return Ruling(verdict, hunter, repeated, evidence["distance_um"], evidence["winner"])

@@ -4,12 +4,13 @@ import copy
 import itertools
 import random
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from typing import Final
 
-from catch_arena.conformance.answers import DiffersError
+from msgspec.structs import replace
+
+from catch_arena.conformance.answers import Difference, DiffersError
 from catch_arena.conformance.cases import LOT, ArbiterCase, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Call, Strictness, WrongLot, ask_for_rulings, compare
+from catch_arena.conformance.comparison import Strictness, ask_for_rulings, compare
 from catch_arena.text import in_short
 from catch_arena.verdicts import Verdict
 
@@ -34,8 +35,6 @@ class ArbiterRunner:
         self._strictness = strictness
         self.how = ""
         """How the case that is being played was changed, in words; "" as it stands."""
-        self.calls: list[Call] = []
-        """What it has answered so far."""
 
     def run(self) -> None:
         """Play the case as it stands, and in every variant of it.
@@ -57,12 +56,11 @@ class ArbiterRunner:
         self.how = how
         arguments = copy.deepcopy(case.arguments())  # a stranger may change what it is given
         given = ask_for_rulings(lambda: self._arbiter(**arguments), case.expected)
-        self.calls.append(Call(case.arguments(), given))
         return compare(
             given,
             case.expected,
             lots=case.lots,
-            refused=case.circumstances["kill_refused"],
+            refused=case.kill_refused,
             strictness=self._strictness,
         )
 
@@ -77,10 +75,11 @@ class ArbiterRunner:
         for lot in case.lots:
             if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
                 raise DiffersError(
-                    WrongLot(
+                    Difference(
                         f"target {in_short(lot.target)}",
                         f"each of the hunters {', '.join(map(str, lot.seats))} wins in some of the steps",
                         f"never won by {' or '.join(f'hunter {seat}' for seat in never)}",
+                        kind="success",
                     )
                 )
 
@@ -115,11 +114,8 @@ def _renumbered(case: ArbiterCase) -> Variants:
                 case,
                 hunters=tuple(case.hunters[old] for old in order),
                 expected=tuple(map(moved, case.expected)),
-                circumstances={
-                    **case.circumstances,
-                    "reach_m": _in_seats(case.circumstances["reach_m"], order),
-                    "inactive": tuple(sorted(new[old] for old in case.circumstances["inactive"])),
-                },
+                reach_m=_in_seats(case.reach_m, order),
+                inactive=tuple(sorted(new[old] for old in case.inactive)),
                 lots=tuple(
                     Lot(target=lot.target, seats=tuple(sorted(new[old] for old in lot.seats)), drawn=None)
                     for lot in case.lots
@@ -159,16 +155,13 @@ def _without_a_loser(case: ArbiterCase) -> Variants:
 def _in_other_steps(case: ArbiterCase) -> Iterator[ArbiterCase]:
     """The case in `fair_over_steps` steps, with another seed in each."""
     lots = tuple(replace(lot, drawn=None) for lot in case.lots)
-    seed, step = case.circumstances["seed"], case.circumstances["step"]
     for later in range(case.fair_over_steps):
-        circumstances = {**case.circumstances, "seed": seed + later, "step": step + later}
-        yield replace(case, circumstances=circumstances, lots=lots)
+        yield replace(case, seed=case.seed + later, step=case.step + later, lots=lots)
 
 
 def _under_nearest(case: ArbiterCase) -> ArbiterCase:
     """The same requests under `nearest`, with what that answers."""
-    circumstances = {**case.circumstances, "policy": "nearest"}
-    return replace(case, circumstances=circumstances, expected=case.under_nearest, under_nearest=())
+    return replace(case, policy="nearest", expected=case.under_nearest, under_nearest=())
 
 
 def _has_won(one: ExpectedRuling) -> bool:

@@ -2,15 +2,17 @@
 
 import operator
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace as replace_field
 from typing import Any, Protocol
+
+from msgspec.structs import replace
 
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.conformance.answers import Difference, DiffersError, call_adjudicator
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, CaseStep, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Call, Strictness, ask_for_rulings, compare
+from catch_arena.conformance.comparison import Strictness, ask_for_rulings, compare
 from catch_arena.text import in_short
-from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.verdicts import Verdict
 
 
 class ArenaUnderTest(Protocol):
@@ -68,21 +70,13 @@ class ArenaUnderTest(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True)
-class WrongReading(Difference):
-    """Something else than expected stands in an arena."""
-
-    right: Any
-    found: Any
-
-
 def fits_into_an_arena(case: ArbiterCase) -> bool:
     """Whether hunters in an arena can ask what the case asks: once each, by rank, for targets that they see."""
     seats = [one.hunter for one in case.expected]
     return (
         len(case.hunters) > 0
         and len(seats) == len(set(seats))
-        and not case.circumstances["match_over"]
+        and not case.match_over
         and all(isinstance(one.target, str) and one.target in case.targets for one in case.expected)
         and all(one.verdict is not Verdict.MALFORMED for one in case.expected)
         and all(0 <= x <= TURTLESIM_SIDE_M >= y >= 0 for x, y in (*case.hunters, *case.targets.values()))
@@ -96,11 +90,9 @@ class ArenaRunner:
         self._arena = arena
         self._case = case
         # the arena's seed is its own, so nobody can have worked its lots out
-        self._strictness = replace(strictness, exact_lots=False)
+        self._strictness = replace_field(strictness, exact_lots=False)
         self.how = ""
         """Which part of the case is being played."""
-        self.calls: list[Call] = []
-        """What it has ruled so far."""
 
     def run(self) -> None:
         """Play the case, part by part.
@@ -121,24 +113,23 @@ class ArenaRunner:
     def _play_position(self, case: ArbiterCase) -> None:
         """An arbiter's case, and what must stand in the arena after it."""
         number_of = {name: number for number, name in enumerate(case.targets, start=1)}
-        circumstances = case.circumstances
-        refused = [number_of[name] for name in circumstances["kill_refused"] if name in number_of]
+        refused = [number_of[name] for name in case.kill_refused if name in number_of]
         settings: dict[str, Any] = {
             "hunters": len(case.hunters),
             "max_targets": max(1, len(case.targets)),
-            "reach_m": circumstances["reach_m"],
-            "policy": circumstances["policy"],
-            "kill_down": [] if circumstances["kill_service_up"] else [0],
+            "reach_m": case.reach_m,
+            "policy": case.policy,
+            "kill_down": [] if case.kill_service_up else [0],
             "kill_refused": [[0, number] for number in refused],
         }
         poses = [(x, y, 0.0) for x, y in case.hunters]
         call_adjudicator("reset", self._arena.reset, settings)
         call_adjudicator("place", self._arena.place, poses, list(case.targets.values()))
-        for seat in circumstances["inactive"]:
+        for seat in case.inactive:
             call_adjudicator("withdraw", self._arena.withdraw, seat)
         expected = tuple(replace(one, target=number_of[str(one.target)]) for one in case.expected)
         lots = tuple(replace(lot, target=number_of[str(lot.target)]) for lot in case.lots)
-        decided = self._judge(expected, ({},), lots, refused, case)
+        decided = self._judge(expected, ({},), lots, refused)
         granted = [one for one in decided if one.verdict is Verdict.GRANTED]
         gone = {one.target for one in granted} - set(refused)
         readings = {
@@ -169,12 +160,9 @@ class ArenaRunner:
         driven: Sequence[Mapping[int, tuple[float, float]]],
         lots: Sequence[Lot] = (),
         refused: Sequence[int] = (),
-        case: ArbiterCase | None = None,
     ) -> tuple[ExpectedRuling, ...]:
-        requests = [(one.hunter, operator.index(one.target)) for one in expected]  # type: ignore[arg-type]
+        requests = [(one.hunter, operator.index(one.target)) for one in expected]
         given = ask_for_rulings(lambda: self._arena.step(requests, *driven), expected)
-        if case is not None:
-            self.calls.append(Call(case.arguments(), tuple(map(_by_name, given, expected, case.expected))))
         return compare(given, expected, lots=lots, refused=refused, strictness=self._strictness)
 
     def _require_readings(self, expected: Mapping[str, Any]) -> None:
@@ -185,11 +173,6 @@ class ArenaRunner:
             if isinstance(got, Iterable) and not isinstance(got, str):
                 got = list(got)
             if got != value:
-                differences.append(WrongReading(word, repr(value), in_short(got), value, got))
+                differences.append(Difference(word, repr(value), in_short(got)))
         if differences:
             raise DiffersError(*differences)
-
-
-def _by_name(ruling: Ruling, by_number: ExpectedRuling, by_name: ExpectedRuling) -> Ruling:
-    """A ruling on a request by number as one on the same request by name."""
-    return replace(ruling, target=by_name.target) if ruling.target == by_number.target else ruling

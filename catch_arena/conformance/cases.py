@@ -1,33 +1,28 @@
-"""What a case of the conformance suite is."""
+"""What a case of the conformance suite is: its fields are the keys of the .toml files, whose types msgspec checks."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, get_args
 
+from msgspec import Meta, Struct, field, structs, to_builtins
+
+from catch_arena.config import ArbitrationPolicy, TargetMotion
 from catch_arena.verdicts import Verdict
 
 LOT: Final = "LOT"
 """Stands for what a lot decides: as a verdict, who of the tied wins; as a winner, whoever that is."""
 ANY: Final = "ANY"
 """Stands for the distance to a target that was spawned wherever the adjudicator's random numbers put it."""
-
 NEVER: Final = "NEVER"
 """Stands for the None of `prey_returns_s`, which TOML cannot write."""
+ANSWERS: Final = (LOT, *Verdict.__members__)
 
-DEFAULTS: Final[Mapping[str, Any]] = {
-    "reach_m": 0.3,
-    "policy": "nearest",
-    "seed": 0,
-    "step": 0,
-    "caught": (),
-    "inactive": (),
-    "kill_service_up": True,
-    "kill_refused": (),
-    "match_over": False,
-}
-"""What a case means where it does not say otherwise: the defaults of `arbitrate`."""
-
-READINGS: Final = (
+Whole = Annotated[int, Meta(ge=0)]
+Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
+"""Finite."""
+Place = tuple[Number, Number]
+Reach = Number | tuple[Number, ...]
+"""[m] of all hunters, or by seat (R2.7)."""
+Reading = Literal[
     "time_ms",
     "alive",
     "appeared_ms",
@@ -42,39 +37,59 @@ READINGS: Final = (
     "ended",
     "seen",
     "rivals_seen",
-)
+]
 """What a case may read of an arena; docs/conformance.md explains each."""
+READINGS: Final = get_args(Reading)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ExpectedRuling:
+class _Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    pass
+
+
+class ExpectedRuling(_Table, frozen=True, kw_only=True):
     """One request, and the ruling that the rulebook gives it."""
 
-    hunter: int
-    target: object
+    hunter: Whole
+    target: Any
     """What was asked for: any object at all; of an arena, a spawn number, or 0 for a rank without a target."""
-    verdict: Verdict | Literal["LOT"]
-    distance_um: int | Literal["ANY"] | None
-    winner: int | Literal["LOT"] | None
+    answer: str = field(name="verdict")
+    """One of ANSWERS."""
+    distance_um: Whole | Literal["ANY"] | None = None
+    winner: Whole | Literal["LOT"] | None = None
+
+    @property
+    def verdict(self) -> Verdict | Literal["LOT"]:
+        """The verdict, or LOT."""
+        return "LOT" if self.answer == LOT else Verdict[self.answer]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lot:
+class RulingByName(ExpectedRuling, frozen=True, kw_only=True):
+    """Of an arbiter."""
+
+    target: Any = field(name="name")
+
+
+class RulingByNumber(ExpectedRuling, frozen=True, kw_only=True):
+    """Of an arena."""
+
+    target: Whole = field(name="number")
+
+
+class Lot(_Table, frozen=True, kw_only=True):
     """R5.5, R5.9: one target that a lot gives to one of several seats."""
 
-    target: object
+    target: Any
     """As in the requests for it."""
-    seats: tuple[int, ...]
-    drawn: int | None
+    seats: tuple[Whole, ...]
+    drawn: Whole | None
     """The seat that the appendix's hash draws; None in a variant of a case, whose lot nobody has worked out."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class Case(_Table, frozen=True, kw_only=True):
     """What every case says about itself."""
 
     id: str
-    clauses: tuple[str, ...]
+    clauses: Annotated[tuple[Annotated[str, Meta(pattern=r"^R\d+\.\d+$")], ...], Meta(min_length=1)]
     situation: str
     why: str
     options: tuple[str, ...] = ()
@@ -86,21 +101,32 @@ class Case:
         return self.id.partition(".")[0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ArbiterCase(Case):
+class ArbiterCase(Case, frozen=True, kw_only=True):
     """One step's requests, given to an arbiter by name."""
 
-    hunters: tuple[tuple[float, float], ...]
-    targets: Mapping[str, tuple[float, float]]
-    expected: tuple[ExpectedRuling, ...]
+    hunters: tuple[Place, ...]
+    targets: dict[str, Place]
+    expected: tuple[RulingByName, ...] = field(name="requests")
     """The requests in their order, each with its ruling."""
-    circumstances: Mapping[str, Any]
-    """The other arguments of `arbitrate`: every key of DEFAULTS."""
+    reach_m: Reach = 0.3
+    policy: ArbitrationPolicy = "nearest"
+    seed: Whole = 0
+    step: Whole = 0
+    caught: tuple[str, ...] = ()
+    inactive: tuple[Whole, ...] = ()
+    kill_service_up: bool = True
+    kill_refused: tuple[str, ...] = ()
+    match_over: bool = False
     lots: tuple[Lot, ...] = ()
-    fair_over_steps: int = 0
+    fair_over_steps: Whole = 0
     """How many steps the lots are drawn in: every one of their seats must win in some of them; 0 leaves that out."""
-    under_nearest: tuple[ExpectedRuling, ...] = ()
+    under_nearest: tuple[RulingByName, ...] = ()
     """Of a case under another policy: what `nearest` answers to the same requests."""
+
+    @property
+    def circumstances(self) -> dict[str, Any]:
+        """The other arguments of `arbitrate`: every key of DEFAULTS."""
+        return {key: getattr(self, key) for key in DEFAULTS}
 
     def arguments(self) -> dict[str, Any]:
         """The keyword arguments of `arbitrate`, in fresh containers."""
@@ -113,32 +139,95 @@ class ArbiterCase(Case):
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CaseStep:
+DEFAULTS: Final[Mapping[str, Any]] = {
+    one.name: one.default
+    for one in structs.fields(ArbiterCase)
+    if one.name
+    in {
+        *("reach_m", "policy", "seed", "step", "caught", "inactive"),
+        *("kill_service_up", "kill_refused", "match_over"),
+    }
+}
+"""What a case means where it does not say otherwise: the defaults of `arbitrate`."""
+
+
+class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
+    """Of an arena: those of ArenaConfig, and what fails when. None: not given."""
+
+    reach_m: Reach | None = None
+    policy: ArbitrationPolicy | None = None
+    side_m: Number | None = None
+    spawn_frequency_hz: Number | None = None
+    initial_targets: Whole | None = None
+    max_targets: Whole | None = None
+    target_budget: Whole | None = None
+    target_motion: TargetMotion | None = None
+    target_speed_mps: Number | None = None
+    target_turn_rate_radps: Number | None = None
+    wander_period_ms: Whole | None = None
+    alarm_m: Number | None = None
+    view_radius_m: Number | None = None
+    view_angle_deg: Number | None = None
+    control_period_ms: Whole | None = None
+    time_limit_s: Number | None = None
+    drop_outs: tuple[tuple[Whole, Whole], ...] | None = None
+    """(step, seat)."""
+    kill_down: tuple[Whole, ...] | None = None
+    """Steps."""
+    kill_refused: tuple[tuple[Whole, Whole], ...] | None = None
+    """(step, number)."""
+    spawn_down: tuple[Whole, ...] | None = None
+    """Firings."""
+    spawn_refused: tuple[Whole, ...] | None = None
+    """Numbers."""
+    spawning: bool | None = None
+    teams: tuple[tuple[Whole, ...], ...] | None = None
+    """Seats, by team."""
+    prey: Whole | None = None
+    prey_returns_s: Number | Literal["NEVER"] | None = None
+    hunters: Whole = 1
+
+
+class CaseStep(_Table, frozen=True, kw_only=True):
     """One part of an arena's case: what happens to the arena next, in the order of these fields."""
 
     reset: bool = False
-    hunters: tuple[tuple[float, float, float], ...] | None = None
+    hunters: tuple[tuple[Number, Number, Number], ...] | None = None
     """With `targets`, a position to place: (x, y, theta) by seat."""
-    targets: tuple[tuple[float, float], ...] = ()
-    withdraw: int | None = None
-    withdraw_prey: int | None = None
+    targets: tuple[Place, ...] = ()
+    withdraw: Whole | None = None
+    withdraw_prey: Whole | None = None
     """By index."""
-    steps: int = 0
+    steps: Whole = 0
     """Steps in which nobody moves or asks."""
-    drive: Mapping[int, tuple[float, float]]
-    """(v [m/s], w [rad/s]) by seat, in the step of the requests."""
-    drive_prey: Mapping[int, tuple[float, float]]
+    driven: tuple[tuple[Whole, Number, Number], ...] = field(name="drive", default=())
+    """(seat, v [m/s], w [rad/s]), in the step of the requests."""
+    driven_prey: tuple[tuple[Whole, Number, Number], ...] = field(name="drive_prey", default=())
     """The same of prey, by index."""
-    expected: tuple[ExpectedRuling, ...] | None = None
+    expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
     """The requests of one more step, with their rulings: none at all where it is empty; no step where it is None."""
-    read: Mapping[str, Any]
-    """What stands in the arena then, by the words of READINGS."""
+    read: dict[Reading, Any] = {}
+    """What stands in the arena then."""
+
+    @property
+    def drive(self) -> dict[int, tuple[float, float]]:
+        """(v, w) by seat."""
+        return {seat: (v, w) for seat, v, w in self.driven}
+
+    @property
+    def drive_prey(self) -> dict[int, tuple[float, float]]:
+        """(v, w) by prey's index."""
+        return {index: (v, w) for index, v, w in self.driven_prey}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ArenaCase(Case):
+class ArenaCase(Case, frozen=True, kw_only=True):
     """A piece of a match, for adjudicators that have an arena: spawning, time and identity."""
 
-    settings: Mapping[str, Any]
+    arena: Settings = field(name="settings")
     play: tuple[CaseStep, ...]
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What the case says of its arena, with the number of hunters."""
+        given: dict[str, Any] = {"hunters": self.arena.hunters} | to_builtins(self.arena)
+        return {key: None if value == NEVER else value for key, value in given.items()}

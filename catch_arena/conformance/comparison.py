@@ -1,8 +1,10 @@
 """An adjudicator's answer beside what a case expects of it."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from msgspec.structs import replace
 
 from catch_arena.conformance.answers import (
     Difference,
@@ -31,29 +33,6 @@ class Strictness:
 
 REFUSED: Final = Verdict.OUT_OF_REACH
 """Where only success is told, this verdict stands for every refusal."""
-
-
-@dataclass(frozen=True, slots=True)
-class WrongRuling(Difference):
-    """A ruling that is not the expected one."""
-
-    right: ExpectedRuling
-    """Its lot is decided."""
-    given: Ruling
-
-
-@dataclass(frozen=True, slots=True)
-class WrongLot(Difference):
-    """A lot that does not give a target to one of the tied, or never to some of them."""
-
-
-@dataclass(frozen=True, slots=True)
-class Call:
-    """What an adjudicator was asked and what it answered, where that could be read."""
-
-    arguments: Mapping[str, Any]
-    """Those of `catch_arena.arbitrate`."""
-    rulings: tuple[Ruling, ...]
 
 
 def ask_for_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
@@ -90,12 +69,11 @@ def compare(
     winners = {lot.target: _winner(lot, expected, given, strictness) for lot in lots if lot.target in by_lot}
     decided = _decide_lots(expected, winners, set(refused))
     differences = [
-        WrongRuling(
+        Difference(
             request_in_words(place, right),
             _in_words(right, right, strictness),
             _in_words(right, one, strictness),
-            right,
-            one,
+            kind=_kind(right, one),
         )
         for place, (right, one) in enumerate(zip(decided, given, strict=True), start=1)
         if _compared(right, right, strictness) != _compared(right, one, strictness)
@@ -115,10 +93,11 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
     allowed = (lot.drawn,) if strictness.exact_lots and lot.drawn is not None else lot.seats
     if len(won) != 1 or won[0] not in allowed:
         raise DiffersError(
-            WrongLot(
+            Difference(
                 f"target {in_short(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
                 f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'nobody'}",
+                kind="success",
             )
         )
     return won[0]
@@ -130,14 +109,21 @@ def _decide_lots(
     """The rulings that follow once it is known whom the lots drew."""
     decided = []
     for one in expected:
-        verdict, winner = one.verdict, one.winner
+        answer, winner = one.answer, one.winner
         if winner == LOT:
             winner = winners[one.target]
-        if verdict == LOT:
+        if answer == LOT:
             won = Verdict.KILL_FAILED if one.target in refused else Verdict.GRANTED
-            verdict = won if one.hunter == winner else Verdict.LOST_CONTEST
-        decided.append(replace(one, verdict=verdict, winner=winner))
+            answer = (won if one.hunter == winner else Verdict.LOST_CONTEST).name
+        decided.append(replace(one, answer=answer, winner=winner))
     return tuple(decided)
+
+
+def _kind(right: ExpectedRuling, given: Ruling) -> str:
+    """What differs: see KINDS."""
+    if (right.verdict is Verdict.GRANTED) != given.success:
+        return "success"
+    return "evidence" if right.verdict is given.verdict else "verdict"
 
 
 class _Compared(NamedTuple):

@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.comparison import Strictness
-from catch_arena.conformance.mistakes.diagnosis import Diagnosis, diagnose
+from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
 
@@ -40,7 +40,7 @@ class Report:
 
     @cached_property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
-        """The failures by what they look like: each is in one of them."""
+        """The failures by what they have in common: each is in one of them."""
         return diagnose(self.results, self.strictness)
 
     @property
@@ -80,7 +80,7 @@ class Report:
         first, *others = diagnosis.failures
         lines = [
             wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
-            wrapped(diagnosis.rule, width, "   "),
+            *([wrapped(diagnosis.rule, width, "   ")] if diagnosis.rule else []),
             textwrap.indent(first.in_words(width - 3, brief=True), "   "),
         ]
         if others:
@@ -137,9 +137,6 @@ class Report:
 
 
 def _heading(diagnosis: Diagnosis) -> str:
-    """What failures look like, how many there are, and how many of them are not its alone."""
-    looks_like = f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
-    count = len(diagnosis.failures)
-    together = ("all " if count > 1 else "") if diagnosis.shared == count else f"{diagnosis.shared} of them "
-    shared = f", {together}together with other mistakes" if diagnosis.shared else ""
-    return f"{looks_like}: {counted(count, 'failure')}{shared}"
+    """What failures have in common, and how many there are."""
+    what = f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
+    return f"{what}: {counted(len(diagnosis.failures), 'failure')}"

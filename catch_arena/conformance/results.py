@@ -5,9 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from catch_arena.conformance.answers import Difference
+from catch_arena.conformance.answers import KINDS, Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
-from catch_arena.conformance.comparison import Call, WrongRuling
 from catch_arena.text import in_short
 
 WIDTH: Final = 100
@@ -27,10 +26,10 @@ class Failure:
     differences: tuple[Difference, ...]
 
     @property
-    def main_difference(self) -> Difference:
-        """The one to be shown where there is room for one: in a verdict, before those in evidence."""
-        rulings = [one for one in self.differences if isinstance(one, WrongRuling)]
-        return next((one for one in rulings if one.right.verdict is not one.given.verdict), self.differences[0])
+    def kind(self) -> str:
+        """The strongest kind of its differences: see `answers.KINDS`."""
+        found = {one.kind for one in self.differences}
+        return next((kind for kind in KINDS if kind in found), "")
 
     def __str__(self) -> str:
         """Case, clauses, expected, got, and why it matters."""
@@ -84,8 +83,6 @@ class Result:
     seconds: float
     left_out: LeftOut | None = None
     """Why it was not played; None where it was."""
-    calls: tuple[Call, ...] = ()
-    """Of a case that failed, all until then; of one that passed, the first."""
 
     @property
     def played(self) -> bool:

@@ -36,18 +36,15 @@ def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
     assert played - of_arbiters == sum(not isinstance(case, ArbiterCase) for case in load_cases())
 
 
-@pytest.mark.parametrize(
-    ("wrong", "group", "looks_like"), WRONG, ids=[f"{group}-{wrong.__name__}" for wrong, group, _ in WRONG]
-)
-def test_a_wrong_arena_is_caught_and_told_its_mistake(wrong, group, looks_like):
+@pytest.mark.parametrize(("wrong", "group"), WRONG, ids=[f"{group}-{wrong.__name__}" for wrong, group in WRONG])
+def test_a_wrong_arena_is_caught(wrong, group):
     """By at least one case of its group, and not for raising an error."""
     report = run_conformance(arena=OracleUnderTest(wrong), only=[f"{group}."])
     assert report.failures
     assert not any("raised" in difference.got for failure in report.failures for difference in failure.differences)
-    assert report.diagnoses[0].looks_like == looks_like
     assert str(report).count("\n") < 120
 
 
 def test_every_group_with_cases_for_arenas_catches_a_wrong_one():
     groups = {case.group for case in load_cases() if not isinstance(case, ArbiterCase)}
-    assert groups <= {group for _, group, _ in WRONG}
+    assert groups <= {group for _, group in WRONG}

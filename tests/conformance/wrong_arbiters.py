@@ -504,70 +504,255 @@ class DistanceForEverybody(PlainArbiter):
             self.far(ruling)
 
 
-WRONG: Sequence[tuple[type[PlainArbiter], str, str]] = (
-    (OneCatchAStep, "basics", "only one catch in a step"),
-    (Consoles, "basics", "GRANTED where LOST_CONTEST is right (R5.1)"),
-    (GivesTheNearestTarget, "basics", "the nearest target is given, whichever was named"),
-    (NoReachCheck, "reach", "reach is not tested"),
-    (ReachInclusive, "reach", "within reach is tested with <="),
-    (ReachInFloats, "reach", "reach is tested in floats"),
-    (ReachAlwaysTheDefault, "reach", "reach is 0.3 m whatever reach_m says"),
-    (LongestReachForAll, "handicaps", "all have the longest reach"),
-    (ShortestReachForAll, "handicaps", "all have the shortest reach"),
-    (ReachOfHunter0ForAll, "handicaps", "all have the reach of hunter 0"),
-    (LongestReachWins, "handicaps", "who reaches farther wins"),
-    (ReachOfNothing, "reach", "a reach of less than a micrometre lets nobody in"),
-    (CutOff, "reach", "distances are cut off, not rounded"),
-    (MeasuresBySum, "reach", "the distance is dx + dy"),
-    (MeasuresByLargest, "reach", "the distance is the larger one of dx and dy"),
-    (MeasuresAlongX, "reach", "the distance is dx alone"),
-    (FoldsCase, "names", "capital letters do not matter in names"),
-    (Normalises, "names", "letters that look the same are the same (NFC)"),
-    (NormalisesDigits, "names", "letters that mean the same are the same (NFKC)"),
-    (Trims, "names", "spaces around names do not matter"),
-    (EndsNamesAtZero, "names", "a name ends at its first NUL"),
-    (KnowsPrefixes, "names", "the beginning of a name is enough"),
-    (CountsBytes, "names", "the length of a name is counted in bytes"),
-    (CountsTo256, "names", "names of 256 characters are allowed"),
-    (EmptyIsMalformed, "names", "an empty name is MALFORMED"),
-    (AnythingIsAName, "names", "anything is a name"),
-    (LooksUpFirst, "names", "TypeError is raised (wrong_arbiters.py, line *)"),
-    (FirstCome, "claimants", "first come, first served"),
-    (Farthest, "claimants", "the farthest wins"),
-    (LowSeatWins, "claimants", "the lowest seat wins"),
-    (SuccessForEverybody, "claimants", "everybody within reach wins"),
-    (NobodyWinsAContest, "claimants", "nobody wins where several ask"),
-    (LosersDoNotLearnTheWinner, "claimants", "only who is granted learns the winner"),
-    (MeasuresBySum, "claimants", "the distance is dx + dy"),
-    (MeasuresByLargest, "claimants", "the distance is the larger one of dx and dy"),
-    (TiesToTheLowSeat, "ties", "ties go to the lowest seat"),
-    (TiesToTheFirst, "ties", "ties go to the first request"),
-    (TiesToAll, "ties", "everybody in a tie wins"),
-    (TiesByACount, "ties", "a lot is drawn wrongly"),
-    (TiesInFloats, "ties", "ties go to the first request"),
-    (TheNearestBlocks, "eligibility", "a withdrawn hunter nearby wins without asking"),
-    (DuplicatesCompete, "eligibility", "refused requests win contests"),
-    (NoDuplicates, "duplicates", "DUPLICATE is never said"),
-    (LastRequestStands, "duplicates", "a hunter's last request stands, not its first"),
-    (RefusalsAreNotSpent, "duplicates", "a refused request does not count as the first"),
-    (MalformedIsNotSpent, "duplicates", "a malformed request does not count as the first"),
-    (DuplicateBeforeMalformed, "duplicates", "DUPLICATE is tested before MALFORMED"),
-    (NameBeforeDuplicate, "duplicates", "DUPLICATE is tested only after ALREADY_CAUGHT"),
-    (DistanceForEverybody, "duplicates", "a distance is given to everybody"),
-    (ReachBeforeService, "outages", "OUT_OF_REACH is tested before SERVICE_DOWN"),
-    (ServiceFirst, "outages", "SERVICE_DOWN is tested before MALFORMED"),
-    (CreditsRefusedKills, "outages", "a refused kill is GRANTED"),
-    (FaultsSpread, "outages", "KILL_FAILED where GRANTED is right"),
-    (TriesTheNext, "outages", "after a refused kill the others are told KILL_FAILED too"),
-    (PlaysOn, "time", "MATCH_OVER is never said"),
-    (EndsAfterTheForm, "time", "MALFORMED is tested before MATCH_OVER"),
-    (IgnoresWithdrawals, "inactive", "HUNTER_INACTIVE is never said"),
-    (InactiveBeforeMalformed, "inactive", "HUNTER_INACTIVE is tested before MALFORMED"),
-    (InactiveAfterNames, "inactive", "HUNTER_INACTIVE is tested only after ALREADY_CAUGHT"),
-    (ForgetsTheCaught, "identity", "UNKNOWN_TARGET where ALREADY_CAUGHT is right"),
-    (OneAfterTheOther, "identity", "ALREADY_CAUGHT where LOST_CONTEST is right"),
-    (AlwaysNearest, "policies", "the policy is always nearest"),
-    (AlwaysNearest, "capstone", "the policy is always nearest"),
-    (AlwaysCapstone, "capstone", "the policy is always capstone"),
+class LastCome(PlainArbiter):
+    def winner(self, eligible: Eligible) -> dict[str, Any]:
+        return eligible[-1]
+
+
+class HighSeatWins(PlainArbiter):
+    def winner(self, eligible: Eligible) -> dict[str, Any]:
+        return max(eligible, key=lambda one: one["hunter"])
+
+
+class YesToEverybody(PlainArbiter):
+    """The service of the exercise."""
+
+    def __call__(self, **case: Any) -> list[dict[str, Any]]:
+        return [ruling | {"verdict": "GRANTED", "winner": ruling["hunter"]} for ruling in super().__call__(**case)]
+
+
+class YesToEverybodyWhoNamesATarget(PlainArbiter):
+    """The same, if it looks at its list."""
+
+    def __call__(self, **case: Any) -> list[dict[str, Any]]:
+        return [
+            ruling | {"verdict": "GRANTED", "winner": ruling["hunter"]}
+            if ruling["target"] in list(case["targets"])
+            else ruling
+            for ruling in super().__call__(**case)
+        ]
+
+
+class ReachInFloatsInclusive(PlainArbiter):
+    def within(self, distance_um: int, metres: float) -> bool:
+        return metres <= self.reach_m
+
+
+class SquaredDistance(PlainArbiter):
+    def measure(self, dx: float, dy: float) -> float:
+        return dx * dx + dy * dy
+
+
+class RoundsToMillimetres(PlainArbiter):
+    def whole(self, metres: float) -> int:
+        return 1000 * round(1e3 * metres)
+
+
+class SortsByTarget(PlainArbiter):
+    """Goes target by target, and answers so."""
+
+    def __call__(self, **case: Any) -> list[dict[str, Any]]:
+        return sorted(super().__call__(**case), key=lambda ruling: str(ruling["target"]))
+
+
+class IgnoresTheService(PlainArbiter):
+    def __call__(self, **case: Any) -> list[dict[str, Any]]:
+        return super().__call__(**{**case, "kill_service_up": True})
+
+
+class CatchesAtOnce(PlainArbiter):
+    """One request after the other: who comes after a catch asks for a target that is gone."""
+
+    def decide(self, name: str, eligible: Eligible) -> list[Any]:
+        first, *others = eligible
+        refused = name in self.case["kill_refused"]
+        return [(first, self.won(refused=refused), first["hunter"])] + [(one, "ALREADY_CAUGHT", None) for one in others]
+
+
+class GivesNoEvidence(PlainArbiter):
+    evidence: Sequence[str] = ("distance_um", "winner")
+
+    def __call__(self, **case: Any) -> list[dict[str, Any]]:
+        return [ruling | dict.fromkeys(self.evidence) for ruling in super().__call__(**case)]
+
+
+class GivesNoDistance(GivesNoEvidence):
+    evidence = ("distance_um",)
+
+
+class GivesNoWinner(GivesNoEvidence):
+    evidence = ("winner",)
+
+
+class GivesMillimetres(PlainArbiter):
+    def __call__(self, **case: Any) -> list[dict[str, Any]]:
+        return [
+            ruling | {"distance_um": None if (um := ruling["distance_um"]) is None else round(um / 1000)}
+            for ruling in super().__call__(**case)
+        ]
+
+
+NEAREST = "Of those within reach the nearest wins, whoever asked first and whatever its seat (R5.4)."
+LOT = "A tie is drawn by a lot from the seed, the step, the target and the tied seats (R5.5)."
+REACH = "Within reach is distance_um < reach_um: 299999 is in, 300000 is out (R5.3)."
+OWN_REACH = "Each hunter has its own reach, which says who may catch, and not who wins (R2.7, R5.3, R5.4)."
+DISTANCE = "The distance is floor(1e6 * sqrt(dx * dx + dy * dy) + 0.5) micrometres (R5.3)."
+ORDER = "The tests have an order: MATCH_OVER, MALFORMED, HUNTER_INACTIVE, DUPLICATE, and so on (R5.2)."
+FIRST_STANDS = "A hunter's first request in a step stands, whatever its verdict; more are DUPLICATE (R5.2)."
+NAME = "A name is any string of at most 255 characters; all else is MALFORMED (R5.2)."
+SAME_NAME = "A name stands for the target that is called exactly so (R5.2)."
+REFUSED = "If a kill is refused, the winner gets KILL_FAILED, the others LOST_CONTEST, and nobody a catch (R5.7)."
+EVIDENCE = "The distance is given if reach was tested, the winner if there was a contest or a grant (R5.6)."
+APART = "All requests of a step are judged on the state at its beginning (R5.1)."
+ELIGIBLE = "A contest is among the requests for one target that passed every test of R5.2 (R5.1, R5.5)."
+POLICY = "The policy says who wins: nearest, first_come (by lot, not by order) or capstone (R5.9, R9.1)."
+
+KNOWN: dict[type[PlainArbiter], tuple[str, str]] = {
+    FirstCome: ("first come, first served", NEAREST),
+    LastCome: ("last come, first served", NEAREST),
+    YesToEverybody: ("yes to everybody", "Each request has to pass the tests of R5.2, and one hunter wins (R5.4)."),
+    YesToEverybodyWhoNamesATarget: ("yes to everybody who names a target that is there", REACH),
+    SuccessForEverybody: ("everybody within reach wins", NEAREST),
+    NobodyWinsAContest: ("nobody wins where several ask", NEAREST),
+    Farthest: ("the farthest wins", NEAREST),
+    LowSeatWins: ("the lowest seat wins", NEAREST),
+    HighSeatWins: ("the highest seat wins", NEAREST),
+    OneCatchAStep: ("only one catch in a step", APART),
+    CatchesAtOnce: ("one after the other: after a catch the target is gone", APART),
+    OneAfterTheOther: ("ALREADY_CAUGHT for LOST_CONTEST", "LOST_CONTEST means: another hunter was preferred (R5.6)."),
+    Consoles: ("a loser gets another target", "A request is for the target that it names (R5.1)."),
+    GivesTheNearestTarget: ("the nearest target is given, whichever was named", ELIGIBLE),
+    TheNearestBlocks: ("a withdrawn hunter nearby wins without asking", ELIGIBLE),
+    DuplicatesCompete: ("refused requests win contests", ELIGIBLE),
+    ReachInclusive: ("within reach is tested with <=", REACH),
+    ReachInFloats: ("reach is tested in floats", REACH),
+    ReachInFloatsInclusive: ("reach is tested in floats, with <=", REACH),
+    NoReachCheck: ("reach is not tested", REACH),
+    ReachAlwaysTheDefault: ("reach is 0.3 m whatever reach_m says", REACH),
+    ReachOfNothing: ("a reach of less than a micrometre lets nobody in", "reach_um is at least 1 (R5.3)."),
+    LongestReachForAll: ("all have the longest reach", OWN_REACH),
+    ShortestReachForAll: ("all have the shortest reach", OWN_REACH),
+    ReachOfHunter0ForAll: ("all have the reach of hunter 0", OWN_REACH),
+    LongestReachWins: ("who reaches farther wins", OWN_REACH),
+    CutOff: ("distances are cut off, not rounded", DISTANCE),
+    RoundsToMillimetres: ("distances are rounded to millimetres", DISTANCE),
+    MeasuresBySum: ("the distance is dx + dy", DISTANCE),
+    MeasuresByLargest: ("the distance is the larger one of dx and dy", DISTANCE),
+    MeasuresAlongX: ("the distance is dx alone", DISTANCE),
+    SquaredDistance: ("the distance is a square: the root is missing", DISTANCE),
+    TiesToTheLowSeat: ("ties go to the lowest seat", LOT),
+    TiesToTheFirst: ("ties go to the first request", LOT),
+    TiesToAll: ("everybody in a tie wins", LOT),
+    TiesByACount: ("a lot is drawn wrongly", LOT),
+    TiesInFloats: ("the nearest is found in floats, not in whole micrometres", NEAREST),
+    FoldsCase: ("capital letters do not matter in names", SAME_NAME),
+    Normalises: ("letters that look the same are the same (NFC)", SAME_NAME),
+    NormalisesDigits: ("letters that mean the same are the same (NFKC)", SAME_NAME),
+    Trims: ("spaces around names do not matter", SAME_NAME),
+    EndsNamesAtZero: ("a name ends at its first NUL", SAME_NAME),
+    KnowsPrefixes: ("the beginning of a name is enough", SAME_NAME),
+    CountsBytes: ("the length of a name is counted in bytes", NAME),
+    CountsTo256: ("names of 256 characters are allowed", NAME),
+    EmptyIsMalformed: ("an empty name is MALFORMED", NAME),
+    AnythingIsAName: ("anything is a name", NAME),
+    NoDuplicates: ("DUPLICATE is never given", FIRST_STANDS),
+    LastRequestStands: ("a hunter's last request stands, not its first", FIRST_STANDS),
+    RefusalsAreNotSpent: ("a refused request does not count as the first", FIRST_STANDS),
+    MalformedIsNotSpent: ("a malformed request does not count as the first", FIRST_STANDS),
+    DuplicateBeforeMalformed: ("DUPLICATE is tested before MALFORMED", ORDER),
+    NameBeforeDuplicate: ("DUPLICATE is tested only after ALREADY_CAUGHT", ORDER),
+    InactiveBeforeMalformed: ("HUNTER_INACTIVE is tested before MALFORMED", ORDER),
+    InactiveAfterNames: ("HUNTER_INACTIVE is tested only after ALREADY_CAUGHT", ORDER),
+    ReachBeforeService: ("OUT_OF_REACH is tested before SERVICE_DOWN", ORDER),
+    ServiceFirst: ("SERVICE_DOWN is tested before MALFORMED", ORDER),
+    EndsAfterTheForm: ("MALFORMED is tested before MATCH_OVER", ORDER),
+    IgnoresWithdrawals: ("HUNTER_INACTIVE is never given", "A withdrawn hunter's requests are refused (R1.6, R5.2)."),
+    IgnoresTheService: ("SERVICE_DOWN is never given", "While the kill service is down nothing is caught (R5.7)."),
+    PlaysOn: ("MATCH_OVER is never given", "After the end every request is refused (R5.2)."),
+    ForgetsTheCaught: ("UNKNOWN_TARGET for ALREADY_CAUGHT", "The names of caught targets stay known (R3.4, R5.2)."),
+    CreditsRefusedKills: ("a refused kill is GRANTED", REFUSED),
+    FaultsSpread: ("one refused kill refuses all of its step", REFUSED),
+    TriesTheNext: ("after a refused kill the others are told KILL_FAILED too", REFUSED),
+    AlwaysNearest: ("the policy is always nearest", POLICY),
+    AlwaysCapstone: ("the policy is always capstone", POLICY),
+    GivesNoEvidence: ("no evidence is given", "Compare with --verdicts-only until it is (R5.6)."),
+    GivesNoDistance: ("no distance is given", EVIDENCE),
+    GivesNoWinner: ("no winner is given", EVIDENCE),
+    LosersDoNotLearnTheWinner: ("only who is granted learns the winner", EVIDENCE),
+    DistanceForEverybody: ("a distance is given to everybody", EVIDENCE),
+    GivesMillimetres: ("distances are in millimetres", DISTANCE),
+    SortsByTarget: (
+        "the rulings are not in the order of the requests",
+        "There is one ruling for each request, in their order (`catch-arena docs conformance`).",
+    ),
+}
+"""What each is called in catch_arena/conformance/mistakes.toml, and what the rulebook says."""
+
+
+WRONG: Sequence[tuple[type[PlainArbiter], str]] = (
+    (OneCatchAStep, "basics"),
+    (Consoles, "basics"),
+    (GivesTheNearestTarget, "basics"),
+    (NoReachCheck, "reach"),
+    (ReachInclusive, "reach"),
+    (ReachInFloats, "reach"),
+    (ReachAlwaysTheDefault, "reach"),
+    (LongestReachForAll, "handicaps"),
+    (ShortestReachForAll, "handicaps"),
+    (ReachOfHunter0ForAll, "handicaps"),
+    (LongestReachWins, "handicaps"),
+    (ReachOfNothing, "reach"),
+    (CutOff, "reach"),
+    (MeasuresBySum, "reach"),
+    (MeasuresByLargest, "reach"),
+    (MeasuresAlongX, "reach"),
+    (FoldsCase, "names"),
+    (Normalises, "names"),
+    (NormalisesDigits, "names"),
+    (Trims, "names"),
+    (EndsNamesAtZero, "names"),
+    (KnowsPrefixes, "names"),
+    (CountsBytes, "names"),
+    (CountsTo256, "names"),
+    (EmptyIsMalformed, "names"),
+    (AnythingIsAName, "names"),
+    (LooksUpFirst, "names"),
+    (FirstCome, "claimants"),
+    (Farthest, "claimants"),
+    (LowSeatWins, "claimants"),
+    (SuccessForEverybody, "claimants"),
+    (NobodyWinsAContest, "claimants"),
+    (LosersDoNotLearnTheWinner, "claimants"),
+    (MeasuresBySum, "claimants"),
+    (MeasuresByLargest, "claimants"),
+    (TiesToTheLowSeat, "ties"),
+    (TiesToTheFirst, "ties"),
+    (TiesToAll, "ties"),
+    (TiesByACount, "ties"),
+    (TiesInFloats, "ties"),
+    (TheNearestBlocks, "eligibility"),
+    (DuplicatesCompete, "eligibility"),
+    (NoDuplicates, "duplicates"),
+    (LastRequestStands, "duplicates"),
+    (RefusalsAreNotSpent, "duplicates"),
+    (MalformedIsNotSpent, "duplicates"),
+    (DuplicateBeforeMalformed, "duplicates"),
+    (NameBeforeDuplicate, "duplicates"),
+    (DistanceForEverybody, "duplicates"),
+    (ReachBeforeService, "outages"),
+    (ServiceFirst, "outages"),
+    (CreditsRefusedKills, "outages"),
+    (FaultsSpread, "outages"),
+    (TriesTheNext, "outages"),
+    (PlaysOn, "time"),
+    (EndsAfterTheForm, "time"),
+    (IgnoresWithdrawals, "inactive"),
+    (InactiveBeforeMalformed, "inactive"),
+    (InactiveAfterNames, "inactive"),
+    (ForgetsTheCaught, "identity"),
+    (OneAfterTheOther, "identity"),
+    (AlwaysNearest, "policies"),
+    (AlwaysNearest, "capstone"),
+    (AlwaysCapstone, "capstone"),
 )
-"""Each wrong arbiter, the group of cases that must catch it, and what it must be told."""
+"""Each wrong arbiter, and the group of cases that must catch it."""

@@ -94,7 +94,7 @@ def test_a_right_referee_passes_what_it_is_asked(outcomes):
 def test_a_wrong_referee_is_told_its_mistake(outcomes):
     code, stdout, stderr = outcomes["yes"]
     assert code == 1, stderr
-    assert 'looks like "the policy is always capstone"' in stdout
+    assert 'looks like "yes to everybody"' in stdout
 
 
 def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets(outcomes):

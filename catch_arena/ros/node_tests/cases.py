@@ -4,16 +4,16 @@ import itertools
 import secrets
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
+from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.conformance.answers import DiffersError, UnreadableAnswer, request_in_words
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
-from catch_arena.conformance.comparison import REFUSED, Call, Strictness, compare
+from catch_arena.conformance.comparison import REFUSED, Strictness, compare
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, LeftOut, Result
 from catch_arena.errors import BusError
@@ -67,17 +67,19 @@ def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
         return Result(case, None, 0.0, _NOT_BY_SERVICE)
     start = time.perf_counter()
     failure: Failure | None = None
-    calls: list[Call] = []
     for settle_s in _SETTLE_S:
-        calls.clear()
-        failure = _play(node, case, settle_s, calls)
-        if failure is None or not calls:  # a node that does not answer has had time
+        failure = _play(node, case, settle_s)
+        if failure is None or _is_silence(failure):
             break
-    return Result(case, failure, time.perf_counter() - start, calls=tuple(calls))
+    return Result(case, failure, time.perf_counter() - start)
 
 
-def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float, calls: list[Call]) -> Failure | None:
-    """Ask the questions of a case, and add each with its answer to the calls."""
+def _is_silence(failure: Failure | None) -> bool:
+    return failure is not None and any(isinstance(one, UnreadableAnswer) for one in failure.differences)
+
+
+def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | None:
+    """Ask the questions of a case."""
     token = "" if node.keeps_the_list else f"{secrets.token_hex(4)}_"
     for arguments, expected in _questions_of_own(node, case) if node.keeps_the_list else _questions(case):
         name = str(expected.target)
@@ -93,7 +95,6 @@ def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float, calls: list[C
             )
             return Failure(case, "", (silence,))
         ruling = Ruling(Verdict.GRANTED if success else REFUSED, 0, name)
-        calls.append(Call(arguments, (ruling,)))
         try:
             compare([ruling], [expected], lots=(), refused=(), strictness=_STRICTNESS)
         except DiffersError as error:
@@ -165,7 +166,7 @@ def _places(case: ArbiterCase, target: Place) -> Iterator[Place]:
 
 
 def _granted(name: str) -> ExpectedRuling:
-    return ExpectedRuling(hunter=0, target=name, verdict=Verdict.GRANTED, distance_um=0, winner=0)
+    return ExpectedRuling(hunter=0, target=name, answer=Verdict.GRANTED.name, distance_um=0, winner=0)
 
 
 def _can_be_sent(name: object) -> bool:

@@ -1,0 +1,126 @@
+"""Why cases failed: which known mistake fails the same cases; else which error is raised, or which clause they cite."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Final
+
+import msgspec
+
+from catch_arena.conformance.answers import KINDS, RaisedError, UnreadableAnswer
+from catch_arena.conformance.comparison import Strictness
+from catch_arena.conformance.results import Failure, Result
+from catch_arena.files import tomllib
+
+_TOLERATED: Final = 0.1
+"""Of the cases that a mistake explains, how many others may contradict it, as a share."""
+
+Ids = Mapping[str, tuple[str, ...]]
+"""Names of cases by group."""
+
+
+class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A wrong rule, and the cases that an arbiter with it fails: a table of mistakes.toml."""
+
+    looks_like: str
+    rule: str
+    """What the rulebook says."""
+    success: Ids = {}
+    """Cases in which it grants what it should not, or does not grant what it should."""
+    verdict: Ids = {}
+    """Cases in which other verdicts differ."""
+    evidence: Ids = {}
+    """Cases in which distances or winners alone differ."""
+
+    def kinds(self, strictness: Strictness) -> dict[str, str]:
+        """How it fails cases, if rulings are so compared: one of KINDS by their ids."""
+        tables = {"success": self.success}
+        if not strictness.success_only:
+            tables["verdict"] = self.verdict
+        if strictness.evidence:
+            tables["evidence"] = self.evidence
+        return {
+            f"{group}.{name}": kind for kind, ids in tables.items() for group, names in ids.items() for name in names
+        }
+
+
+@cache
+def known_mistakes() -> tuple[Mistake, ...]:
+    """The mistakes in the order of mistakes.toml: of two that fail equally many cases the first is named."""
+    text = (files("catch_arena.conformance") / "mistakes.toml").read_text(encoding="utf-8")
+    return msgspec.convert(tomllib.loads(text)["mistake"], tuple[Mistake, ...])
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """Failures that have something in common."""
+
+    looks_like: str
+    """A known mistake, an error, or a clause."""
+    rule: str
+    """What the rulebook says, or ""."""
+    failures: tuple[Failure, ...]
+    """In the order of the suite."""
+    known: bool = False
+    """Whether an arbiter with a known mistake fails these cases."""
+
+
+def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnosis, ...]:
+    """Return each failure in one diagnosis: first what raised errors or could not be read, then known mistakes, then
+    what is left by clause; of each kind the largest first.
+    """
+    failures = {result.case.id: result.failure for result in results if result.failure is not None}
+    groups: dict[tuple[str, str], list[Failure]] = {}
+    judged = {}
+    for id_, failure in failures.items():
+        difference = failure.differences[0]
+        if isinstance(difference, RaisedError):
+            raised = f"{difference.error} is raised{difference.where}"
+            groups.setdefault((raised, "Every request gets exactly one verdict (R5.2)."), []).append(failure)
+        elif isinstance(difference, UnreadableAnswer):
+            groups.setdefault((difference.looks_like, difference.rule), []).append(failure)
+        else:
+            judged[id_] = failure
+    unreadable = [Diagnosis(*kind, tuple(group)) for kind, group in groups.items()]
+    passed = {result.case.id for result in results if result.played and result.failure is None}
+    known = _known(judged, passed, strictness)
+    explained = {failure.case.id for one in known for failure in one.failures}
+    clauses: dict[str, list[Failure]] = {}
+    for id_, failure in judged.items():
+        if id_ not in explained:
+            clauses.setdefault(failure.case.clauses[0], []).append(failure)
+    others = [Diagnosis(clause, "", tuple(group)) for clause, group in clauses.items()]
+    return tuple(one for kind in (unreadable, known, others) for one in sorted(kind, key=_most_first))
+
+
+def _most_first(one: Diagnosis) -> int:
+    return -len(one.failures)
+
+
+def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictness) -> list[Diagnosis]:
+    """The mistakes that explain the most failures, one after the other, less the cases that contradict them: those that
+    they fail, and that passed or failed by less.
+    """
+    fitting = []
+    for one in known_mistakes():
+        kinds = one.kinds(strictness)
+        explained = {id_ for id_, kind in kinds.items() if id_ in failed and failed[id_].kind == kind}
+        weaker = {id_ for id_, kind in kinds.items() if id_ in failed and KINDS.index(kind) < _rank(failed[id_])}
+        contradicted = len(weaker) + len(kinds.keys() & passed)
+        if contradicted <= _TOLERATED * len(explained):
+            fitting.append((one, explained, contradicted))
+    left, found = set(failed), list[Diagnosis]()
+    while fitting:
+        one, ids, contradicted = max(fitting, key=lambda fit: len(fit[1] & left) - fit[2])
+        new = ids & left
+        if len(new) <= contradicted:
+            break
+        found.append(Diagnosis(one.looks_like, one.rule, tuple(failed[id_] for id_ in failed if id_ in new), True))
+        left -= new
+    return found
+
+
+def _rank(failure: Failure) -> int:
+    """0 for the strongest kind of difference; more than any for none of them."""
+    return KINDS.index(failure.kind) if failure.kind else len(KINDS)
