@@ -29,47 +29,52 @@ def span(width: Width) -> int:
     return LANES if len(width) > 1 else 1
 
 
+# The rows: meaning [unit], range. A count, a number or a time has no upper limit but the episode's end.
 # arena rows; the first eight stand in the digest in this order (A.8)
-TIME: Final = 0 * LANES  # [ms] since reset
-STEP: Final = 1 * LANES  # steps played
-SPAWNED: Final = 2 * LANES  # targets that appeared
-LAST_NUMBER: Final = 3 * LANES  # the spawn number given last
-FIRINGS: Final = 4 * LANES  # of the spawn timer
-SKIPPED_FULL: Final = 5 * LANES  # R3.5
-SKIPPED_DOWN: Final = 6 * LANES  # R3.6
-SPAWNS_REFUSED: Final = 7 * LANES  # R3.6
+TIME: Final = 0 * LANES  # since reset [ms], from 0
+STEP: Final = 1 * LANES  # steps played, from 0
+SPAWNED: Final = 2 * LANES  # targets that appeared, from 0
+LAST_NUMBER: Final = 3 * LANES  # the last spawn number, from 1; 0 before the first
+FIRINGS: Final = 4 * LANES  # of the spawn timer, from 0
+SKIPPED_FULL: Final = 5 * LANES  # R3.5: firings in a full arena, from 0
+SKIPPED_DOWN: Final = 6 * LANES  # R3.6: firings while the spawn service was down, from 0
+SPAWNS_REFUSED: Final = 7 * LANES  # R3.6: firings that were refused, from 0
 ARENA_DIGEST_ROWS: Final = 8
-ALIVE: Final = 8 * LANES  # targets alive: slots in use
+ALIVE: Final = 8 * LANES  # targets alive, which fill the slots from 0: 0 to MOST
 ENDED: Final = 9 * LANES  # RUNNING, TERMINATED or TRUNCATED (R1.5)
-SEED_HIGH: Final = 10 * LANES  # the seed's upper 32 bits
-SEED_LOW: Final = 11 * LANES  # and its lower 32
+SEED_HIGH: Final = 10 * LANES  # the seed's upper 32 bits: 0 to 2^32 - 1
+SEED_LOW: Final = 11 * LANES  # its lower 32 bits: 0 to 2^32 - 1
 ARENA_ROWS: Final = 12
 
 # body rows: of a hunter or a target; of still targets only the first three are there
-X: Final = 0 * LANES  # [m]
-Y: Final = 1 * LANES  # [m]
-THETA: Final = 2 * LANES  # [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi)
+X: Final = 0 * LANES  # [m], 0 to the arena's side
+Y: Final = 1 * LANES  # [m], 0 to the arena's side
+THETA: Final = 2 * LANES  # heading [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi)
 STILL_BODY_ROWS: Final = 3
-SPEED: Final = 3 * LANES  # [m/s]
-TURN_RATE: Final = 4 * LANES  # [rad/s]
-AT_WALL: Final = 5 * LANES  # R2.3's flag
-SINE: Final = 6 * LANES  # of theta
-COSINE: Final = 7 * LANES
+SPEED: Final = 3 * LANES  # commanded [m/s], within the limits of the hunter, the targets or the prey
+TURN_RATE: Final = 4 * LANES  # commanded [rad/s], within the same limits
+AT_WALL: Final = 5 * LANES  # R2.3's flag: 0 or 1
+SINE: Final = 6 * LANES  # of theta, -1 to 1
+COSINE: Final = 7 * LANES  # of theta, -1 to 1
 BODY_ROWS: Final = 8
 
 # hunter rows: a body's, and these
-DISTANCE_INTEGRAL: Final = 8 * LANES  # [m s]
-BEARING_INTEGRAL: Final = 9 * LANES  # [rad s]
-ACTIVE: Final = 10 * LANES  # number of the active target, 0 for none
-SCORE: Final = 11 * LANES  # granted catches
-WITHDRAWN: Final = 12 * LANES  # R1.6's flag
-REQUESTED_NUMBER: Final = 13 * LANES  # number of the target requested, 0 for none
-VERDICT: Final = 14 * LANES  # R5.2, 0 for no request: then the other rows of the answer are an older one's
-DISTANCE: Final = 15 * LANES  # R5.6: to the target [micrometres], -1 where reach was not tested
-WINNER: Final = 16 * LANES  # R5.6: the seat that won, -1 for none
-REWARD_SUM: Final = 17 * LANES  # of this episode
-CONTESTS_WON: Final = 18 * LANES  # kills of this episode, granted or refused, that a rival could have had
-TALLIES: Final = 18 * LANES  # how often a verdict was met in this episode: verdict v in the v-th row from here, from 1
+DISTANCE_INTEGRAL: Final = 8 * LANES  # R4.3 [m s], from 0
+BEARING_INTEGRAL: Final = 9 * LANES  # R4.3 [rad s], any number
+ACTIVE: Final = 10 * LANES  # spawn number of the active target, from 1; 0 for none
+SCORE: Final = 11 * LANES  # granted catches, from 0
+WITHDRAWN: Final = 12 * LANES  # R1.6's flag: 0 or 1
+REQUESTED_NUMBER: Final = 13 * LANES  # spawn number of the requested target, from 1; 0 for none
+VERDICT: Final = (
+    14 * LANES
+)  # R5.2: a number of Verdict, from 1; 0 for no request: the other rows of ANSWER are old then
+DISTANCE: Final = 15 * LANES  # R5.6: to the target [micrometres], from 0; -1 if reach was not tested
+WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0; -1 for none
+REWARD_SUM: Final = 17 * LANES  # of this episode, any number
+CONTESTS_WON: Final = 18 * LANES  # kills of this episode, granted or refused, that a rival could have had, from 0
+TALLIES: Final = (
+    18 * LANES
+)  # from 0: how often verdict v was met in this episode; its row is TALLIES + v * LANES, v >= 1
 HUNTER_ROWS: Final = 19 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
@@ -92,11 +97,11 @@ AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
 """The rows of a hunter that are zero while nothing drives it."""
 
 # slot rows: two, and a body's; where targets move, these and two more
-NUMBER: Final = 0 * LANES  # the target's spawn number
-APPEARED: Final = 1 * LANES  # [ms] since reset
+NUMBER: Final = 0 * LANES  # the target's spawn number, from 1
+APPEARED: Final = 1 * LANES  # when it appeared [ms since reset]; less than 0 if it was placed with an age
 BODY: Final = 2 * LANES  # the first row of the target's body
-WANDER: Final = (2 + BODY_ROWS) * LANES  # R3.9's draw, as a fraction of the greatest turn rate
-WANDER_ENDS: Final = (3 + BODY_ROWS) * LANES  # [ms] since reset: when the next one is drawn
+WANDER: Final = (2 + BODY_ROWS) * LANES  # R3.9's draw, a fraction of the greatest turn rate: -1 to 1
+WANDER_ENDS: Final = (3 + BODY_ROWS) * LANES  # when the next one is drawn [ms since reset], from 0
 STILL_SLOT_ROWS: Final = 2 + STILL_BODY_ROWS
 MOVING_SLOT_ROWS: Final = 4 + BODY_ROWS
 TARGET_X: Final = BODY + X
@@ -107,12 +112,14 @@ MOVING_TARGET_DIGEST: Final = (*TARGET_DIGEST, BODY + SPEED, BODY + TURN_RATE, B
 """And of one that moves."""
 
 # prey rows (chapter 12); where prey is and how it moves stands in its target's slot
-PREY_SLOT: Final = 0 * LANES  # of the target that it plays, NO_TARGET while it is out
-TIMES_CAUGHT: Final = 1 * LANES  # in this episode
-CAUGHT_AT: Final = 2 * LANES  # [ms] since reset: when the state was on which it was caught; -1 while it is in play
-CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, -1 for none
-PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag
-PREY_REWARD_SUM: Final = 5 * LANES  # of this episode
+PREY_SLOT: Final = 0 * LANES  # slot of the target that it plays, from 0; NO_TARGET while it is out
+TIMES_CAUGHT: Final = 1 * LANES  # in this episode, from 0
+CAUGHT_AT: Final = (
+    2 * LANES
+)  # time of the state on which it was caught [ms since reset], from 0; -1 while it is in play
+CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, from 0; -1 for none
+PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag: 0 or 1
+PREY_REWARD_SUM: Final = 5 * LANES  # of this episode, any number
 PREY_ROWS: Final = 6
 PREY_SIZE: Final = PREY_ROWS * LANES
 
@@ -270,7 +277,7 @@ def target_order_rows(targets_seen: int) -> int:
 
 @rule
 def slot_rows(targets_move: bool) -> int:
-    """How many rows a slot has."""
+    """Return the number of rows of a slot."""
     return MOVING_SLOT_ROWS if targets_move else STILL_SLOT_ROWS
 
 
@@ -286,7 +293,7 @@ class Regions(NamedTuple):
 
 @rule
 def regions_of(s: Settings) -> Regions:
-    """The map of a block."""
+    """Return the offsets of a block's regions."""
     hunters = ARENA_ROWS * LANES
     targets = hunters + s.hunters * SEAT_SIZE
     target_orders = targets + s.max_targets * s.slot_size
@@ -296,7 +303,7 @@ def regions_of(s: Settings) -> Regions:
 
 @phase
 def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
-    """What one hunter can, from the section of all."""
+    """Return the limits of one hunter, from the section of all."""
     return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3], limits[seat, 4])
 
 
@@ -309,7 +316,7 @@ def targets_of(block: Block, s: Settings) -> Block:
 
 @phase
 def most_alive(block: Block, lanes: int) -> int:
-    """How many targets are alive in the lane that has most; `lanes`, how many lanes are arenas."""
+    """Return the number of alive targets in the lane that has most; `lanes` is the number of lanes that are arenas."""
     most = 0.0
     for lane in range(lanes):
         most = block[ALIVE + lane] if block[ALIVE + lane] > most else most
@@ -325,7 +332,7 @@ def body_of(targets: Block, slot: int, s: Settings) -> Block:
 
 @rule
 def seat_at(seat: int) -> int:
-    """Where in a block the rows of one seat begin."""
+    """Return the offset of the rows of one seat in a block."""
     return ARENA_ROWS * LANES + seat * SEAT_SIZE
 
 
@@ -353,8 +360,10 @@ def target_order_of(block: Block, seat: int, s: Settings) -> Block:
 
 @rule
 def slot_at_rank(order: Block, rank: int, lane: int) -> int:
-    """The slot or seat at a rank; ABSENT for none. An order has rows of LANES, RANKS_PER_WORD ranks in each; ranks
-    count from 0 here, and from 1 in actions, whose 0 is hold (R4.1).
+    """Return the slot or seat at a rank; ABSENT for none.
+
+    An order has rows of LANES numbers, with RANKS_PER_WORD ranks in each. Ranks count from 0 here, and from 1 in
+    actions, where 0 is hold (R4.1).
     """
     word = bits_of(order[rank // RANKS_PER_WORD * LANES + lane])
     return (word >> (RANK_BITS * (rank % RANKS_PER_WORD))) & 255
@@ -362,7 +371,7 @@ def slot_at_rank(order: Block, rank: int, lane: int) -> int:
 
 @phase
 def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
-    """R7.1, R7.5: how many targets a seat sees: those have a rank.
+    """R7.1, R7.5: return the number of targets that a seat sees: those have a rank.
 
     Args:
         block: the block, for its row ALIVE.
