@@ -20,14 +20,14 @@ from catch_arena.text import in_short
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SavedTurn:
-    """What `CatchArenaAecEnv.save` gives: as many can be kept, and pickled, as one likes."""
+    """The result of `CatchArenaAecEnv.save`, which may be pickled and restored any number of times."""
 
     __eq__ = equal_fields
     __hash__ = None  # type: ignore[assignment]
 
     episode: SavedEpisode
     turns: dict[str, Any]
-    """Whose turn it is, which actions have been given and not yet played, and what the last step told."""
+    """The agent whose turn it is, actions that were given and are not played yet, and results of the last step."""
 
 
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
@@ -47,7 +47,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         self._parallel = parallel
 
     def _repr_html_(self) -> str:
-        """How a notebook shows it: like the parallel env."""
+        """Return what a notebook shows: the same as of the parallel env."""
         return self._parallel._repr_html_()
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
@@ -64,7 +64,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             raise
 
     def step(self, action: Any) -> None:
-        """The action of the hunter whose turn it is; one that is refused changes nothing.
+        """Take the action of the agent whose turn it is; an action that is refused changes nothing.
 
         Raises:
             ActionError: for an action that is not legal.
@@ -74,7 +74,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         super().step(action)
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """What the hunter whose turn it is sees.
+        """Return observation, reward, termination, truncation and info of the agent whose turn it is.
 
         Raises:
             EpisodeError: outside an episode.
@@ -96,8 +96,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             raise
 
     def save(self) -> SavedTurn:
-        """R10.2: the episode as it stands, between two turns too; `restore` takes it back, here or in an env of an
-        equal config, at any time and as often as one likes.
+        """R10.2: return the state of the episode, also between two turns; `restore` takes it, here or in an env of an
+        equal config, any number of times.
 
         Raises:
             EpisodeError: before the first reset.
@@ -108,7 +108,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         """Go on from a saved episode, bit for bit; `last` gives what it gave then.
 
         Raises:
-            ConfigError: for what `save` did not give, or did for another config.
+            ConfigError: for anything but a result of `save`, and one of another config.
         """
         if not isinstance(saved, SavedTurn):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
@@ -117,11 +117,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         self._has_reset = self._has_updated = True
 
     def clone(self) -> "CatchArenaAecEnv":
-        """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""
+        """Return an independent env in the same state, without a window; `copy.deepcopy` does the same."""
         return copy.deepcopy(self)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """A loop over the turns may begin with what was copied or unpickled, as with what was reset."""
+        """Let a loop over the turns begin with a copied or unpickled env too, as after a reset."""
         self.__dict__.update(state, _has_updated=True)
 
     def _require_turn(self, what: str) -> None:
@@ -164,8 +164,10 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 
 
 class _Unwrapped:
-    """What wrappers find as `unwrapped`: the parallel env, and before it all that an AEC env keeps, to read and to
-    write. PettingZoo's TerminateIllegalWrapper does both there, and PettingZoo's test lets no wrapper be `unwrapped`.
+    """The `unwrapped` that wrappers find: attributes of this AEC env, else those of the parallel env.
+
+    PettingZoo's TerminateIllegalWrapper reads and writes them there, and PettingZoo's test lets no wrapper be
+    `unwrapped`.
     """
 
     def __init__(self, aec: _CheckedAec) -> None:

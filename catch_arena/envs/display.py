@@ -59,7 +59,7 @@ class Display:
 
 
 def notebook_html(title: str, config: ArenaConfig, world: World | None, replay: Replay | None) -> str:
-    """What a notebook shows of an env: a recorded episode plays, of another one there is a picture of its present."""
+    """Return what a notebook shows of an env: a player of the recorded episode, else a picture of the arena now."""
     if replay is not None and replay.steps:
         return replay._repr_html_()
     if world is None:

@@ -38,7 +38,7 @@ Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool],
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SavedEpisode:
-    """What `CatchArenaEnv.save` gives: as many can be kept, and pickled, as one likes.
+    """The result of `CatchArenaEnv.save`, which may be pickled and restored any number of times.
 
     Two are equal if an env goes on from both in the same way: equal in every bit.
     """
@@ -136,18 +136,18 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
         self._nobody: dict[str, bool] = {}
-        """False for each of `agents`: a copy takes less than half the time of another dict."""
+        """False for each of `agents`: to copy it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         self._leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
-        """By row: whether who is no longer active leaves."""
+        """By row: whether an agent that is no longer active leaves."""
         self._some_leave = any(self._leaves)
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
         self._over = True
         self._leaving: set[str] = set()
-        """Who leaves with the end of the next step, and who has left."""
+        """Agents that leave at the end of the next step, and those that have left."""
         self._cut: tuple[str, ...] = ()
-        """Of whom the infos say `TimeLimit.truncated`."""
+        """Agents whose infos say `TimeLimit.truncated`."""
         self._infos = infos
         self._engine = Engine(config)
         self._actions = ActionReader(config, self.possible_agents)
@@ -183,12 +183,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     # what agents see and may do
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
-        """R7.1, R12.4: what that agent sees; the same object in every call."""
+        """R7.1, R12.4: return the space of that agent's observations; the same object in every call."""
         self._actions.row(agent)
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
-        """R4.1, R4.4, R12.2: what that agent may do; the same object in every call."""
+        """R4.1, R4.4, R12.2: return the space of that agent's actions; the same object in every call."""
         self._actions.row(agent)
         return self.action_spaces[agent]
 
@@ -326,7 +326,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.world()
 
     def hunter_observations(self) -> NDArray[np.float32]:
-        """What all hunters observe now (R7.1), by seat, whether they act or have left: (H, D), a copy."""
+        """R7.1: return the observations of all hunters now, by seat, also of those that have left: (H, D), a copy."""
         self._require_episode("hunter_observations")
         size = observation_size(self.config)
         observations: NDArray[np.float32] = self._engine.observations[0, : self.config.hunters, :size].copy()
@@ -345,7 +345,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     # keeping
 
     def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are those of `possible_agents`, in their order.
+        """Record every episode from the next reset on; `names` are players' names, in the order of `possible_agents`.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
@@ -353,14 +353,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._recorder.record(names, title)
 
     def replay(self) -> Replay:
-        """The episode so far, where `record` was called before its reset."""
+        """Return the replay of the episode so far, if `record` was called before its reset."""
         if self._recorder.replay is None:
             raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
         return self._recorder.replay
 
     def save(self) -> SavedEpisode:
-        """R10.2: the episode as it stands; `restore` takes it back, here or in an env of an equal config, at any time
-        and as often as one likes.
+        """R10.2: return the state of the episode, which `restore` takes, here or in an env of an equal config, any
+        number of times.
 
         Raises:
             EpisodeError: before the first reset.
@@ -386,7 +386,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             observations and infos of `agents`, as they were; after the end, when there are none, empty dicts.
 
         Raises:
-            ConfigError: for what `save` did not give, or did for another config or in another version.
+            ConfigError: for anything but a result of `save`, and one of another config or another version.
         """
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
@@ -405,7 +405,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._results.observations(), self._results.infos(self._cut)
 
     def clone(self) -> "CatchArenaEnv":
-        """An env of its own in the same state, as `copy.deepcopy` makes it too; without a window."""
+        """Return an independent env in the same state, without a window; `copy.deepcopy` does the same."""
         return copy.deepcopy(self)
 
     # showing
@@ -418,7 +418,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._display.render(self._engine.world())
 
     def _repr_html_(self) -> str:
-        """How a notebook shows it."""
+        """Return what a notebook shows."""
         world = None if self._seed is None else self._engine.world()
         return notebook_html(str(self), self.config, world, self._recorder.replay)
 

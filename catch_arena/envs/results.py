@@ -77,7 +77,11 @@ class Results:
         return observations
 
     def infos(self, truncated: Sequence[str]) -> dict[str, dict[str, Any]]:
-        """What `CatchArenaEnv` lists; `truncated` are the agents whose `TimeLimit.truncated` is True."""
+        """R7.2: return the infos that `CatchArenaEnv` lists.
+
+        Args:
+            truncated: the agents whose `TimeLimit.truncated` is True.
+        """
         infos: dict[str, dict[str, Any]] = {}
         if self._level != "full":
             masks = self._masks.copy()

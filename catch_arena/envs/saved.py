@@ -19,7 +19,7 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
     num_envs: int | None
     """Of the batch; None for a single row."""
     controls: NDArray[np.int8]
-    """How hunters are driven, as `VectorArena.set_controls` takes it: (B, H), or (H,) of a row."""
+    """Controls of the hunters, as `VectorArena.set_controls` takes them: (B, H), or (H,) of a row."""
     memory: NDArray[np.uint8]
     """As the engine keeps it."""
     finished: NDArray[np.uint8]
@@ -43,27 +43,27 @@ def save_row(engine: Engine, arena: int) -> SavedState:
 
 
 def restore_all(engine: Engine, saved: SavedState) -> None:
-    """Go on from what `require_saved` has let pass."""
+    """Go on from a state that `require_saved` has checked."""
     engine.restore((saved.memory, saved.finished))
     engine.controls[:] = saved.controls
 
 
 def restore_row(engine: Engine, arena: int, saved: SavedState) -> None:
-    """The same in one arena."""
+    """Go on from a state in one arena."""
     engine.restore_row(arena, (saved.memory, saved.finished))
     engine.controls[arena] = saved.controls
 
 
 def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
-    """A state that an engine can go on from.
+    """Check that an engine can go on from a saved state.
 
     Args:
-        saved: what was saved.
-        engine: that goes on from it.
-        alone: whether it has to be that of one arena.
+        saved: the saved state.
+        engine: the engine that is to go on from it.
+        alone: whether it must be the state of one arena.
 
     Raises:
-        ConfigError: for anything else, such as what another version of this package has kept.
+        ConfigError: for anything else, such as a state of another version of this package.
     """
     if not isinstance(saved, SavedState):
         raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")

@@ -1,4 +1,4 @@
-"""Many arenas at once: the engine's own arrays, for those who learn."""
+"""Many arenas at once: the engine's own arrays, for learners."""
 
 import copy as copy_module
 from collections.abc import Callable, Iterable
@@ -110,10 +110,10 @@ class VectorArena:
         self._any_control = any_control
         self._choosing: Final = kinds != {"velocity"}
         self._driving: Final = kinds != {"target"} or self.config.prey > 0
-        """Whether anybody reads choices, and commands."""
+        """Whether some agent reads choices, and whether some agent reads commands."""
         self._begun = False
         self._converted: dict[str, NDArray[Any]] = {}
-        """Room for actions of other types than the engine's, once some have come."""
+        """Buffers for actions whose types are not the engine's, by the name of the argument."""
         try:
             self._engine = Engine(
                 self.config,
@@ -168,11 +168,11 @@ class VectorArena:
         )
 
     def close(self) -> None:
-        """End the threads that were started. The arena is as it was, and can be played on."""
+        """End the threads that were started. The arena can still be played."""
         self._engine.threads.close()
 
     def observation_space(self, agent: int = 0) -> spaces.Box:
-        """R7.1, R12.4: what that agent sees, one of N; the masks are in `infos`."""
+        """R7.1, R12.4: return the space of an agent's observations; `agent` is from 0 to N - 1. Masks are in infos."""
         row = self._agent(agent)
         if row >= self.num_hunters:
             return prey_observation_space(self.config)
@@ -180,7 +180,7 @@ class VectorArena:
         return cast(spaces.Box, observation_space(config, config.controls[row]))
 
     def action_space(self, agent: int = 0) -> spaces.Space[Any]:
-        """R4.1, R4.4, R12.2: what that agent may do, one of N."""
+        """R4.1, R4.4, R12.2: return the space of an agent's actions; `agent` is from 0 to N - 1."""
         row = self._agent(agent)
         return action_space(self.config, "velocity" if row >= self.num_hunters else self.config.controls[row])
 
@@ -410,7 +410,7 @@ class VectorArena:
     # keeping
 
     def save(self) -> SavedState:
-        """R10.2: the state of all arenas; `restore` takes it back, here or in an arena of equal config and size.
+        """R10.2: return the state of all arenas, which `restore` takes, here or in a batch of equal config and size.
 
         Raises:
             EpisodeError: before the first reset.
@@ -425,7 +425,7 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for what was not saved from as many arenas of an equal config.
+            ConfigError: for anything but a result of `save` of as many arenas of an equal config.
         """
         require_saved(saved, self._engine, alone=False)
         self._require_controls(saved, self._engine.controls)
@@ -435,7 +435,7 @@ class VectorArena:
         return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
-        """R10.2: the state of one arena, which any row of an arena of equal config can take."""
+        """R10.2: return the state of one arena, which any row of a batch of equal config can take."""
         return save_row(self._engine, self._row("save_row", arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
@@ -445,7 +445,7 @@ class VectorArena:
             observations and infos, as `reset`.
 
         Raises:
-            ConfigError: for a row that is not there, and what is no saved row of an equal config.
+            ConfigError: for a row that does not exist, and anything but a saved row of an equal config.
         """
         arena = self._row("restore_row", arena)
         require_saved(saved, self._engine, alone=True)
@@ -459,33 +459,33 @@ class VectorArena:
             self._require_any_control()
 
     def clone(self) -> "VectorArena":
-        """An arena of its own in the same state, as `copy.deepcopy` makes it too."""
+        """Return an independent batch in the same state; `copy.deepcopy` does the same."""
         return copy_module.deepcopy(self)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_infos"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """What was copied or unpickled has infos that show its own engine's arrays."""
+        """Make infos again, which show the arrays of the copy's own engine."""
         self.__dict__.update(state)
         self._infos = self._make_infos()
 
     # reading
 
     def world(self, arena: int) -> World:
-        """One arena in the world frame, for people, rendering and tests."""
+        """Return one arena in the world frame, for people, rendering and tests."""
         return self._engine.world(self._row("world", arena))
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
-        """R5.6: one arena's verdicts of the last step; none where a new episode has begun in it."""
+        """R5.6: return one arena's rulings of the last step; none if a new episode has begun in it."""
         return self._engine.rulings(self._row("rulings", arena))
 
     def digest(self, arena: int) -> bytes:
-        """A.8: eight bytes that stand for one arena's state."""
+        """A.8: return eight bytes that stand for one arena's state."""
         return self._engine.digest(self._row("digest", arena))
 
     def seeds(self) -> NDArray[np.uint64]:
-        """The seeds of the episodes under way: (B,). A one-arena env that is reset with one plays the same episode."""
+        """Return the seeds of the current episodes, (B,): a one-arena env that is reset with one plays the same one."""
         return self._engine.seeds()
 
     def _require_begun(self, what: str) -> None:
@@ -509,7 +509,7 @@ def _positive(name: str, value: object, most: int) -> int:
 
 
 def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], columns: int) -> NDArray[np.float64]:
-    """What `place` is given: (arenas, least to most bodies, columns)."""
+    """Return an argument of `place` as an array: (arenas, least to most bodies, columns)."""
     try:
         table = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
@@ -522,7 +522,7 @@ def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], c
 
 
 def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np.bool_]) -> None:
-    """Name the first that is not legal."""
+    """Raise a ConfigError that names the first number that is not legal."""
     if not legal.all():
         where = tuple(int(index) for index in np.argwhere(~legal)[0])
         raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
@@ -549,7 +549,7 @@ def _copied(results: Any) -> Any:
 
 
 def _named(given: object) -> str:
-    """What was given, in a few words."""
+    """Return a few words about an argument, for an error."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
     return f"{given!r}"[:80]
