@@ -18,6 +18,7 @@ from catch_arena.ros.middleware.interfaces import (
     Clock,
     Empty,
     Name,
+    SetPenRequest,
     SpawnRequest,
     Time,
     TwistMessage,
@@ -145,15 +146,19 @@ def test_rulings_tell_verdict_distance_winner_and_clause():
 
 def test_how_often_and_from_how_far_a_node_asked_is_a_remark_after_the_match():
     match = Match(hunters=2, hunter_poses=TWO, names=["anna", "ben"])
-    assert match.node.advice.remarks() == ()
+    match.drive(match.a)
+    match.tick()
+    never = "ben: no node drove hunter_1: look for an error in its terminal"
+    assert match.node.remarks() == (never,)
     name = match.service.spawn(2.45, 2.0)
     for _ in range(3):
         match.ask(match.a, name, "/hunter_0/catch_turtle")
         match.tick()
     match.ask(match.a, match.service.spawn(2.0, 4.0), "/hunter_0/catch_turtle")
     match.tick()
-    assert match.node.advice.remarks() == (
+    assert match.node.remarks() == (
         "anna: 4 requests from too far, 0.45 to 2.00 m away: a catch needs less than reach_m, 0.3 m",
+        never,
     )
 
 
@@ -484,6 +489,8 @@ def test_spawn_kill_clear_and_reset_answer_at_once():
     assert match.service.alive_turtles().turtles[0][1:3] == (match.service.config.side_m, 0.0)
     assert call("/kill", TYPES.kill, Name("turtle1")) == Empty()
     assert call("/clear", EMPTY, Empty()) == Empty()
+    for turtle in ("turtle1", "hunter_0"):
+        assert call(f"/{turtle}/set_pen", TYPES.set_pen, SetPenRequest(255, 0, 0, 3, 0)) == Empty()
     match.tick(3)
     assert call("/reset", EMPTY, Empty()) == Empty()
     assert (match.service.world.step, match.service.world.targets) == (0, ())

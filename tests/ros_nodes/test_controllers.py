@@ -24,7 +24,7 @@ def course(bus_with):
         "--target first --stop 0.3 --hz 100 --answers threads",
         "--target first --stop 0.3 --hz 100 --answers spin",
         "--target nearest --stop 0.3 --hz 2 --new-client",
-        "--target nearest --hasty",
+        "--target nearest --hasty --pen",
     ],
 )
 def test_a_controller_plays_with_the_documented_command(course, choices):
@@ -125,7 +125,7 @@ def test_four_nodes_play_with_the_lines_that_are_printed(course):
     """Each seat's line has the remapping of its node; one dies and is started again."""
     names = ("anna", "ben", "cleo", "dan")
     seats = [word for seat, name in enumerate(names) for word in ("--seat", f"{seat}=ros:{name}")]
-    arena = course.serve(*seats, "--set", "target_budget=24")
+    arena = course.serve(*seats, "--set", "target_budget=40")
     lines = [arena.wait_for(rf"^waiting for {name} on .*(--ros-args .*)")[1].split() for name in names]
     nodes = [course.node("controller", *line) for line in lines]
     for node in nodes:

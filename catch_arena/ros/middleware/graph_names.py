@@ -31,6 +31,11 @@ def cmd_vel_of(turtle: str) -> str:
     return f"/{turtle}/cmd_vel"
 
 
+def set_pen_of(turtle: str) -> str:
+    """Return the service that sets the colour of a turtle's trail."""
+    return f"/{turtle}/set_pen"
+
+
 def catch_turtle_of(turtle: str) -> str:
     """Return a hunter's own catch service."""
     return f"/{turtle}{CATCH_TURTLE}"

@@ -15,6 +15,7 @@ from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 OWN_PACKAGE: Final = "catch_arena_interfaces"
 """Ours: ros2/catch_arena_interfaces."""
 
+UInt8 = Annotated[int, "uint8"]
 Int32 = Annotated[int, "int32"]
 UInt32 = Annotated[int, "uint32"]
 """Whole numbers by ROS's words for them; a float is a float64 if a definition does not say otherwise."""
@@ -104,6 +105,16 @@ class SpawnRequest(NamedTuple):
     y: float
     theta: float
     name: str
+
+
+class SetPenRequest(NamedTuple):
+    """turtlesim/srv/SetPen, the request: colour, width and whether nothing is drawn, each from 0 to 255."""
+
+    r: UInt8
+    g: UInt8
+    b: UInt8
+    width: UInt8
+    off: UInt8
 
 
 class Name(NamedTuple):
@@ -230,6 +241,7 @@ class Interfaces:
         self.pose = message_type(f"{turtlesim}/msg/Pose", messages.Pose, floats="float32")
         self.spawn = service_type(f"{turtlesim}/srv/Spawn", SpawnRequest, Name, floats="float32")
         self.kill = service_type(f"{turtlesim}/srv/Kill", Name, Empty)
+        self.set_pen = service_type(f"{turtlesim}/srv/SetPen", SetPenRequest, Empty)
 
     def with_types(self, turtle_array: MessageType, catch_turtle: ServiceType) -> "Interfaces":
         """Return the same with a list and a catch service of another package."""

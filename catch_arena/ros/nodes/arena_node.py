@@ -92,8 +92,10 @@ class ArenaNode:
         """The scores, and whether the match has ended, in the last standings."""
         self._cmd_vels = {seat.hunter: [graph_names.cmd_vel_of(seat.hunter)] for seat in self.seats}
         poses = {hunter: [graph_names.pose_of(hunter)] for hunter in hunters}
+        drawing = [graph_names.CLEAR] + [graph_names.set_pen_of(seat.hunter) for seat in self.seats]
         if len(self.seats) == 1:
             (only,) = self.seats
+            drawing.append(graph_names.set_pen_of(graph_names.TURTLE))
             self._cmd_vels[only.hunter].append(_EXERCISE_CMD_VEL)
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
         elif self.seats:  # turtle1 is no hunter
@@ -112,7 +114,9 @@ class ArenaNode:
         bus.serve(graph_names.CATCH_TURTLE, interfaces.catch_turtle, self._on_catch_turtle)
         bus.serve(graph_names.SPAWN, interfaces.spawn, self._on_spawn)
         bus.serve(graph_names.KILL, interfaces.kill, self._on_kill)
-        bus.serve(graph_names.CLEAR, EMPTY, lambda request: request.answer(Empty()))  # nothing is drawn
+        for name in drawing:  # nothing is drawn, but solutions wait for an answer
+            kind = EMPTY if name == graph_names.CLEAR else interfaces.set_pen
+            bus.serve(name, kind, lambda request: request.answer(Empty()))
         bus.serve(graph_names.RESET, EMPTY, self._on_reset)
         self._listeners = [bus.listeners_to(topic) for topic in self._watched]
         service.subscribe(self._publish_list)
@@ -183,6 +187,16 @@ class ArenaNode:
         if again and self._bus.graph() is not None:
             seen = ", ".join(self._neighbours.seen) or "no other node: same ROS_DOMAIN_ID? same network?"
             self._log(f"seen: {seen}; `catch-arena ros doctor` says more")
+
+    def remarks(self) -> tuple[str, ...]:
+        """Return lines for the authors of nodes, to print after the ranking."""
+        players = dict(zip(self._service.config.hunter_names, self._names, strict=True))
+        never = [
+            f"{players[seat.hunter]}: no node drove {seat.hunter}: look for an error in its terminal"
+            for seat in self.seats
+            if not seat.drove
+        ]
+        return (*self.advice.remarks(), *never)
 
     # publishing
 

@@ -111,10 +111,11 @@ class Neighbours:
         for one in own:
             if one.name in ours and one.kind in {"subscription", "client"} and one.type != ours[one.name]:
                 package = one.type.partition("/")[0]
-                yield (
-                    f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
-                    f"other. Start the arena again with --interfaces {package}"
-                )
+                if package != self._interfaces.package:
+                    yield (
+                        f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
+                        f"other. Start the arena again with --interfaces {package}"
+                    )
             elif one.name in self._own and one.fields_differ:
                 yield (
                     f"{node} has other fields in {one.type} than the arena, on {one.name}: they do not hear each "

@@ -31,8 +31,10 @@ class RosSeat:
         self._fresh = False
         self._missed = True
         """Whether it is news that a node drives it."""
-        self._was_there = self._drove = self._left = False
-        """True if a node that could drive it was on the bus; if one ever did; if one has left."""
+        self.drove = False
+        """True if a node ever drove it."""
+        self._was_there = self._left = False
+        """True if a node that could drive it was on the bus; if one has left."""
         self._given_ms = -WATCHDOG_MS
 
     def on_twist(self, message: TwistMessage) -> None:
@@ -45,7 +47,7 @@ class RosSeat:
             self._log_once.warn(f"{self.hunter}: its node sends linear.y, which is not obeyed: turn instead")
         if not self.driven and self._missed:
             self._log(f"{self.hunter}: its node {'is back' if self._left else 'is there'}")
-        self.driven = self._drove = True
+        self.driven = self.drove = True
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
         self._fresh = True
 
@@ -81,7 +83,7 @@ class RosSeat:
                 "two",
             )
         gone = self._was_there and not publishers
-        if gone and not self._drove:
+        if gone and not self.drove:
             self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
         elif not publishers and (self.driven or (gone and not self._missed)):  # or it was silent, and that was no news
             self._leave("has gone")

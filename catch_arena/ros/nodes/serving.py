@@ -136,7 +136,7 @@ def serve_match(
                     interrupts.keep(lambda: service.replay.save(record))
 
         interrupts.linger(end)
-    return Served(tuple(names), ranks, scores, rate, node.advice.remarks())
+    return Served(tuple(names), ranks, scores, rate, node.remarks())
 
 
 def _wait_for_nodes(node: ArenaNode, rate: Rate) -> None:

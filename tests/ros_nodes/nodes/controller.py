@@ -14,7 +14,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from turtlesim.msg import Pose
-from turtlesim.srv import Kill
+from turtlesim.srv import Kill, SetPen
 
 
 class Controller(Node):
@@ -32,6 +32,7 @@ class Controller(Node):
         turtle_array = getattr(import_module(f"{package}.msg"), word)
         self.create_subscription(turtle_array, "alive_turtles", self.on_list, 10, callback_group=group)
         self.kill = self.create_client(Kill, "/kill") if choices.kills else None
+        self.pen = self.create_client(SetPen, f"{choices.turtle}/set_pen") if choices.pen else None
         self.client = (
             None if choices.new_client else self.create_client(self.catch, choices.service, callback_group=group)
         )
@@ -80,6 +81,10 @@ class Controller(Node):
         return self.turtles[0]
 
     def ask(self, name):
+        while self.pen is not None and not self.pen.wait_for_service(1.0):  # a colour for each catch
+            self.get_logger().info("waiting for the pen")
+        if self.pen is not None:
+            self.pen.call_async(SetPen.Request(r=255, width=3))
         client = self.client or self.create_client(self.catch, self.choices.service)
         while not client.wait_for_service(1.0):
             self.get_logger().info("waiting for the service")
@@ -129,7 +134,7 @@ def main():
     parser.add_argument("--hz", type=float, default=10.0)
     parser.add_argument("--turtle", default="turtle1")
     parser.add_argument("--service", default="catch_turtle")
-    for flag in ("--new-client", "--hasty", "--kills"):
+    for flag in ("--new-client", "--hasty", "--kills", "--pen"):
         parser.add_argument(flag, action="store_true")
     rclpy.init()
     node = Controller(parser.parse_args(rclpy.utilities.remove_ros_args()[1:]))
