@@ -1,8 +1,8 @@
 """Matches that are kept: recorded, saved, loaded, played again, checked and compared (docs/replays.md).
 
-- recording: a match is recorded: `Replay`. fileformat: as a file, with quantisation (states in whole millionths) and
+- recording: a match is recorded: `Replay`. fileformat: as a file, with states (their numbers in whole millionths) and
   codec (columns of whole numbers as bytes). named_requests: what was asked for by name, and judged again.
-- verification: whether a match plays as recorded. comparison: where two matches part. state_differences: in which
+- verification: checks if a match plays as recorded. comparison: where two matches part. state_differences: in which
   numbers. motion: where everybody is between two states.
 """
 

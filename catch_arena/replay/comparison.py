@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from catch_arena.replay.quantisation import scores
 from catch_arena.replay.recording import Replay
 from catch_arena.replay.state_differences import first_lines, state_differences, state_name
+from catch_arena.replay.states import scores
 
 
 def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("in A", "in B")) -> list[str]:

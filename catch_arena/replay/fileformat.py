@@ -5,33 +5,31 @@ a whole replay of this ruleset is refused.
 """
 
 import hashlib
-import json
 import struct
 import zlib
-from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.equality import equal_fields
 from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
 from catch_arena.plain import plain_setting
-from catch_arena.replay.codec import LENGTH, Reader, pack_columns
-from catch_arena.replay.named_requests import NamedRequest, pack_requests, read_requests
-from catch_arena.replay.quantisation import QuantisedState, driven_seats, pack_states, state_length, unpack_states
+from catch_arena.replay.codec import Reader, pack_columns, pack_json
+from catch_arena.replay.named_requests import pack_requests, read_requests
+from catch_arena.replay.recording import Replay
+from catch_arena.replay.states import driven_seats, pack_states, state_length, unpack_states
 from catch_arena.seeding import checked_seed
 
 LARGEST_FILE: Final = 1 << 26
 """No file is longer than this, and no body when it is unpacked [bytes]."""
 _MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
 _FORMAT: Final = 2
-_WITH_PREY: Final = 1
-_WITH_NAMED_REQUESTS: Final = 2
-"""Added to the format of a match that has them: one without needs nothing that is new in it."""
-_NEWEST: Final = _FORMAT + _WITH_PREY + _WITH_NAMED_REQUESTS
+_PREY, _NAMED_REQUESTS = 1, 2
+"""Optional parts; the format of a match that has them is higher by so much."""
+_NEWEST: Final = _FORMAT + _PREY + _NAMED_REQUESTS
 _PREFIX: Final = struct.Struct("<8sIQ")
 _CHECKSUM_BYTES: Final = 32
 _DIGEST_BYTES: Final = 8
@@ -41,94 +39,79 @@ _MOST_SPANS: Final = 1 << 18
 _LONGEST_MS: Final = 24 * 3_600_000
 _LONGEST_TEXT: Final = 200
 _LONGEST_REASON: Final = 300
-_KEYS: Final = {"ruleset", "package", "config", "seed", "names", "title", "steps", "withdrawals", "spans"}
+
+_Count = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
 
 
-@dataclass(slots=True, eq=False)
-class ReplayContent:
-    """What a file holds. Two are equal if they hold the same match, in every bit."""
+class _Header(msgspec.Struct, forbid_unknown_fields=True):
+    """The JSON object at the beginning of a body."""
 
-    __eq__ = equal_fields
-    __hash__ = None  # type: ignore[assignment]
-
-    config: ArenaConfig
-    seed: int
-    names: tuple[str, ...]
-    """The agents', of the hunters by seat and then of the prey by index."""
-    title: str = ""
-    choices: list[NDArray[np.int64]] = field(default_factory=list)
-    """The ranks of each step: (H,)."""
-    commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """The velocity commands of each step: (H, 2)."""
-    prey_commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """Prey's velocity commands of each step: (P, 2), also where there is none."""
-    digests: list[bytes] = field(default_factory=list)
-    """A.8, after the reset and after each step."""
-    states: list[QuantisedState] = field(default_factory=list)
-    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
-    withdrawals: list[tuple[int, int]] = field(default_factory=list)
-    """(steps played before it, agent): R1.6, R12.5. Agents count as in `names`."""
-    named_requests: list[NamedRequest] = field(default_factory=list)
-    """What was asked for by name and no rank stands for, in the order in which it was asked: R8.4."""
+    ruleset: str
+    package: str
+    config: dict[str, Any]
+    seed: Any
+    names: Any
+    title: Any
+    steps: _Count
+    withdrawals: list[tuple[_Count, _Count]]
+    spans: _Count
+    """The number of targets."""
 
 
-def encode_replay(match: ReplayContent) -> bytes:
-    """The file's content.
+def encode_replay(match: Replay) -> bytes:
+    """Return the content of a match's file.
 
     Raises:
         ReplayError: for a match that is too long to be kept.
     """
-    config, steps = match.config, len(match.choices)
-    _require_sizes(config, steps)
-    driven = driven_seats(config)
+    config, steps = match.config, match.steps
     choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
     commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters, 2)
     prey_commands = np.array(match.prey_commands, dtype=np.float32).reshape(steps, config.prey, 2)
+    _require_sizes(config, steps)
     states, spans = pack_states(config, commands, prey_commands, match.states)
-    _require_few_spans(spans)
-    header = {
-        "ruleset": RULESET,
-        "package": _package_version(),
-        "config": config.to_dict(),
-        "seed": match.seed,
-        "names": match.names,
-        "title": match.title,
-        "steps": steps,
-        "withdrawals": match.withdrawals,
-        "spans": spans,
-    }
-    text = json.dumps(header, separators=(",", ":")).encode()
-    body = b"".join(
-        (
-            LENGTH.pack(len(text)),
-            text,
-            pack_columns(choices.T),
-            _pack_commands(commands[:, driven]),
-            _pack_commands(prey_commands),
-            pack_requests(match.named_requests) if match.named_requests else b"",
-            *match.digests,
-            states,
-        )
+    _require_sizes(config, steps, spans)
+    header = _Header(
+        RULESET,
+        _package_version(),
+        config.to_dict(),
+        match.seed,
+        match.names,
+        match.title,
+        steps,
+        match.withdrawals,
+        spans,
     )
-    if len(text) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
-        raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(text)} of them its header")
+    parts = [
+        pack_json(msgspec.structs.asdict(header)),
+        pack_columns(choices.T),
+        _pack_commands(commands[:, driven_seats(config)]),
+        _pack_commands(prey_commands),
+        pack_requests(match.named_requests) if match.named_requests else b"",
+        *match.digests,
+        states,
+    ]
+    body = b"".join(parts)
+    if len(parts[0]) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
+        raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(parts[0])} of them its header")
     shrunk = zlib.compress(body, 9)
-    content = _PREFIX.pack(_MAGIC, _format_of(match), len(shrunk)) + shrunk
+    form = _FORMAT + _PREY * bool(config.prey) + _NAMED_REQUESTS * bool(match.named_requests)
+    content = _PREFIX.pack(_MAGIC, form, len(shrunk)) + shrunk
     return content + _checksum(content)
 
 
-def decode_replay(content: bytes) -> ReplayContent:
-    """The match in a file's content.
+def decode_replay(content: bytes) -> Replay:
+    """Return the match in a file's content.
 
     Raises:
         ReplayError: for whatever is not a whole replay of this ruleset.
     """
     form, body = _checked_body(content)
     reader = Reader(body)
-    header = _checked_header(_header_of(reader))
-    config, steps = header.config, header.steps
-    named = (form - _FORMAT) & _WITH_NAMED_REQUESTS
-    if (form - _FORMAT) & _WITH_PREY != (_WITH_PREY if config.prey else 0):
+    match, steps, spans = _read_header(reader)
+    config = match.config
+    parts = form - _FORMAT
+    if bool(parts & _PREY) != bool(config.prey):
         raise ReplayError(f"is of format {form}, which is not that of a match with {config.prey} prey")
     choices = reader.columns(config.hunters, steps)
     for seat, control in enumerate(config.controls):
@@ -139,32 +122,16 @@ def decode_replay(content: bytes) -> ReplayContent:
     commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
     commands[:, driven] = _read_commands(reader, steps, len(driven))
     prey_commands = _read_commands(reader, steps, config.prey)
-    named_requests = read_requests(reader, config, steps) if named else []
-    digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
-    states = unpack_states(config, commands, prey_commands, reader, header.spans)
+    match.choices, match.commands, match.prey_commands = list(choices), list(commands), list(prey_commands)
+    match.named_requests = read_requests(reader, config, steps) if parts & _NAMED_REQUESTS else []
+    match.digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
+    match.states = unpack_states(config, commands, prey_commands, reader, spans)
     reader.end()
-    return ReplayContent(
-        config=config,
-        seed=header.seed,
-        names=header.names,
-        title=header.title,
-        choices=list(choices),
-        commands=list(commands),
-        prey_commands=list(prey_commands),
-        digests=digests,
-        states=states,
-        withdrawals=header.withdrawals,
-        named_requests=named_requests,
-    )
-
-
-def _format_of(match: ReplayContent) -> int:
-    prey, named = bool(match.config.prey), bool(match.named_requests)
-    return _FORMAT + _WITH_PREY * prey + _WITH_NAMED_REQUESTS * named
+    return match
 
 
 def _pack_commands(commands: NDArray[np.float32]) -> bytes:
-    """Velocity commands, (steps, n, 2), as columns."""
+    """Return velocity commands, (steps, n, 2), as columns."""
     steps, bodies, _ = commands.shape
     bits = commands.reshape(steps, 2 * bodies).view(np.uint32)
     turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the sign, which is noise, goes to the other noise
@@ -172,7 +139,7 @@ def _pack_commands(commands: NDArray[np.float32]) -> bytes:
 
 
 def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float32]:
-    """What `_pack_commands` wrote."""
+    """Return what `_pack_commands` wrote."""
     turned = reader.columns(2 * bodies, steps)
     if turned.size and not 0 <= turned.min() <= turned.max() < 2**32:
         raise ReplayError("is damaged: a velocity command is not a float32")
@@ -184,7 +151,7 @@ def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float3
 
 
 def checked_text(what: str, text: object) -> str:
-    """A name or a title that can be shown in one line.
+    """Return a name or a title that can be shown in one line.
 
     Raises:
         ConfigError: for a text that is too long or cannot be printed.
@@ -196,10 +163,10 @@ def checked_text(what: str, text: object) -> str:
 
 
 def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
-    """The agents' names, of the hunters by seat and of the prey by index, each of which can be shown in one line.
+    """Return the agents' names, of the hunters by seat and then of the prey by index.
 
     Raises:
-        ConfigError: for a number of names that is not that of the agents, and one that cannot be shown.
+        ConfigError: for a number of names that is not that of the agents, and one that cannot be shown in one line.
     """
     plain, wanted = plain_setting(names), config.hunters + config.prey
     if not isinstance(plain, tuple) or len(plain) != wanted:
@@ -213,7 +180,7 @@ def _checksum(content: bytes | memoryview) -> bytes:
 
 
 def _checked_body(content: bytes) -> tuple[int, bytes]:
-    """The format, and the body as it is unpacked."""
+    """Return the format, and the body as it is unpacked."""
     if not content.startswith(_MAGIC):
         raise ReplayError("is not a Catch Arena replay")
     if len(content) < _PREFIX.size + _CHECKSUM_BYTES:
@@ -241,74 +208,39 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
     return form, body
 
 
-def _header_of(reader: Reader) -> dict[str, Any]:
-    header = reader.json("header", _LONGEST_HEADER)
-    if not isinstance(header, dict):
+def _read_header(reader: Reader) -> tuple[Replay, int, int]:
+    """Return a match without its steps, how many steps it has, and how many spans."""
+    found = reader.json("header", _LONGEST_HEADER)
+    if not isinstance(found, dict):
         raise ReplayError("is damaged: its header is not a table")
-    if header.get("ruleset") != RULESET:
-        ruleset = repr(header.get("ruleset"))[:_LONGEST_TEXT]
+    if found.get("ruleset") != RULESET:
+        ruleset = repr(found.get("ruleset"))[:_LONGEST_TEXT]
         raise ReplayError(f"was recorded under ruleset {ruleset}, and this is {RULESET!r}")
-    if header.keys() != _KEYS:
-        odd = ", ".join(sorted(header.keys() ^ _KEYS))
-        raise ReplayError(f"has a header that cannot be used: {ascii(odd)[1:-1][:_LONGEST_REASON]} too many or missing")
-    return header
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Header:
-    """What a file's header says of the match; the ruleset and the package stand in it too."""
-
-    config: ArenaConfig
-    seed: int
-    names: tuple[str, ...]
-    title: str
-    steps: int
-    withdrawals: list[tuple[int, int]]
-    spans: int
-    """How many targets there were."""
-
-
-def _checked_header(header: dict[str, Any]) -> _Header:
     try:
-        config = ArenaConfig.from_dict(header["config"])
-        seed, title = checked_seed(header["seed"]), checked_text("title", header["title"])
+        header = msgspec.convert(found, _Header)
+        config = ArenaConfig.from_dict(header.config)
         checked_text("name_prefix", config.name_prefix)
-        names = checked_names(header["names"], config)
-        steps, spans = (_count(name, header[name]) for name in ("steps", "spans"))
-        withdrawals = [
-            (_count("withdrawals", step), _count("withdrawals", place)) for step, place in header["withdrawals"]
-        ]
-        places, agents = {place for _, place in withdrawals}, len(names)
-        in_order = withdrawals == sorted(withdrawals) and len(places) == len(withdrawals)
-        if not in_order or any(step > steps or place >= agents for step, place in withdrawals):
+        names, title = checked_names(header.names, config), checked_text("title", header.title)
+        match = Replay(config, checked_seed(header.seed), names, title, withdrawals=header.withdrawals)
+        agents = {agent for _, agent in header.withdrawals}
+        in_order = header.withdrawals == sorted(header.withdrawals) and len(agents) == len(header.withdrawals)
+        if not in_order or any(step > header.steps or agent >= len(names) for step, agent in header.withdrawals):
             raise ConfigError("withdrawals must name agents, each once, in the order of the steps")
-    except (CatchArenaError, TypeError, ValueError, AttributeError) as error:
+    except (CatchArenaError, TypeError, ValueError, AttributeError) as error:  # ValueError: msgspec's, too
         raise ReplayError(f"has a header that cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
-    _require_sizes(config, steps)
-    if steps > config.max_steps:
-        raise ReplayError(f"has a header that cannot be used: {steps} steps, and a match has {config.max_steps}")
-    _require_few_spans(spans)
-    return _Header(
-        config=config, seed=seed, names=names, title=title, steps=steps, withdrawals=withdrawals, spans=spans
-    )
+    _require_sizes(config, header.steps, header.spans)
+    if header.steps > config.max_steps:
+        raise ReplayError(f"has a header that cannot be used: {header.steps} steps, and a match has {config.max_steps}")
+    return match, header.steps, header.spans
 
 
-def _count(name: str, value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**31:
-        raise ConfigError(f"{name} must be whole numbers from 0")
-    return value
-
-
-def _require_sizes(config: ArenaConfig, steps: int) -> None:
+def _require_sizes(config: ArenaConfig, steps: int, spans: int = 0) -> None:
     """What is read must fit in memory, and be played in a time that somebody will wait for."""
     if (steps + 1) * state_length(config) > _MOST_NUMBERS:
         most = _MOST_NUMBERS // state_length(config) - 1
         raise ReplayError(f"is too long to be kept: {steps} steps, and {most} are the most in such an arena")
     if steps * config.control_period_ms > _LONGEST_MS:
         raise ReplayError(f"is too long to be kept: {steps} steps of {config.control_period_ms} ms are more than a day")
-
-
-def _require_few_spans(spans: int) -> None:
     if spans > _MOST_SPANS:
         raise ReplayError(f"is too long to be kept: {spans} targets, and {_MOST_SPANS} are the most")
 

@@ -5,7 +5,6 @@ such requests change nothing in the arena, but each was answered. A replay keeps
 judges them again.
 """
 
-import json
 from bisect import bisect_left
 from collections.abc import Collection, Sequence
 from typing import Final, NamedTuple
@@ -17,7 +16,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.jit import entry
 from catch_arena.core.random import kill_service_down
 from catch_arena.errors import ReplayError
-from catch_arena.replay.codec import LENGTH, Reader, pack_columns
+from catch_arena.replay.codec import LENGTH, Reader, pack_columns, pack_json
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -84,22 +83,21 @@ def judge_again(
     before: World,
     after: World,
 ) -> list[Ruling]:
-    """The rulings on the requests of one step.
+    """Return the rulings on the requests of one step.
 
     Args:
         config: the arena's settings.
         seed: the match's.
         requests: those of the step.
-        caught: which of their names were targets that were caught earlier.
+        caught: the names that belonged to targets that were caught earlier.
         before: the state on which they are judged (R5.1).
-        after: the state that the step led to; its rulings tell what was asked for by rank, which came first.
+        after: the state that the step led to; its rulings have the requests by rank, which came first.
 
     Raises:
         ReplayError: for a request that could have been granted: a rank would stand for it, and the state would be
             another one.
     """
-    seats = {one.seat for one in requests}
-    ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings if ruling.hunter in seats]
+    ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings]
     rulings = arbitrate(
         hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
         targets={target.name: (target.x, target.y) for target in before.targets},
@@ -111,14 +109,14 @@ def judge_again(
         caught=caught,
         inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
         kill_service_up=not _kill_service_down(np.uint64(seed), before.step, config.faults.kill_down),
-    )
-    for ruling in rulings[len(ranked) :]:
+    )[len(ranked) :]
+    for ruling in rulings:
         if ruling.verdict in _FOR_A_RANK:
             raise ReplayError(
                 f"step {before.step + 1}: hunter_{ruling.hunter} cannot have asked for "
                 f"{name_in_words(str(ruling.target))} by name alone: it is in reach, and the arena answered nothing"
             )
-    return rulings[len(ranked) :]
+    return rulings
 
 
 def name_in_words(name: str | None) -> str:
@@ -130,30 +128,29 @@ def name_in_words(name: str | None) -> str:
 
 
 def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
-    """A table of the names, each once, and columns: by how many steps each is later than the one before, the seat, and
-    the name's place in the table.
+    """Return a table of the names, each once, and columns: by how many steps each request is later than the one
+    before, the seat, and the name's place in the table.
     """
-    places: dict[str | None, int] = {}
-    for one in requests:
-        places.setdefault(one.name, len(places))
-    table = json.dumps(list(places), separators=(",", ":")).encode()
+    names = list(dict.fromkeys(one.name for one in requests))
+    places = {name: place for place, name in enumerate(names)}
     numbers = np.array([(one.step, one.seat, places[one.name]) for one in requests], dtype=np.int64)
-    numbers[1:, 0] -= numbers[:-1, 0].copy()
-    return b"".join((LENGTH.pack(len(table)), table, LENGTH.pack(len(requests)), pack_columns(numbers.T)))
+    numbers[:, 0] = np.diff(numbers[:, 0], prepend=0)
+    return pack_json(names) + LENGTH.pack(len(requests)) + pack_columns(numbers.T)
 
 
 def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[NamedRequest]:
-    """What `pack_requests` wrote.
+    """Return what `pack_requests` wrote.
 
     Raises:
-        ReplayError: for whatever no arena would have heard.
+        ReplayError: for what no arena would have taken.
     """
-    names = _read_names(reader)
+    names = reader.json("table of names", _LONGEST_TABLE)
+    if not isinstance(names, list) or not all(map(_is_kept, names)):
+        raise ReplayError("holds requests for names that no replay keeps")
     count = reader.length()
     if not 0 < count <= MOST_REQUESTS:
         raise ReplayError(f"holds {count} requests by name, and 1 to {MOST_REQUESTS} can be kept")
-    numbers = reader.columns(3, count)
-    later, seats, places = numbers.T
+    later, seats, places = reader.columns(3, count).T
     at = np.cumsum(later)
     if later.min() < 0 or later.max() >= steps or at[-1] >= steps:
         raise ReplayError("holds requests by name that are not in the order of the steps")
@@ -166,13 +163,8 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
     ]
 
 
-def _read_names(reader: Reader) -> list[str | None]:
-    names = reader.json("table of names", _LONGEST_TABLE)
-    if not isinstance(names, list) or not all(
-        name is None or (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
-    ):
-        raise ReplayError("holds requests for names that no replay keeps")
-    return names
+def _is_kept(name: object) -> bool:
+    return name is None or (isinstance(name, str) and len(name) <= _LONGEST_NAME)
 
 
 def number_of(config: ArenaConfig, name: str | None) -> int | None:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
@@ -11,31 +11,45 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
+from catch_arena.equality import equal_fields
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
-from catch_arena.replay.fileformat import LARGEST_FILE, ReplayContent, decode_replay, encode_replay
-from catch_arena.replay.named_requests import judge_again, name_in_words, number_of, requests_of_step
-from catch_arena.replay.quantisation import first_state_with, quantise
+from catch_arena.replay.named_requests import NamedRequest, judge_again, name_in_words, number_of, requests_of_step
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
+from catch_arena.replay.states import QuantisedState, has_appeared, quantise
 from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 
-def _in_words(command: NDArray[np.float32]) -> str:
-    linear, angular = command.tolist()
-    return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
-
-
-def _contents(match: ReplayContent) -> Iterator[tuple[str, Any]]:
-    """Each field's name and value."""
-    return ((field.name, getattr(match, field.name)) for field in fields(match))
-
-
 @dataclass(slots=True, eq=False)
-class Replay(ReplayContent):
-    """One recorded match, or the part of it that has been played."""
+class Replay:
+    """One recorded match, or the part of it that has been played. Two are equal if they are the same in every bit."""
+
+    __eq__ = equal_fields
+    __hash__ = None  # type: ignore[assignment]
+
+    config: ArenaConfig
+    seed: int
+    names: tuple[str, ...]
+    """The agents', of the hunters by seat and then of the prey by index."""
+    title: str = ""
+    choices: list[NDArray[np.int64]] = field(default_factory=list)
+    """The ranks of each step: (H,)."""
+    commands: list[NDArray[np.float32]] = field(default_factory=list)
+    """The velocity commands of each step: (H, 2)."""
+    prey_commands: list[NDArray[np.float32]] = field(default_factory=list)
+    """Prey's velocity commands of each step: (P, 2)."""
+    digests: list[bytes] = field(default_factory=list)
+    """A.8, after the reset and after each step."""
+    states: list[QuantisedState] = field(default_factory=list)
+    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
+    withdrawals: list[tuple[int, int]] = field(default_factory=list)
+    """(steps played before it, agent): R1.6, R12.5. Agents count as in `names`."""
+    named_requests: list[NamedRequest] = field(default_factory=list)
+    """What was asked for by name and no rank stands for, in the order in which it was asked: R8.4."""
 
     html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
     """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
@@ -104,11 +118,9 @@ class Replay(ReplayContent):
         self.note(engine)
 
     def copy(self) -> "Replay":
-        """The match so far; the steps that are appended to one of the two do not appear in the other."""
-        contents: dict[str, Any] = {}
-        for name, value in _contents(self):
-            contents[name] = value.copy() if isinstance(value, list) else value
-        return Replay(**contents)
+        """Return the match so far; the steps that are appended to one of the two do not appear in the other."""
+        values: list[Any] = [getattr(self, each.name) for each in fields(self)]
+        return Replay(*(value.copy() if isinstance(value, list) else value for value in values))
 
     def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
@@ -131,16 +143,15 @@ class Replay(ReplayContent):
         return (engine.world() for engine in self.checked_engines())
 
     def checked_engines(self) -> Iterator[Engine]:
-        """As `engines`, each state checked against its digest.
+        """The match again as `engines` plays it, each state checked against its digest.
 
         Raises:
-            ReplayError: as of `worlds`.
+            ReplayError: that names the first step that differs, and in what.
         """
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
-                found = state_differences(
-                    self.config, self.names, self.states[step], quantise(engine.state(), self.config)
-                )
+                played = quantise(engine.state(), self.config)
+                found = state_differences(self.config, self.names, self.states[step], played)
                 raise ReplayError(
                     f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "
                     f"{on_one_line(found)}"
@@ -148,24 +159,22 @@ class Replay(ReplayContent):
             yield engine
 
     def named_rulings(self, before: World, after: World) -> list[Ruling]:
-        """The rulings on what was asked for by name in the step between two worlds, beside those of the latter (R8.4);
-        names are in short.
+        """Return the rulings on requests by name in the step between two worlds, in addition to the latter's (R8.4).
 
         Raises:
-            ReplayError: for one that cannot have been made: somebody has written it into the file.
+            ReplayError: for a request that cannot have been made: somebody has written it into the file.
         """
         requests = requests_of_step(self.named_requests, before.step)
         if not requests:
             return []
-        alive = {target.name for target in before.targets}
-        gone = {one.name for one in requests if one.name is not None} - alive
-        caught = {name for name in gone if self._has_appeared(name, before.step)}
+        gone = {one.name for one in requests if one.name is not None} - {target.name for target in before.targets}
+        states = self.states[: before.step + 1]
+        caught = {
+            name
+            for name in gone
+            if (number := number_of(self.config, name)) is not None and has_appeared(number, states, self.config)
+        }
         return judge_again(self.config, self.seed, requests, caught, before, after)
-
-    def _has_appeared(self, name: str, step: int) -> bool:
-        number = number_of(self.config, name)
-        state = None if number is None else first_state_with(number, self.states, self.config)
-        return state is not None and state <= step
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the match, played in the report's player where that was imported."""
@@ -185,6 +194,8 @@ class Replay(ReplayContent):
         """
         if not isinstance(file, str | os.PathLike | BytesIO):
             raise OutputError(f"file must be a path or a BytesIO, got {with_type(file)}")
+        from catch_arena.replay.fileformat import encode_replay
+
         try:
             content = encode_replay(self)
         except ReplayError as error:
@@ -196,11 +207,13 @@ class Replay(ReplayContent):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Replay":
-        """The replay in a file.
+        """Return the replay in a file.
 
         Raises:
             ReplayError: for whatever is not a whole replay of this ruleset, and what is no path.
         """
+        from catch_arena.replay.fileformat import LARGEST_FILE, decode_replay
+
         if not isinstance(path, str | os.PathLike):
             raise ReplayError(f"path must be a file's, as text or a Path, got {with_type(path)}")
         try:
@@ -209,7 +222,11 @@ class Replay(ReplayContent):
         except (OSError, ValueError) as error:  # ValueError: a path with a zero byte
             raise ReplayError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
         try:
-            match = decode_replay(content)
+            return decode_replay(content)
         except ReplayError as error:
             raise ReplayError(f"{path}: {error}") from None
-        return cls(**dict(_contents(match)))
+
+
+def _in_words(command: NDArray[np.float32]) -> str:
+    linear, angular = command.tolist()
+    return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"

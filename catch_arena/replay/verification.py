@@ -1,24 +1,24 @@
-"""R10.2: whether a match plays as it was recorded, and if not, what was altered."""
+"""R10.2: checks if a match plays as it was recorded, and if not, what was altered."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from itertools import groupby
 
 import numpy as np
 
 from catch_arena.errors import ReplayError
 from catch_arena.replay.named_requests import requests_of_step
-from catch_arena.replay.quantisation import QuantisedState, quantise
 from catch_arena.replay.recording import Replay
 from catch_arena.replay.state_differences import first_lines, on_one_line, state_differences, state_name
+from catch_arena.replay.states import QuantisedState, quantise
 from catch_arena.world import World
 
 
 def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:
     """Play a match again and say all that does not fit; an empty list is a proof.
 
-    A state follows from the one before. So where the digests differ from some step to the end, the match itself
+    A state follows from the one before. So if the digests differ from some step to the end, the match itself
     differs: an action, a setting or a rule is another one. A step whose digest differs although all later ones agree
-    was altered in the file, and so was a quantised state where the digest agrees.
+    was altered in the file, and so was a quantised state if its digest agrees.
 
     With prey a match can differ for some steps alone: where prey was does not matter any more when it has been caught
     and returned. Then the numbers differ as well as the digests.
@@ -28,90 +28,59 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
         progress: called with (steps played, steps in all).
 
     Returns:
-        a line for each fault; where a match differs, a further line for each number that does in the first step.
+        a line for each fault; if a match differs, a further line for each number that does in the first step.
     """
-    found = _Findings(replay)
+    other_digests: list[int] = []
+    other_numbers: dict[int, QuantisedState] = {}
+    impossible: list[str] = []
     before: World | None = None
     for step, engine in enumerate(replay.engines()):
-        found.add(step, engine.digest(), quantise(engine.state(), replay.config))
+        state = quantise(engine.state(), replay.config)
+        if engine.digest() != replay.digests[step]:
+            other_digests.append(step)
+        if not np.array_equal(state, replay.states[step]):
+            other_numbers[step] = state
         if before is not None:
-            found.add_named(before, engine.world())
+            impossible += _impossible_request(replay, before, engine.world())
         before = engine.world() if requests_of_step(replay.named_requests, step) else None
         if progress is not None:
             progress(step, replay.steps)
-    return found.lines()
+    return [*impossible[:1], *_faults(replay, other_digests, other_numbers)]
 
 
-@dataclass(slots=True)
-class _Apart:
-    """Steps, one after the other, whose digests differ."""
-
-    first: int
-    replayed: QuantisedState
-    """What the first one was, played again."""
-    numbers_differ: bool = False
-    """Whether the numbers of any of them differ too."""
+def _impossible_request(replay: Replay, before: World, after: World) -> list[str]:
+    try:
+        replay.named_rulings(before, after)
+    except ReplayError as error:
+        return [str(error)]
+    return []
 
 
-@dataclass(slots=True)
-class _Findings:
-    """What was seen of a match while it was played again."""
+def _faults(replay: Replay, other_digests: Sequence[int], other_numbers: Mapping[int, QuantisedState]) -> list[str]:
+    """Return what follows from the steps whose digests or numbers differ."""
+    stretches = [[step for _, step in run] for _, run in groupby(enumerate(other_digests), lambda at: at[1] - at[0])]
+    differs, altered = [], []
+    for stretch in stretches:
+        rejoined = replay.config.prey and any(step in other_numbers for step in stretch)
+        if rejoined or stretch[-1] == replay.steps:
+            differs.append(stretch)
+        else:
+            altered += stretch
+    found = [f"{_altered('digest', altered)}: the match plays on as recorded"] if altered else []
+    if numbers := sorted(other_numbers.keys() - set(other_digests)):
+        difference = on_one_line(_differences(replay, numbers[0], other_numbers))
+        found.append(f"{_altered('quantised state', numbers)}: the digest agrees, but {difference}")
+    for stretch in differs:
+        first, last = stretch[0], stretch[-1]
+        again = "" if last == replay.steps else f"; from {state_name(last + 1)} on it plays as recorded"
+        found.append(f"{state_name(first)} is the first that differs{again}")
+        found += first_lines(first, _differences(replay, first, other_numbers))
+    return found
 
-    replay: Replay
-    apart: _Apart | None = None
-    """The steps that differ until now."""
-    rejoined: list[tuple[_Apart, int]] = field(default_factory=list)
-    """Where the match differed, and from when on it plays as recorded again."""
-    impossible_requests: list[str] = field(default_factory=list)
-    """Requests by name that the arena would have granted."""
-    altered_digests: list[int] = field(default_factory=list)
-    """Steps in which only that was altered."""
-    altered_numbers: list[int] = field(default_factory=list)
-    first_numbers: QuantisedState = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    """What the first of these steps was, played again."""
 
-    def add(self, step: int, digest: bytes, state: QuantisedState) -> None:
-        """One more state, as it was played again."""
-        numbers_differ = not np.array_equal(state, self.replay.states[step])
-        if digest != self.replay.digests[step]:
-            self.apart = self.apart or _Apart(step, state)
-            self.apart.numbers_differ |= numbers_differ
-            return
-        if self.apart is not None and self.apart.numbers_differ and self.replay.config.prey:
-            self.rejoined.append((self.apart, step))
-        elif self.apart is not None:
-            self.altered_digests += range(self.apart.first, step)
-        self.apart = None
-        if numbers_differ:
-            self.first_numbers = self.first_numbers if self.altered_numbers else state
-            self.altered_numbers.append(step)
-
-    def add_named(self, before: World, after: World) -> None:
-        """What was asked for by name in one step."""
-        try:
-            self.replay.named_rulings(before, after)
-        except ReplayError as error:
-            self.impossible_requests.append(str(error))
-
-    def lines(self) -> list[str]:
-        """Each fault, and what it begins with."""
-        found = self.impossible_requests[:1]
-        if self.altered_digests:
-            found.append(f"{_altered('digest', self.altered_digests)}: the match plays on as recorded")
-        if self.altered_numbers:
-            difference = on_one_line(self._differences(self.altered_numbers[0], self.first_numbers))
-            found.append(f"{_altered('quantised state', self.altered_numbers)}: the digest agrees, but {difference}")
-        for apart, until in self.rejoined:
-            again = f"from {state_name(until)} on it plays as recorded"
-            found.append(f"{state_name(apart.first)} is the first that differs; {again}")
-            found += first_lines(apart.first, self._differences(apart.first, apart.replayed))
-        if self.apart is not None:
-            found.append(f"{state_name(self.apart.first)} is the first that differs")
-            found += first_lines(self.apart.first, self._differences(self.apart.first, self.apart.replayed))
-        return found
-
-    def _differences(self, step: int, replayed: QuantisedState) -> list[str]:
-        return state_differences(self.replay.config, self.replay.names, self.replay.states[step], replayed)
+def _differences(replay: Replay, step: int, played: Mapping[int, QuantisedState]) -> list[str]:
+    recorded = replay.states[step]
+    return state_differences(replay.config, replay.names, recorded, played.get(step, recorded))
 
 
 def _altered(what: str, steps: Sequence[int]) -> str:

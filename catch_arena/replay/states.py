@@ -1,0 +1,372 @@
+"""Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
+
+A digest tells that two states differ; the quantised states tell in what. In a file the numbers of what moves stand as
+what is left after R2.2's motion has been taken off, which is almost nothing, and those of a target that stands still
+stand once.
+"""
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.config import ArenaConfig
+from catch_arena.core.jit import entry
+from catch_arena.core.math import sincos
+from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS
+from catch_arena.errors import ReplayError
+from catch_arena.replay.codec import Reader, pack_columns
+
+QuantisedState = NDArray[np.int64]
+"""One state: the numbers of `Engine.state()`, those of a length, an angle or a velocity in whole millionths."""
+Matrix = NDArray[np.int64]
+"""A column for each number, a row for each state or thing."""
+
+ARENA: Final = {
+    "time": "ms",
+    "step": "",
+    "spawned": "",
+    "numbers used up": "",
+    "firings": "",
+    "skipped_full": "",
+    "skipped_down": "",
+    "refused": "",
+}
+"""The arena's numbers and their units: "" for a count, "flag", "target" for a target's number or 0."""
+HUNTER: Final = {
+    "x": "m",
+    "y": "m",
+    "theta": "rad",
+    "linear velocity": "m/s",
+    "angular velocity": "rad/s",
+    "distance integral": "m s",
+    "bearing integral": "rad s",
+    "active target": "target",
+    "score": "",
+    "at wall": "flag",
+    "withdrawn": "flag",
+}
+OUT: Final = "ms, or -1 while in play"
+PREY: Final = {"target": "target", "times caught": "", "caught at": OUT}
+_STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": "ms"}
+_MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": "flag"}
+MICRO: Final = frozenset({"m", "rad", "m/s", "rad/s", "m s", "rad s"})
+"""Units of which a quantised state has whole millionths."""
+
+_THETA, _TURN_RATE, _ACTIVE, _SCORE = 2, 4, 7, 8
+_PLACE, _VELOCITIES = slice(0, 2), slice(3, 5)
+"""Columns of a hunter, and of a moving target's motion."""
+_IDENTITY: Final = (0, 4)
+"""Columns of a target that never change: its number, and when it appeared."""
+_MOTION: Final = (1, 2, 3, 5, 6, 7)
+"""Columns of a moving target that do, in the order of a hunter's first five, with its wall flag behind them."""
+_USED_UP: Final = 3
+_LARGEST: Final = 2**53
+_MOST_TICKS: Final = WATCHDOG_MS // TICK_MS  # R2.4: after it the velocities are zero
+
+
+class StateParts(NamedTuple):
+    """A state taken apart."""
+
+    arena: Matrix
+    """The arena's numbers, in one row."""
+    hunters: Matrix
+    targets: Matrix
+    """A row for each alive target."""
+    prey: Matrix
+
+
+def target_numbers(config: ArenaConfig) -> dict[str, str]:
+    """Return a target's numbers and their units."""
+    return _MOVING_TARGET if config.targets_move else _STILL_TARGET
+
+
+def parts_of(state: QuantisedState, config: ArenaConfig) -> StateParts:
+    """Return the parts of a state, which share its memory."""
+    hunters, targets = len(ARENA), _before_targets(config)
+    prey = len(state) - config.prey * len(PREY)
+    return StateParts(
+        state[:hunters].reshape(1, -1),
+        state[hunters:targets].reshape(-1, len(HUNTER)),
+        state[targets:prey].reshape(-1, len(target_numbers(config))),
+        state[prey:].reshape(-1, len(PREY)),
+    )
+
+
+def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
+    """Return a state as `Engine.state()` gives it, in whole millionths."""
+    scale = np.ones_like(state)
+    tables = (ARENA, HUNTER, target_numbers(config), PREY)
+    for part, numbers in zip(parts_of(scale, config), tables, strict=True):  # type: ignore[arg-type]
+        part[:, [unit in MICRO for unit in numbers.values()]] = 1_000_000
+    return _rounded(scale * state)
+
+
+def state_length(config: ArenaConfig) -> int:
+    """Return how many numbers a state has at most."""
+    return _before_targets(config) + config.max_targets * len(target_numbers(config)) + config.prey * len(PREY)
+
+
+def scores(state: QuantisedState, config: ArenaConfig) -> tuple[list[int], list[int]]:
+    """Return every hunter's score in a state, and how often each prey was caught."""
+    parts = parts_of(state, config)
+    return parts.hunters[:, _SCORE].tolist(), parts.prey[:, 1].tolist()
+
+
+def has_appeared(number: int, states: Sequence[QuantisedState], config: ArenaConfig) -> bool:
+    """Return whether a target is in one of the states: a number is used up by a spawn that is refused, too."""
+    first = bisect_left(states, number, key=lambda state: int(state[_USED_UP]))
+    return first < len(states) and number in parts_of(states[first], config).targets[:, 0]
+
+
+def driven_seats(config: ArenaConfig) -> list[int]:
+    """Return the seats whose velocity commands mean something."""
+    return [seat for seat, control in enumerate(config.controls) if control != "target"]
+
+
+def pack_states(
+    config: ArenaConfig,
+    commands: NDArray[np.float32],
+    prey_commands: NDArray[np.float32],
+    states: Sequence[QuantisedState],
+) -> tuple[bytes, int]:
+    """Return the states of a match, the initial one and that of each step, as bytes; and how many spans they have.
+
+    Args:
+        config: the arena's settings.
+        commands: (steps, H, 2).
+        prey_commands: (steps, P, 2).
+        states: the states to be packed.
+    """
+    arena, hunters, targets, prey = zip(*(parts_of(state, config) for state in states), strict=True)
+    clock, by_seat, by_index = np.concatenate(arena), np.array(hunters), np.array(prey)
+    packed = [pack_columns(_differences(clock).T)]
+    ticks, asked = _ticks(clock[:, 0]), _asked_of_hunters(config, commands)
+    for seat in range(config.hunters):
+        rest = _without_motion(by_seat[:, seat], ticks)
+        rest[:, _ACTIVE] = by_seat[:, seat, _ACTIVE]
+        if seat in driven_seats(config):
+            rest[:, _VELOCITIES] = by_seat[:, seat, _VELOCITIES] - asked[:, seat]
+        packed.append(pack_columns(rest.T))
+    packed.append(pack_columns(_differences(by_index.reshape(len(states), -1)).T))
+    rows = np.concatenate(targets)
+    spans, order = _spans_of(rows, np.repeat(np.arange(len(states)), [len(part) for part in targets]), config)
+    packed.append(pack_columns(np.hstack((_differences(spans[:, :1]), spans[:, 1:])).T))
+    if config.targets_move:
+        tracks = rows[order][:, _MOTION]
+        rest = _without_motion(tracks, _ticks_of_targets(ticks, spans))
+        rest[:, _VELOCITIES] -= _differences(_asked_of_targets(config, prey_commands, by_index[:, :, 0], spans))
+        packed.append(pack_columns(rest.T))
+    return b"".join(packed), len(spans)
+
+
+def unpack_states(
+    config: ArenaConfig,
+    commands: NDArray[np.float32],
+    prey_commands: NDArray[np.float32],
+    reader: Reader,
+    spans: int,
+) -> list[QuantisedState]:
+    """Return the states that `pack_states` wrote.
+
+    Raises:
+        ReplayError: for states that cannot be.
+    """
+    size = len(commands) + 1
+    fixed = [_bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))]
+    ticks, asked = _ticks(fixed[0][:, 0]), _asked_of_hunters(config, commands)
+    for seat in range(config.hunters):
+        rest = reader.columns(len(HUNTER), size)
+        numbers = np.cumsum(rest, axis=0)
+        numbers[:, _ACTIVE] = rest[:, _ACTIVE]
+        if seat in driven_seats(config):
+            numbers[:, _VELOCITIES] = rest[:, _VELOCITIES] + asked[:, seat]
+        fixed.append(_with_motion(numbers, ticks))
+    prey = _bounded(np.cumsum(reader.columns(config.prey * len(PREY), size), axis=0))
+    numbers_of_target = len(target_numbers(config))
+    table = reader.columns(2 + (len(_IDENTITY) if config.targets_move else numbers_of_target), spans)
+    table[:, 0] = np.cumsum(table[:, 0])
+    _require_alive_together(_bounded(table), size, config.max_targets)
+    targets = np.repeat(table[:, 2:], table[:, 1], axis=0)
+    if config.targets_move:
+        tracks = np.cumsum(reader.columns(len(_MOTION), len(targets)), axis=0)
+        tracks[:, _VELOCITIES] += _asked_of_targets(config, prey_commands, prey[:, :: len(PREY)], table)
+        moving = np.zeros((len(targets), numbers_of_target), dtype=np.int64)
+        moving[:, _IDENTITY] = targets
+        moving[:, _MOTION] = _with_motion(tracks, _ticks_of_targets(ticks, table))
+        targets = moving
+    alive = _by_state(targets, _ranges(table[:, 0], table[:, 1]), size)
+    before = np.hstack(fixed)
+    return [np.concatenate((row, tail.reshape(-1), last)) for row, tail, last in zip(before, alive, prey, strict=True)]
+
+
+def _before_targets(config: ArenaConfig) -> int:
+    """Return how many numbers a state has before its targets'."""
+    return len(ARENA) + config.hunters * len(HUNTER)
+
+
+def _rounded(numbers: NDArray[np.float64]) -> Matrix:
+    """Return floor(number + 0.5), at most 2^53 in size."""
+    return np.clip(np.floor(numbers + 0.5), -_LARGEST, _LARGEST).astype(np.int64)
+
+
+def _bounded(numbers: Matrix) -> Matrix:
+    if numbers.size and not -_LARGEST <= numbers.min() <= numbers.max() <= _LARGEST:
+        raise ReplayError("is damaged: a quantised state holds a number beyond 2^53")
+    return numbers
+
+
+def _differences(numbers: Matrix) -> Matrix:
+    """Return by how much each row differs from the one before; the first one from zeros."""
+    return np.diff(numbers, axis=0, prepend=0)
+
+
+# what moves
+
+
+def _ticks(times_ms: NDArray[np.int64]) -> NDArray[np.int64]:
+    """R1.2: return the ticks that led to each state, no more than move a hunter; none to the first."""
+    return np.clip(np.diff(times_ms // TICK_MS, prepend=times_ms[:1] // TICK_MS), 0, _MOST_TICKS)
+
+
+def _without_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
+    """Return how each row differs from the one before, but for what R2.2 moves: a body's numbers, and others."""
+    rest = _differences(numbers)
+    rest[:, _THETA] -= _turned(numbers, ticks)
+    rest[:, _PLACE] -= _travelled(numbers, ticks)
+    return rest
+
+
+def _with_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
+    """Undo `_without_motion` in the same memory: `numbers` are the sums of its rows, velocities as they were."""
+    _bounded(numbers[:, _VELOCITIES])
+    numbers[:, _THETA] += np.cumsum(_turned(numbers, ticks))
+    _bounded(numbers[:, _THETA])
+    numbers[:, _PLACE] += np.cumsum(_travelled(numbers, ticks), axis=0)
+    return _bounded(numbers)
+
+
+def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
+    """R2.2: return how far a body's turn rate has turned it on its way to each state."""
+    return (TICK_MS * numbers[:, _TURN_RATE] * ticks + 500) // 1000
+
+
+def _travelled(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
+    """R2.2: return how far a body's velocities have carried it: (states, 2)."""
+    displacement = np.zeros((len(ticks), 2))
+    before = np.concatenate(([0], numbers[:-1, _THETA]))[: len(ticks)]
+    _travel(before.astype(np.float64), numbers[:, _VELOCITIES].astype(np.float64), ticks, displacement)
+    return _rounded(displacement)
+
+
+@entry
+def _travel(
+    theta: NDArray[np.float64],
+    velocities: NDArray[np.float64],
+    ticks: NDArray[np.int64],
+    displacement: NDArray[np.float64],
+) -> None:
+    """R2.2 in millionths, on the core's own sine and cosine: every machine must take off what another one put on."""
+    for step in range(len(ticks)):
+        angle = theta[step] / 1000000.0
+        turn = velocities[step, 1] / 1000000.0 * DT
+        stride = velocities[step, 0] * DT
+        for _ in range(ticks[step]):
+            angle = angle + turn
+            sine, cosine = sincos(angle)
+            displacement[step, 0] = displacement[step, 0] + cosine * stride
+            displacement[step, 1] = displacement[step, 1] + sine * stride
+
+
+# what commands ask for
+
+
+def _asked(commands: NDArray[np.float32], high: NDArray[np.float64], *, reverse: bool) -> Matrix:
+    """R2.5: return the velocities that commands ask for, (steps, n, 2), with a row of zeros before the first."""
+    low = -high if reverse else high * [0.0, -1.0]
+    asked = _rounded(1e6 * np.clip(commands.astype(np.float64) * high, low, high))
+    return np.concatenate((np.zeros((1, *asked.shape[1:]), dtype=np.int64), asked))
+
+
+def _asked_of_hunters(config: ArenaConfig, commands: NDArray[np.float32]) -> Matrix:
+    """Return the velocities that every seat's commands ask for: (steps + 1, H, 2)."""
+    return _asked(commands, np.array([config.max_speeds, config.max_turn_rates]).T, reverse=config.reverse)
+
+
+def _asked_of_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], plays: Matrix, spans: Matrix) -> Matrix:
+    """R12.2: return the velocities that prey's commands ask for, state after state and span after span: (states, 2).
+
+    They are zeros for targets that nobody plays, and where one has just appeared: it stands still (R3.8).
+
+    Args:
+        config: the arena's settings.
+        prey_commands: (steps, P, 2).
+        plays: the number of each prey's target in each state, 0 for none: (steps + 1, P).
+        spans: when each target is alive, and its number.
+    """
+    limits = np.array([config.target_speed_mps, config.target_turn_rate_radps])
+    asked = _asked(prey_commands, limits, reverse=config.reverse)
+    at, numbers = _ranges(spans[:, 0], spans[:, 1]), np.repeat(spans[:, 2], spans[:, 1])
+    found = np.zeros((len(at), 2), dtype=np.int64)
+    for index in range(config.prey):
+        led = plays[at, index] == numbers
+        led[_beginnings(spans)] = False
+        found[led] = asked[at[led], index]
+    return found
+
+
+# when targets are alive
+
+
+def _ranges(begin: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the numbers of all ranges, one range after the other."""
+    return np.arange(length.sum()) + np.repeat(begin - np.cumsum(length) + length, length)
+
+
+def _beginnings(spans: Matrix) -> NDArray[np.int64]:
+    """Return the place of each span's first state among the states of all spans."""
+    return np.cumsum(spans[:, 1]) - spans[:, 1]
+
+
+def _ticks_of_targets(ticks: NDArray[np.int64], spans: Matrix) -> NDArray[np.int64]:
+    """R3.8: return the ticks that led to each state of the spans; none to the first of each."""
+    found = ticks[_ranges(spans[:, 0], spans[:, 1])]
+    found[_beginnings(spans)] = 0
+    return found
+
+
+def _spans_of(rows: Matrix, at: NDArray[np.int64], config: ArenaConfig) -> tuple[Matrix, NDArray[np.int64]]:
+    """Return the stretches of states in which a target's identity stays, and where it stands still all its numbers.
+
+    A span is where it begins, how long it is, and what stays. The rows' order by spans comes with them.
+    """
+    stays = rows[:, _IDENTITY] if config.targets_move else rows
+    order = np.lexsort((at, *stays.T[::-1]))
+    at, stays = at[order], stays[order]
+    fresh = np.concatenate(([True], (np.diff(at) != 1) | np.any(np.diff(stays, axis=0) != 0, axis=1)))[: len(at)]
+    first = np.flatnonzero(fresh)
+    length = np.diff(first, append=len(at))
+    spans = np.column_stack((at[first], length, stays[first]))
+    by_beginning = np.lexsort(spans.T[::-1])
+    return spans[by_beginning], order[_ranges(first[by_beginning], length[by_beginning])]
+
+
+def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
+    """Raise a ReplayError for spans that cannot be, before there is a row for each of their states."""
+    begin, end = spans[:, 0], spans[:, 0] + spans[:, 1]
+    if np.any((begin < 0) | (begin >= end) | (end > size)):
+        raise ReplayError("is damaged: its quantised states have a target outside the match")
+    changes = np.bincount(begin, minlength=size + 1) - np.bincount(end, minlength=size + 1)
+    if np.cumsum(changes).max() > most:
+        raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
+
+
+def _by_state(targets: Matrix, at: NDArray[np.int64], size: int) -> list[Matrix]:
+    """Return the targets that are alive in each state, by number; `at` says which state a row is in."""
+    order = np.lexsort((targets[:, 0], at))
+    targets, at = targets[order], at[order]
+    if np.any((np.diff(at) == 0) & (np.diff(targets[:, 0]) == 0)):
+        raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
+    return np.split(targets, np.searchsorted(at, np.arange(1, size)))
