@@ -1,14 +1,14 @@
 """Highlights: the moments of recorded matches that are worth seeing, each with its reason and a score.
 
-Pure: a match is played once for its events, and its highlights follow from these. Scores lie in [0, 1]; each kind has
-one rule, and docs/videos.md lists them.
+A match is played once for its events, and its highlights follow from these. `SCORES` has the rule of each kind, and
+docs/videos.md the same rules in words.
 """
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Final, Literal, NamedTuple, get_args
+from typing import Final, Literal, NamedTuple
 
 from catch_arena.explanation.captures import PreyRecord
 from catch_arena.explanation.contests import contests_of
@@ -19,7 +19,17 @@ from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
 
 Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
-KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+
+SCORES: Final[Mapping[Kind, Callable[..., float]]] = {
+    "contest": lambda margin_um, reach_um: 1.0 - math.log1p(margin_um) / math.log1p(reach_um),
+    "capture": lambda in_play_ms, duration_ms: in_play_ms / duration_ms,
+    "lead": lambda at_ms, duration_ms: (at_ms / duration_ms) ** 2,
+    "streak": lambda catches: 1.0 - 2.0 / catches,
+    "finish": lambda difference, most: (1.0 - difference / most) ** 2,
+    "upset": lambda favourites_share, winners_share: favourites_share - winners_share,
+}
+"""The score of each kind, in [0, 1], by its own numbers."""
+KINDS: Final = tuple(SCORES)
 
 CLOSE_CATCHES: Final = 2
 """A match that ends with no more between the first and the second was close."""
@@ -110,27 +120,22 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
         ]
         if progress is not None:
             progress(step, replay.steps)
-    names, entrants = labels(replay.hunter_names), replay.hunter_names
-    hunters = names
-    if replay.config.teams is not None:
-        names = tuple(team_label(replay, seats) for seats in replay.config.teams)
-        entrants = tuple(_entrant(replay, seats) for seats in replay.config.teams)
+    hunters, teams = replay.hunter_names, replay.config.teams
+    names, entrants = labels(hunters), hunters
+    if teams is not None:
+        names = tuple(team_label(replay, seats) for seats in teams)
+        entrants = tuple(" + ".join(dict.fromkeys(hunters[seat] for seat in seats)) for seats in teams)
     return MatchEvents(
-        hunters,
-        prey_labels(replay),
-        names,
-        entrants,
-        replay.steps * period_ms,
-        replay.config.reach_um,
-        tuple(catches),
-        tuple(contests),
-        tuple(prey.captures),
+        hunters=labels(hunters),
+        prey=prey_labels(replay),
+        names=names,
+        entrants=entrants,
+        duration_ms=replay.steps * period_ms,
+        reach_um=replay.config.reach_um,
+        catches=tuple(catches),
+        contests=tuple(contests),
+        captures=tuple(prey.captures),
     )
-
-
-def _entrant(replay: Replay, seats: Sequence[int]) -> str:
-    """A team as it is called in other matches: by its only agent, or by all of them."""
-    return " + ".join(dict.fromkeys(replay.hunter_names[seat] for seat in seats))
 
 
 def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = None) -> list[Highlight]:
@@ -162,9 +167,10 @@ def win_records(matches: Iterable[MatchEvents]) -> dict[str, WinRecord]:
     """The records of all entrants."""
     found: dict[str, WinRecord] = {}
     for events in matches:
-        for name, share in zip(events.entrants, _shares(events), strict=True):
+        most = max(events.scores)
+        for name, score in zip(events.entrants, events.scores, strict=True):
             old = found.get(name, WinRecord())
-            found[name] = WinRecord(old.played + 1, old.won + share)
+            found[name] = WinRecord(old.played + 1, old.won + (score == most) / events.scores.count(most))
     return found
 
 
@@ -173,12 +179,6 @@ def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, 
     mine = win_records([events])
     others = {name: WinRecord(known[name].played - one.played, known[name].won - one.won) for name, one in mine.items()}
     return {name: one.won / one.played for name, one in others.items() if one.played >= LEAST_OTHER_MATCHES}
-
-
-def _shares(events: MatchEvents) -> list[float]:
-    """By contender, its part of the win."""
-    most = max(events.scores)
-    return [(score == most) / events.scores.count(most) for score in events.scores]
 
 
 def select_highlights(
@@ -202,135 +202,117 @@ def select_highlights(
 
 
 def _contests(events: MatchEvents) -> Iterable[Highlight]:
-    """The nearer the two were to the same distance, the better: 1 for a lot, 0 where one of them was at the target."""
     for contest in events.contests:
-        margin_um = contest.margin_um
         winner, loser = contest.claims[:2]
+        if contest.margin_um is None or winner.verdict is not Verdict.GRANTED or contest.clause not in ("R5.4", "R5.5"):
+            continue
         if loser.mate:
             continue  # nobody has lost anything by it
-        if margin_um is None or winner.verdict is not Verdict.GRANTED or contest.clause not in ("R5.4", "R5.5"):
-            continue
         first, second = events.hunters[winner.seat], events.hunters[loser.seat]
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             what = f"{first} beats {second} by lot"
             why = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
-            what = f"{first} beats {second} by {short_length(margin_um)}"
+            what = f"{first} beats {second} by {short_length(contest.margin_um)}"
             why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
-        score = 1.0 - math.log1p(margin_um) / math.log1p(events.reach_um)
-        yield _around("contest", contest.judged_ms, score, what, why)
+        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, what, why)
 
 
 def _captures(events: MatchEvents) -> Iterable[Highlight]:
-    """The longer prey had got away, the better: that part of the match."""
     for one in events.captures:
         what = f"{events.hunters[one.seat]} catches {events.prey[one.prey]}"
         place = "" if one.distance_um is None else f", from {metres(one.distance_um)}"
         why = f"It had got away for {seconds(one.in_play_ms)}{place} (R12.3)"
-        score = one.in_play_ms / events.duration_ms
-        yield _around("capture", one.judged_ms, score, what, why)
+        yield _highlight("capture", (one.in_play_ms, events.duration_ms), one.judged_ms, what, why)
 
 
 def _leads(events: MatchEvents) -> Iterable[Highlight]:
-    """The later somebody else takes the lead, the better: the square of the part of the match that has passed."""
-    for since_ms, catch, old in _changes(events):
-        scores = catch.scores
-        what = f"{events.names[catch.contender]} takes the lead, {scores[catch.contender]} : {_second(scores)}"
-        why = f"{events.names[old]}, who was in front from {seconds(since_ms)} on, has {scores[old]} (R6.1)"
-        yield _around("lead", catch.judged_ms, (catch.judged_ms / events.duration_ms) ** 2, what, why)
-
-
-def _changes(events: MatchEvents) -> Iterable[tuple[int, Catch, int]]:
-    """Since when the old one led, the catch that changed it, and the old one; ties have no leader."""
+    """Each change of the sole leader; the catches of one step count together."""
     leader: int | None = None
     since_ms = 0
-    for _, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
-        catch = _leading(tuple(step))
-        if catch is None or catch.contender == leader:
+    for at_ms, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
+        made = list(step)
+        scores = made[-1].scores
+        new = next((one.contender for one in made if scores[one.contender] > _best_other(scores, one.contender)), None)
+        if new is None or new == leader:
             continue
         if leader is not None:
-            yield since_ms, catch, leader
-        leader, since_ms = catch.contender, catch.judged_ms
-
-
-def _leading(step: Sequence[Catch]) -> Catch | None:
-    """The catch of a step by which somebody leads alone after it."""
-    scores = step[-1].scores
-    return next((one for one in step if scores[one.contender] > _second(scores, one.contender)), None)
+            what = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
+            why = f"{events.names[leader]}, who was in front from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
+            yield _highlight("lead", (at_ms, events.duration_ms), at_ms, what, why)
+        leader, since_ms = new, at_ms
 
 
 def _streaks(events: MatchEvents) -> Iterable[Highlight]:
-    """The longer, the better: 1 - 2 / n for n catches in a row."""
     if len(events.hunters) == 1:
         return
     for seat, run in groupby(events.catches, key=lambda catch: catch.seat):
-        row = list(run)
-        if len(row) < STREAK:
+        times = [catch.judged_ms for catch in run]
+        if len(times) < STREAK:
             continue
-        first, last = row[0], row[-1]
-        what = f"{events.hunters[seat]} catches {len(row)} in a row"
-        why = f"For {seconds(last.judged_ms - first.judged_ms)} nobody else catches any (R6.1)"
-        start_ms = max(row[-STREAK].judged_ms - 1000, last.judged_ms - LAST_MS, 0)
-        end_ms = last.judged_ms + _AFTER_MS
-        yield Highlight("streak", start_ms, last.judged_ms, end_ms, 1.0 - 2.0 / len(row), what, why)
+        what = f"{events.hunters[seat]} catches {len(times)} in a row"
+        why = f"For {seconds(times[-1] - times[0])} nobody else catches any (R6.1)"
+        start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
+        yield _highlight("streak", (len(times),), times[-1], what, why, start_ms=start_ms)
 
 
 def _finish(events: MatchEvents) -> Iterable[Highlight]:
-    """The last seconds: the smaller the winner's lead as a part of its catches, the better, squared."""
-    scores = sorted(events.scores, reverse=True)
-    if len(scores) == 1 or scores[0] == 0 or scores[0] - scores[1] > CLOSE_CATCHES:
+    """The last seconds of a close match."""
+    ranked = sorted(range(len(events.names)), key=lambda contender: -events.scores[contender])[:2]
+    most, second = (events.scores[contender] for contender in (ranked[0], ranked[-1]))
+    difference = most - second
+    if len(ranked) == 1 or most == 0 or difference > CLOSE_CATCHES:
         return
-    first, second = sorted(range(len(scores)), key=lambda contender: (-events.scores[contender], contender))[:2]
-    names = f"{events.names[first]} {scores[0]}, {events.names[second]} {scores[1]}"
-    what = f"{names} at the end"
-    why = (
-        "They share the first rank (R6.1)" if scores[0] == scores[1] else f"{_catches(scores)} decides the match (R6.1)"
-    )
-    start_ms = max(0, events.duration_ms - LAST_MS)
-    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.contender in (first, second)]
+    what = f"{', '.join(f'{events.names[one]} {events.scores[one]}' for one in ranked)} at the end"
+    lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
+    why = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
+    start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + _AFTER_MS
+    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.contender in ranked]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
-    score = (1.0 - (scores[0] - scores[1]) / scores[0]) ** 2
-    yield Highlight("finish", start_ms, decisive_ms, events.duration_ms + _AFTER_MS, score, what, why)
+    yield _highlight("finish", (difference, most), decisive_ms, what, why, start_ms=start_ms, end_ms=end_ms)
 
 
 def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highlight]:
-    """How much more of its other matches the favourite had won than the winner."""
-    winner = events.scores.index(max(events.scores))
-    if events.scores.count(events.scores[winner]) > 1 or not all(name in rates for name in events.entrants):
+    """The sole winner had won less of its other matches than the favourite."""
+    scores, names = events.scores, events.names
+    winner = scores.index(max(scores))
+    if scores.count(scores[winner]) > 1 or not all(name in rates for name in events.entrants):
         return
-    favourite = max(range(len(events.names)), key=lambda contender: rates[events.entrants[contender]])
-    mine, theirs = rates[events.entrants[winner]], rates[events.entrants[favourite]]
-    if theirs <= mine:
+    shares = [rates[name] for name in events.entrants]
+    favourite = shares.index(max(shares))
+    if shares[favourite] <= shares[winner]:
         return
-    taken = [catch for catch in events.catches if _leads_from(events, catch, winner)]
-    what = (
-        f"{events.names[winner]} beats {events.names[favourite]}, {events.scores[winner]} : {events.scores[favourite]}"
-    )
+    at_ms = events.catches[-1].judged_ms
+    for catch in reversed(events.catches):  # back to the catch from which on it leads alone
+        if catch.scores[winner] <= _best_other(catch.scores, winner):
+            break
+        at_ms = catch.judged_ms
+    what = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
+    mine, theirs = shares[winner], shares[favourite]
     why = (
-        f"Of its other matches it won {100 * mine:.0f} %, {events.names[favourite]} {100 * theirs:.0f} %; "
+        f"Of its other matches it won {100 * mine:.0f} %, {names[favourite]} {100 * theirs:.0f} %; "
         "from here on it leads (R6.1)"
     )
-    yield _around("upset", taken[0].judged_ms, theirs - mine, what, why)
+    yield _highlight("upset", (theirs, mine), at_ms, what, why)
 
 
-def _leads_from(events: MatchEvents, catch: Catch, contender: int) -> bool:
-    """From this catch to the end this contender leads alone."""
-    later = (one.scores for one in events.catches if one.judged_ms >= catch.judged_ms)
-    return all(scores[contender] > _second(scores, contender) for scores in later)
+def _highlight(
+    kind: Kind,
+    numbers: Sequence[float],
+    decisive_ms: int,
+    what: str,
+    why: str,
+    *,
+    start_ms: int | None = None,
+    end_ms: int | None = None,
+) -> Highlight:
+    """Return a moment with its score; without times of its own it is a few seconds about the decisive instant."""
+    start_ms = max(0, decisive_ms - _BEFORE_MS) if start_ms is None else start_ms
+    end_ms = decisive_ms + _AFTER_MS if end_ms is None else end_ms
+    return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), what, why)
 
 
-def _around(kind: Kind, decisive_ms: int, score: float, what: str, why: str) -> Highlight:
-    start_ms = max(0, decisive_ms - _BEFORE_MS)
-    return Highlight(kind, start_ms, decisive_ms, decisive_ms + _AFTER_MS, max(0.0, score), what, why)
-
-
-def _second(scores: Sequence[int], contender: int | None = None) -> int:
-    """The best score but one; or the best of all but that contender's, -1 for one alone."""
-    if contender is None:
-        contender = scores.index(max(scores))
+def _best_other(scores: Sequence[int], contender: int) -> int:
+    """Return the best score of all but one contender; -1 if there is no other."""
     return max((score for other, score in enumerate(scores) if other != contender), default=-1)
-
-
-def _catches(scores: Sequence[int]) -> str:
-    return "One catch" if scores[0] - scores[1] == 1 else f"A lead of {scores[0] - scores[1]} catches"

@@ -73,23 +73,13 @@ class Explanation:
         """
         prey = self.prey_by_target
         events = [(one.step, 0, contest_sentence(one, self.names, prey.get(one.target))) for one in self.contests]
-        for run in self.refusals:
-            name, reach_um = self.names[run.seat], self.reaches_um[run.seat]
-            events.append((run.first_step, 1, refusals_sentence(run, name, reach_um, prey.get(run.target or ""))))
-        events += [(one.step, 2, capture_sentence(one, self.names, self.prey_names)) for one in self.captures]
+        events += [(run.first_step, 1, refusals_sentence(run, self)) for run in self.refusals]
+        events += [(one.step, 2, capture_sentence(one, self)) for one in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
-            found.append(no_contest_sentence(self.names, self.records, self.prey))
-        return [
-            opening_sentence(
-                self.title, self.steps, self.duration_ms, self.policy, self.names, self.scores, self.teams
-            ),
-            "",
-            *found,
-            "",
-            *(summary_sentence(summary, self.policy) for summary in self.records),
-            *map(prey_sentence, self.prey),
-        ]
+            found.append(no_contest_sentence(self))
+        summaries = [*(summary_sentence(one, self.policy) for one in self.records), *map(prey_sentence, self.prey)]
+        return [opening_sentence(self), "", *found, "", *summaries]
 
     def to_dict(self) -> dict[str, Any]:
         """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits, distances in micrometres."""
@@ -259,18 +249,17 @@ def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequ
 
 def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Contest]) -> None:
     """Contests won and lost, and by how much on average."""
-    won: list[list[int]] = [[] for _ in summaries]
-    lost: list[list[int]] = [[] for _ in summaries]
-    for contest in contests:
-        if contest.clause == "R9.1":
-            continue  # everybody won
-        winner, *losers = contest.claims
-        won[winner.seat].append(contest.margin_um or 0)
-        for claim in losers:
-            summaries[claim.seat].contests_lost_to_mates += claim.mate
-            lost[claim.seat].append((claim.distance_um or 0) - (winner.distance_um or 0))
+    decided = [one for one in contests if one.clause != "R9.1"]  # there everybody won
     for summary in summaries:
-        wins, losses = won[summary.seat], lost[summary.seat]
-        summary.contests_won, summary.contests_lost = len(wins), len(losses)
-        summary.won_by_um = sum(wins) / len(wins) if wins else None
-        summary.lost_by_um = sum(losses) / len(losses) if losses else None
+        won, lost = [], []
+        for contest in decided:
+            winner, *losers = contest.claims
+            if winner.seat == summary.seat:
+                won.append(contest.margin_um or 0)
+            for claim in losers:
+                if claim.seat == summary.seat:
+                    summary.contests_lost_to_mates += claim.mate
+                    lost.append((claim.distance_um or 0) - (winner.distance_um or 0))
+        summary.contests_won, summary.contests_lost = len(won), len(lost)
+        summary.won_by_um = sum(won) / len(won) if won else None
+        summary.lost_by_um = sum(lost) / len(lost) if lost else None

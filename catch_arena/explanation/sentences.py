@@ -1,7 +1,7 @@
 """Facts as sentences, each with its clause."""
 
 from collections.abc import Iterable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from catch_arena.explanation.facts import (
     Capture,
@@ -12,7 +12,6 @@ from catch_arena.explanation.facts import (
     PreyAction,
     PreySummary,
     Refusals,
-    TeamSummary,
 )
 from catch_arena.explanation.formatting import exact_length, metres, seconds
 from catch_arena.explanation.seats import with_seat
@@ -20,27 +19,24 @@ from catch_arena.explanation.seen_targets import Unseen
 from catch_arena.replay.named_requests import name_in_words
 from catch_arena.verdicts import REASONS, Verdict
 
+if TYPE_CHECKING:
+    from catch_arena.explanation.match_summary import Explanation
+    from catch_arena.explanation.step_explanation import StepExplanation
+
 _EMPTY_RANK: Final = "a rank that no target in its view has"
 _LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
 _MOST_UNSEEN: Final = 3
 
 
-def opening_sentence(
-    title: str,
-    steps: int,
-    duration_ms: int,
-    policy: str,
-    names: Sequence[str],
-    scores: Sequence[int],
-    teams: Sequence[TeamSummary],
-) -> str:
-    """A whole match: how long it was, and who caught how many."""
-    caught = (f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(zip(names, scores, strict=True)))
-    heading = f"{title}: " if title else ""
-    sums = [f"{team.name} {team.score}" for team in sorted(teams, key=lambda team: team.rank)]
+def opening_sentence(match: "Explanation") -> str:
+    """Return how long a match was, and who caught how many."""
+    heading = f"{match.title}: " if match.title else ""
+    sums = [f"{team.name} {team.score}" for team in sorted(match.teams, key=lambda team: team.rank)]
     of_teams = f"Teams (R11.1): {_listed(sums)}. " if sums else ""
-    length = f"{_counted(steps, 'step')}, {seconds(duration_ms)}"
-    return f"{heading}{length}, policy {policy}. {of_teams}Catches: {_listed(caught)}."
+    length = f"{_counted(match.steps, 'step')}, {seconds(match.duration_ms)}"
+    caught = zip(match.names, match.scores, strict=True)
+    catches = _listed(f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(caught))
+    return f"{heading}{length}, policy {match.policy}. {of_teams}Catches: {catches}."
 
 
 def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -> str:
@@ -78,11 +74,11 @@ def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
     return f": {who} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
 
 
-def no_contest_sentence(names: Sequence[str], hunters: Sequence[HunterSummary], prey: Sequence[PreySummary]) -> str:
-    """There was no contest: at all, or of the hunters and over the prey that the explanation is about."""
-    if len(hunters) == len(names):
+def no_contest_sentence(match: "Explanation") -> str:
+    """Return that there was no contest: at all, or of the hunters and over the prey that the explanation is about."""
+    if len(match.records) == len(match.names):
         return "No contest: in no step could two hunters have caught the same target."
-    sides = (("of", [one.name for one in hunters]), ("over", [one.name for one in prey]))
+    sides = (("of", [one.name for one in match.records]), ("over", [one.name for one in match.prey]))
     return f"No contest {' or '.join(f'{side} {_listed(called)}' for side, called in sides if called)}."
 
 
@@ -102,15 +98,9 @@ def _compared(claim: Claim, winner: Claim) -> str:
     return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
 
 
-def refusals_sentence(run: Refusals, name: str, reach_um: int, prey: str | None) -> str:
-    """One hunter's refusals: when, what for, and why.
-
-    Args:
-        run: the refusals.
-        name: what the hunter is called.
-        reach_um: its reach [micrometres].
-        prey: what the prey that played the target is called, where one did.
-    """
+def refusals_sentence(run: Refusals, match: "Explanation") -> str:
+    """Return when one hunter was refused, what for, and why."""
+    name, reach_um, prey = match.names[run.seat], match.reaches_um[run.seat], match.prey_by_target.get(run.target or "")
     if run.times == 1:
         when, often = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
     else:
@@ -139,13 +129,12 @@ def _answered(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
     return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
 
 
-def capture_sentence(one: Capture, names: Sequence[str], prey_names: Sequence[str]) -> str:
-    """Who caught a prey, from where, and when it returned."""
-    place = "" if one.distance_um is None else f" from {metres(one.distance_um)}"
+def capture_sentence(one: Capture, match: "Explanation") -> str:
+    """Return who caught a prey, from where, and when it returned."""
     after = "; it did not return"
     if one.returned_ms is not None:
         after = f"; it returned at {seconds(one.returned_ms)} as {one.returned_as}"
-    who = f"{names[one.seat]} caught {prey_names[one.prey]}, {one.target},{place}"
+    who = f"{match.names[one.seat]} caught {match.prey_names[one.prey]}, {one.target},{_from(one.distance_um)}"
     when = f"At {seconds(one.judged_ms)} (step {one.step})"
     return f"{when} {who} after {seconds(one.in_play_ms)} in play{after} (R12.3)."
 
@@ -189,22 +178,16 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
     return f"{with_seat(summary.name, summary.seat)}: {'; '.join(parts)}."
 
 
-def action_sentences(
-    one: HunterAction, names: Sequence[str], reach_um: int, view_radius_m: float | None, view_angle_deg: float
-) -> str:
-    """What one hunter did in a step, what it asked for, and what it did not see.
-
-    Args:
-        one: the hunter's part in the step.
-        names: what the hunters are called, by seat.
-        reach_um: its reach [micrometres].
-        view_radius_m: how far the hunters see, None for any distance.
-        view_angle_deg: and how wide, 360 for all round.
-    """
+def action_sentences(one: HunterAction, step: "StepExplanation") -> str:
+    """Return what one hunter did in a step, what it asked for, and what it did not see."""
     chosen = f" ({one.chosen})" if one.chosen else ""
-    did = f"{with_seat(names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."
-    sight = _sight(one, view_radius_m, view_angle_deg)
-    return " ".join((did, *filter(None, (_left(one), _requested(one, names, reach_um), sight))))
+    said = [f"{with_seat(step.names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."]
+    if one.out is not None:
+        said.append(f"{_LEFT[one.out]}.")
+    said.append(_requested(one, step))
+    if one.unseen:
+        said.append(_sight(one, step))
+    return " ".join(said)
 
 
 def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
@@ -222,17 +205,13 @@ def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
     return f"{one.name}: {' '.join(told)}"
 
 
-def _left(one: HunterAction) -> str:
-    return f"{_LEFT[one.out]}." if one.out is not None else ""
-
-
-def _requested(one: HunterAction, names: Sequence[str], reach_um: int) -> str:
-    told = []
+def _requested(one: HunterAction, step: "StepExplanation") -> str:
+    told, reach_um = [], step.reaches_um[one.seat]
     if one.verdict is not None:
         winner = ""
         if one.verdict is Verdict.LOST_CONTEST and one.winner is not None:
             mate = ", its own team-mate (R11.3)" if one.mate else ""
-            winner = f"; the winner is {names[one.winner]}{mate}"
+            winner = f"; the winner is {step.names[one.winner]}{mate}"
         told.append(f"{_answered(one.target or _EMPTY_RANK, _from(one.distance_um), one.verdict, reach_um)}{winner}")
     told += [
         _answered(name_in_words(other.target), _from(other.distance_um), other.verdict, reach_um)
@@ -241,15 +220,13 @@ def _requested(one: HunterAction, names: Sequence[str], reach_um: int) -> str:
     return f"It requested {'; then '.join(told) or 'nothing'}."
 
 
-def _sight(one: HunterAction, view_radius_m: float | None, view_angle_deg: float) -> str:
-    """What was out of its sight, the nearest first, and why; nothing where it saw every target."""
-    if not one.unseen:
-        return ""
+def _sight(one: HunterAction, step: "StepExplanation") -> str:
+    """Return what was out of its sight, the nearest first, and why."""
     limits = []
-    if view_radius_m is not None:
-        limits.append(f"nearer than {view_radius_m:g} m")
-    if view_angle_deg < 360.0:
-        limits.append(f"at most {view_angle_deg / 2.0:g} degrees off its heading")
+    if step.view_radius_m is not None:
+        limits.append(f"nearer than {step.view_radius_m:g} m")
+    if step.view_angle_deg < 360.0:
+        limits.append(f"at most {step.view_angle_deg / 2.0:g} degrees off its heading")
     shown = [_out_of_sight(target) for target in one.unseen[:_MOST_UNSEEN]]
     if more := len(one.unseen) - len(shown):
         shown.append(f"{more} more")
@@ -265,25 +242,16 @@ def _out_of_sight(one: Unseen) -> str:
     return f"{one.target}, {metres(one.distance_um)} away, {' and '.join(why)}"
 
 
-def distances_sentence(
-    target: str, distances_um: Sequence[int], names: Sequence[str], unseen_by: Sequence[int], prey: str | None
-) -> str:
-    """How far everybody was from one target.
-
-    Args:
-        target: its name.
-        distances_um: by seat [micrometres].
-        names: what the hunters are called, by seat.
-        unseen_by: the seats that did not see it.
-        prey: what the prey that plays it is called, where one does.
-    """
+def distances_sentence(target: str, step: "StepExplanation") -> str:
+    """Return how far every hunter was from one target, the nearest first."""
     ranked = sorted(
-        (distance, name, " (out of its sight)" if seat in unseen_by else "")
-        for seat, (distance, name) in enumerate(zip(distances_um, names, strict=True))
+        (distance, name, " (out of its sight)" if seat in step.out_of_sight[target] else "")
+        for seat, (distance, name) in enumerate(zip(step.distances_um[target], step.names, strict=True))
     )
-    told = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
+    distances = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
+    prey = step.prey_by_target.get(target)
     player = f", which {prey} plays" if prey is not None else ""
-    return f"Distances to {target}{player}: {told}."
+    return f"Distances to {target}{player}: {distances}."
 
 
 def _listed(words: Iterable[str]) -> str:

@@ -54,24 +54,13 @@ class StepExplanation:
 
     def lines(self) -> list[str]:
         """The step in words: a paragraph for each hunter, each target and each contest."""
-        begin, end = seconds(self.begin_ms), seconds(self.end_ms)
+        begin, end, prey = seconds(self.begin_ms), seconds(self.end_ms), self.prey_by_target
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
-            *(
-                action_sentences(one, self.names, self.reaches_um[one.seat], self.view_radius_m, self.view_angle_deg)
-                for one in self.hunters
-            ),
+            *(action_sentences(one, self) for one in self.hunters),
             *(prey_action_sentences(one, self.names) for one in self.prey),
-            *(
-                distances_sentence(
-                    target, distances_um, self.names, self.out_of_sight[target], self.prey_by_target.get(target)
-                )
-                for target, distances_um in self.distances_um.items()
-            ),
-            *(
-                contest_sentence(contest, self.names, self.prey_by_target.get(contest.target))
-                for contest in self.contests
-            ),
+            *(distances_sentence(target, self) for target in self.distances_um),
+            *(contest_sentence(one, self.names, prey.get(one.target)) for one in self.contests),
         ]
 
     def to_dict(self) -> dict[str, Any]:

@@ -119,8 +119,9 @@ class Replay:
 
     def copy(self) -> "Replay":
         """Return the match so far; the steps that are appended to one of the two do not appear in the other."""
-        values: list[Any] = [getattr(self, each.name) for each in fields(self)]
-        return Replay(*(value.copy() if isinstance(value, list) else value for value in values))
+        values = (getattr(self, each.name) for each in fields(self))
+        copied: list[Any] = [value.copy() if isinstance(value, list) else value for value in values]
+        return Replay(*copied)
 
     def engines(self) -> Iterator[Engine]:
         """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
