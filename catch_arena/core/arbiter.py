@@ -84,6 +84,8 @@ def first_failed_test(
 ) -> int:
     """R5.2: the first test that a request fails by itself, or ELIGIBLE if only other requests can stand in its way.
 
+    `controllers.look_up_choices` finds ranks without a target; `judge` finds duplicates.
+
     Args:
         target: the slot or number asked for, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
         distance_um: [micrometres].
@@ -146,6 +148,9 @@ def is_preferred(
 def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
     """R5.1 to R5.7: write the verdict and the winner of every request of one step: first the tests of R5.2 by which a
     request fails alone, then the contests among those that are left.
+
+    In a match most requests that fail alone have been answered by `catching.refuse_requests`, by the same tests, and
+    do not come here; under `capstone` all come.
 
     Args:
         requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes -1

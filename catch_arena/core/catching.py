@@ -309,15 +309,16 @@ def resolve_requests(
     service_up, counts = sections.rows[:LANES], sections.rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)
     ask_service(block, s, width, lanes, service_up)
-    if len(given_requests) == 0:
+    from_hunters = len(given_requests) == 0
+    if from_hunters:
         if s.policy != CAPSTONE:
             refuse_requests(block, s, width, lanes, targets, limits, sections, service_up)
         count_requests(block, s, width, sections, counts)
     for lane in range(lanes):
-        if len(given_requests) == 0 and counts[lane] == 0.0:
+        if from_hunters and counts[lane] == 0.0:
             continue
         requests = given_requests
-        if len(given_requests) == 0:
+        if from_hunters:
             requests = sections.requests[: collect_requests(block, s, lane, sections)]
         fill_requests(block, s, lane, targets, limits, requests)
         judge_requests(block, s, lane, requests, service_up[lane] > 0.0)

@@ -54,8 +54,8 @@ STILL_BODY_ROWS: Final = 3
 SPEED: Final = 3 * LANES  # commanded [m/s], within the limits of the hunter, the targets or the prey
 TURN_RATE: Final = 4 * LANES  # commanded [rad/s], within the same limits
 AT_WALL: Final = 5 * LANES  # R2.3's flag: 0 or 1
-SINE: Final = 6 * LANES  # of theta, -1 to 1
-COSINE: Final = 7 * LANES  # of theta, -1 to 1
+SINE: Final = 6 * LANES  # of theta, -1 to 1: `observe` writes it, and the next step moves by it
+COSINE: Final = 7 * LANES  # of theta, -1 to 1, as SINE
 BODY_ROWS: Final = 8
 
 # hunter rows: a body's, and these
@@ -72,9 +72,7 @@ DISTANCE: Final = 15 * LANES  # R5.6: to the target [micrometres], from 0; -1 if
 WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0; -1 for none
 REWARD_SUM: Final = 17 * LANES  # of this episode, any number
 CONTESTS_WON: Final = 18 * LANES  # kills of this episode, granted or refused, that a rival could have had, from 0
-TALLIES: Final = (
-    18 * LANES
-)  # from 0: how often verdict v was met in this episode; its row is TALLIES + v * LANES, v >= 1
+TALLIES: Final = CONTESTS_WON  # row TALLIES + v * LANES: how often verdict v, from 1, was met in this episode; from 0
 HUNTER_ROWS: Final = 19 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (

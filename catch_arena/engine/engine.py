@@ -61,7 +61,7 @@ class Engine:
         num_threads: how many may play.
         any_control: whether `controls` may differ by arena.
 
-    `rewards`, `observations` and so on are arrays of `core.memory.Sections`, which gives their shapes and units. They
+    `rewards`, `observations` and so on are arrays of `core.memory.Sections`, which gives their shapes. They
     change with every step: copy what is to be kept. Of N agents the H hunters come first, by seat, and then the P prey,
     by index.
     """
@@ -79,8 +79,9 @@ class Engine:
         settings = settings_of(config, with_parts=with_infos, any_control=any_control)
         options = state.options_of(settings)
         variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
-        self._variant = (*((SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)), options)
-        """What of `tick.run` is compiled."""
+        width, view_width = (SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)
+        self._compiled_for = (width, view_width, options)
+        """The first arguments of `tick.run`, by whose types it is compiled."""
         compile_once(variant, partial(_play_smallest, variant))
         self.config = config
         self.num_arenas = num_arenas
@@ -104,7 +105,7 @@ class Engine:
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Give the memory's sections their names."""
         self._memory = memory
-        self._run: Callable[..., None] = partial(tick.run, *self._variant, memory)
+        self._run: Callable[..., None] = partial(tick.run, *self._compiled_for, memory)
         self.blocks = sections.blocks
         self.controls = sections.controls
         self.rewards = sections.rewards
@@ -360,7 +361,7 @@ class Engine:
         twin = object.__new__(Engine)
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
-        twin._any_control, twin._variant = self._any_control, self._variant
+        twin._any_control, twin._compiled_for = self._any_control, self._compiled_for
         twin._chunks, twin.threads = self._chunks, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))

@@ -98,7 +98,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     - `verdict`: the answer to the agent's catch request in this step, a number of `Verdict`, 0 without a request;
     - `target`, `distance_um`, `winner`: the number of the target that was requested, its distance, and the seat that
       won; each -1 for none;
-    - `reward_parts`: R6.2's parts, unweighted, float64 (7), in the order of `RewardWeights`;
+    - `reward_parts`: R6.2's parts, unweighted, float64, one for each field, in the order of `RewardWeights`;
     - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
     - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
     - `TimeLimit.truncated`: whether the agent is truncated in this step; by it stable-baselines3 knows that the value
@@ -269,7 +269,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             raise EpisodeError(f"step must follow a reset: {why}")
         agents, engine, given = self.agents, self._engine, self._actions
         given.read(actions, agents)
-        engine.step(given.choices, given.commands)
+        engine.step(given.choices, given.commands)  # writes its arrays: `_results` reads rewards and all else there
         if self._recorder.replay is not None:
             self._recorder.replay.append(given.choices[0], given.commands[0], engine)
         ended = engine.ends.item()

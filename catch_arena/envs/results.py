@@ -57,12 +57,12 @@ class Results:
         self._prey = rows[len(self._hunters) :]
 
     def rewards(self) -> dict[str, float]:
-        """R6.2, R12.5."""
+        """R6.2, R12.5: return the rewards of the last step."""
         rewards = dict(zip(self._rows, self._rewards.tolist()))  # noqa: B905 - half as long again
         return rewards if len(self._agents) == len(rewards) else {agent: rewards[agent] for agent in self._agents}
 
     def observations(self) -> dict[str, Any]:
-        """R7.1, R12.4."""
+        """R7.1, R12.4: return the observations after the last step or reset."""
         seen = self._observations.copy()
         observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters}
         if self._config.prey:  # of the two sides one may see less

@@ -550,7 +550,7 @@ class OracleArena:
             )
             if hunter.withdrawn:
                 parts = (0.0,) * len(parts)
-            paid = PART_NAMES if self.teams is not None else PART_NAMES[:-1]
+            paid = [name for name in PART_NAMES if name != "mate_catch" or self.teams is not None]
             reward, *others = (weights[name] * parts[PART_NAMES.index(name)] for name in paid)
             for other in others:
                 reward = reward + other

@@ -12,10 +12,10 @@ def test_parts_stand_in_the_order_of_the_rulebook():
     """That of the fields of the weights, of both sides."""
     env = parallel_env("tag")
     env.reset(seed=5)
-    env._engine.parts[0], env._engine.prey_parts[0] = range(7), range(3)
+    env._engine.parts[0], env._engine.prey_parts[0] = range(len(PART_NAMES)), range(3)
     infos = env._results.infos(())
 
-    assert infos["hunter_1"]["reward_parts"].tolist() == list(range(7))
+    assert infos["hunter_1"]["reward_parts"].tolist() == list(range(len(PART_NAMES)))
     assert infos["prey_0"]["reward_parts"].tolist() == list(range(3))
     assert tuple(field.name for field in dataclasses.fields(RewardWeights)) == PART_NAMES
     assert tuple(field.name for field in dataclasses.fields(PreyRewardWeights)) == PREY_PART_NAMES
