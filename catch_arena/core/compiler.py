@@ -56,8 +56,9 @@ _NEEDED: Final[dict[Any, str]] = {
     ir: "Arg Assign Const Expr",
     ir_utils: "get_definition guard",
     cpu.CPUContext: "insert_user_function",
-    typed_passes: "NativeLowering",
-    untyped_passes: "RewriteSemanticConstants",
+    typed_passes: "IRLegalization InlineOverloads NativeLowering NopythonRewrites",
+    untyped_passes: "FindLiterallyCalls InlineClosureLikes InlineInlinables LiteralPropagationSubPipelinePass "
+    "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
     _dynfunc: "make_function",
 }
 USABLE: Final = os.environ.get("CATCH_ARENA_COMPILER") != "numba" and all(
@@ -201,6 +202,25 @@ class _LowerWhole(typed_passes.NativeLowering):  # type: ignore[misc]
         return super().run_pass(state)  # type: ignore[no-any-return]
 
 
+_SKIPPED: Final = {
+    typed_passes.IRLegalization,
+    typed_passes.InlineOverloads,
+    typed_passes.NopythonRewrites,
+    untyped_passes.FindLiterallyCalls,
+    untyped_passes.InlineClosureLikes,
+    untyped_passes.InlineInlinables,
+    untyped_passes.LiteralPropagationSubPipelinePass,
+    untyped_passes.LiteralUnroll,
+    untyped_passes.MakeFunctionToJitFunction,
+    untyped_passes.RewriteDynamicRaises,
+    untyped_passes.WithLifting,
+}
+"""The core has no closures, contexts and exceptions, nothing that is inlined before it is translated, no loops over
+literals and no arithmetic with whole arrays; and nothing that is counted and freed, for which Numba notes where each
+variable is used last.
+"""
+
+
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
 class _LowerOutlined(_LowerPart):
     """One copy of the code, made small and not fast."""
@@ -220,7 +240,7 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     """The last of the passes."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes with one more, and ours in place of the last."""
+        """Numba's passes, but for those that the core does not need, with one more, and ours in place of the last."""
         builder = compiler.DefaultPassBuilder
         manager = _machinery.PassManager("catch_arena")
         for part in (
@@ -233,7 +253,7 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
                     manager.add_pass(_Substitute, "what we have in place of something")
                 if step is typed_passes.NativeLowering:
                     manager.add_pass(self.lowering, description)
-                else:
+                elif step not in _SKIPPED:
                     manager.add_pass(step, description)
         manager.finalize()
         return [manager]
