@@ -23,7 +23,7 @@ _LARGEST: Final = 2**64
 _AGAIN_S: Final = 1.0
 """Code that swallows the interruption is interrupted again."""
 KINDS: Final = ("success", "verdict", "evidence")
-"""What can differ in a ruling, the strongest first: whether it is a grant, its verdict, its distance or its winner."""
+"""Kinds of differences between rulings, the strongest first: in the grant, the verdict, the distance or the winner."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Difference:
     expected: str
     got: str
     kind: str = field(default="", kw_only=True)
-    """What of a ruling differs: one of KINDS; "" where it is another thing."""
+    """One of KINDS; empty if it is not about a ruling."""
 
     def __str__(self) -> str:
         return f"{self.about}: expected {self.expected}; got {self.got}"

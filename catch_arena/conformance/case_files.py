@@ -53,10 +53,10 @@ def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
 
 
 def _require_sense(case: ArbiterCase | ArenaCase, group: str) -> None:
-    """What the types do not say.
+    """Check a case for faults that its types do not show.
 
     Raises:
-        ValueError: where two things that are said do not agree.
+        ValueError: if two of its fields contradict each other.
     """
     if not re.fullmatch(rf"{re.escape(group)}(\.[a-z0-9]+(-[a-z0-9]+)*)+", case.id):
         raise ValueError(f"id must be {group}. and words in lower case with hyphens, got {case.id!r}")

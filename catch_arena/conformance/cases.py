@@ -1,4 +1,4 @@
-"""What a case of the conformance suite is: its fields are the keys of the .toml files, whose types msgspec checks."""
+"""Cases of the conformance suite. Their fields are the keys of the .toml files, and msgspec checks the types."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal, get_args
@@ -64,13 +64,13 @@ class ExpectedRuling(_Table, frozen=True, kw_only=True):
 
 
 class RulingByName(ExpectedRuling, frozen=True, kw_only=True):
-    """Of an arbiter."""
+    """A ruling that is expected of an arbiter."""
 
     target: Any = field(name="name")
 
 
 class RulingByNumber(ExpectedRuling, frozen=True, kw_only=True):
-    """Of an arena."""
+    """A ruling that is expected of an arena."""
 
     target: Whole = field(name="number")
 
@@ -148,11 +148,11 @@ DEFAULTS: Final[Mapping[str, Any]] = {
         *("kill_service_up", "kill_refused", "match_over"),
     }
 }
-"""What a case means where it does not say otherwise: the defaults of `arbitrate`."""
+"""Defaults of a case: those of `arbitrate`."""
 
 
 class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
-    """Of an arena: those of ArenaConfig, and what fails when. None: not given."""
+    """Settings of an arena: fields of ArenaConfig, and the services that fail. None: not given."""
 
     reach_m: Reach | None = None
     policy: ArbitrationPolicy | None = None
@@ -207,7 +207,7 @@ class CaseStep(_Table, frozen=True, kw_only=True):
     expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
     """The requests of one more step, with their rulings: none at all where it is empty; no step where it is None."""
     read: dict[Reading, Any] = {}
-    """What stands in the arena then."""
+    """The expected state of the arena after the step."""
 
     @property
     def drive(self) -> dict[int, tuple[float, float]]:
@@ -228,6 +228,6 @@ class ArenaCase(Case, frozen=True, kw_only=True):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What the case says of its arena, with the number of hunters."""
+        """The given settings of its arena, with the number of hunters."""
         given: dict[str, Any] = {"hunters": self.arena.hunters} | to_builtins(self.arena)
         return {key: None if value == NEVER else value for key, value in given.items()}

@@ -120,7 +120,7 @@ def _decide_lots(
 
 
 def _kind(right: ExpectedRuling, given: Ruling) -> str:
-    """What differs: see KINDS."""
+    """Return the kind of a difference: see `answers.KINDS`."""
     if (right.verdict is Verdict.GRANTED) != given.success:
         return "success"
     return "evidence" if right.verdict is given.verdict else "verdict"

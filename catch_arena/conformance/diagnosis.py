@@ -1,4 +1,4 @@
-"""Why cases failed: which known mistake fails the same cases; else which error is raised, or which clause they cite."""
+"""Causes of failed cases: an error that is raised, a known mistake that fails the same cases, or a clause."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     looks_like: str
     rule: str
-    """What the rulebook says."""
+    """The rulebook's rule."""
     success: Ids = {}
     """Cases in which it grants what it should not, or does not grant what it should."""
     verdict: Ids = {}
@@ -34,7 +34,7 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """Cases in which distances or winners alone differ."""
 
     def kinds(self, strictness: Strictness) -> dict[str, str]:
-        """How it fails cases, if rulings are so compared: one of KINDS by their ids."""
+        """Return the kinds of its failures if rulings are so compared: one of KINDS by the ids of cases."""
         tables = {"success": self.success}
         if not strictness.success_only:
             tables["verdict"] = self.verdict
@@ -59,7 +59,7 @@ class Diagnosis:
     looks_like: str
     """A known mistake, an error, or a clause."""
     rule: str
-    """What the rulebook says, or ""."""
+    """The rulebook's rule, or ""."""
     failures: tuple[Failure, ...]
     """In the order of the suite."""
     known: bool = False
@@ -91,11 +91,8 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
         if id_ not in explained:
             clauses.setdefault(failure.case.clauses[0], []).append(failure)
     others = [Diagnosis(clause, "", tuple(group)) for clause, group in clauses.items()]
-    return tuple(one for kind in (unreadable, known, others) for one in sorted(kind, key=_most_first))
-
-
-def _most_first(one: Diagnosis) -> int:
-    return -len(one.failures)
+    kinds = (unreadable, known, others)
+    return tuple(one for kind in kinds for one in sorted(kind, key=lambda one: -len(one.failures)))
 
 
 def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictness) -> list[Diagnosis]:

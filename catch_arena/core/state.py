@@ -65,9 +65,7 @@ ACTIVE: Final = 10 * LANES  # spawn number of the active target, from 1; 0 for n
 SCORE: Final = 11 * LANES  # granted catches, from 0
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag: 0 or 1
 REQUESTED_NUMBER: Final = 13 * LANES  # spawn number of the requested target, from 1; 0 for none
-VERDICT: Final = (
-    14 * LANES
-)  # R5.2: a number of Verdict, from 1; 0 for no request: the other rows of ANSWER are old then
+VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then ANSWER's other rows are old
 DISTANCE: Final = 15 * LANES  # R5.6: to the target [micrometres], from 0; -1 if reach was not tested
 WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0; -1 for none
 REWARD_SUM: Final = 17 * LANES  # of this episode, any number
@@ -112,9 +110,7 @@ MOVING_TARGET_DIGEST: Final = (*TARGET_DIGEST, BODY + SPEED, BODY + TURN_RATE, B
 # prey rows (chapter 12); where prey is and how it moves stands in its target's slot
 PREY_SLOT: Final = 0 * LANES  # slot of the target that it plays, from 0; NO_TARGET while it is out
 TIMES_CAUGHT: Final = 1 * LANES  # in this episode, from 0
-CAUGHT_AT: Final = (
-    2 * LANES
-)  # time of the state on which it was caught [ms since reset], from 0; -1 while it is in play
+CAUGHT_AT: Final = 2 * LANES  # time of the state on which it was caught [ms since reset], from 0; -1 if it is in play
 CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, from 0; -1 for none
 PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag: 0 or 1
 PREY_REWARD_SUM: Final = 5 * LANES  # of this episode, any number

@@ -15,8 +15,10 @@ ANSWER_S: Final = 2.0
 """Longest wait for an answer."""
 _THERE_S: Final = 10.0
 """Longest wait for a node to appear."""
+_LOOK_S: Final = 0.5
+"""Time in which the bus finds publishers of the list."""
 _LISTEN_S: Final = 3.0
-"""How long another node's list is waited for: the exercise's spawner sends one after 2 s."""
+"""Time to wait for a list if the bus does not know publishers: the exercise's spawner sends one after 2 s."""
 
 Place = tuple[float, float]
 
@@ -60,7 +62,8 @@ class NodeUnderTest:
             if time.monotonic() > end:
                 raise BusError(f"nobody serves {self._service} on this bus: does the node run, in the same domain?")
             self._bus.spin(0.05)
-        self._spin_until(time.monotonic() + _LISTEN_S)
+        knows = self._bus.publishers_of(ALIVE_TURTLES) is not None
+        self._spin_until(time.monotonic() + (_LOOK_S if knows else _LISTEN_S))
         self.keeps_the_list = self.keeps_the_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
         if self.keeps_the_list:
             self._log(f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets")

@@ -77,6 +77,8 @@ class ArenaNode:
         self._bus, self._service, self._agents, self._interfaces, self._log = bus, service, agents, interfaces, log
         hunters, controls = service.config.hunter_names, service.config.controls
         self._names = names
+        self._players = dict(zip(hunters, names, strict=True))
+        """The players' names, by hunter."""
         self.seats = [RosSeat(hunters[seat], log, only_drives=controls[seat] == "velocity") for seat in sorted(driven)]
         self.advice = Advice(service.config, names, log)
         self._log_once = OnceLog(log)
@@ -92,10 +94,11 @@ class ArenaNode:
         """The scores, and whether the match has ended, in the last standings."""
         self._cmd_vels = {seat.hunter: [graph_names.cmd_vel_of(seat.hunter)] for seat in self.seats}
         poses = {hunter: [graph_names.pose_of(hunter)] for hunter in hunters}
-        drawing = [graph_names.CLEAR] + [graph_names.set_pen_of(seat.hunter) for seat in self.seats]
+        drawing = {graph_names.CLEAR: EMPTY}
+        drawing |= {graph_names.set_pen_of(seat.hunter): interfaces.set_pen for seat in self.seats}
         if len(self.seats) == 1:
             (only,) = self.seats
-            drawing.append(graph_names.set_pen_of(graph_names.TURTLE))
+            drawing[graph_names.set_pen_of(graph_names.TURTLE)] = interfaces.set_pen
             self._cmd_vels[only.hunter].append(_EXERCISE_CMD_VEL)
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
         elif self.seats:  # turtle1 is no hunter
@@ -114,8 +117,7 @@ class ArenaNode:
         bus.serve(graph_names.CATCH_TURTLE, interfaces.catch_turtle, self._on_catch_turtle)
         bus.serve(graph_names.SPAWN, interfaces.spawn, self._on_spawn)
         bus.serve(graph_names.KILL, interfaces.kill, self._on_kill)
-        for name in drawing:  # nothing is drawn, but solutions wait for an answer
-            kind = EMPTY if name == graph_names.CLEAR else interfaces.set_pen
+        for name, kind in drawing.items():  # nothing is drawn, but solutions wait for an answer
             bus.serve(name, kind, lambda request: request.answer(Empty()))
         bus.serve(graph_names.RESET, EMPTY, self._on_reset)
         self._listeners = [bus.listeners_to(topic) for topic in self._watched]
@@ -180,19 +182,17 @@ class ArenaNode:
     def log_missing(self, *, again: bool) -> None:
         """Log the seats that wait for a node, with a command for each; `again` with the nodes that were seen."""
         shared = len(self.seats) > 1
-        players = dict(zip(self._service.config.hunter_names, self._names, strict=True))
         for seat in self.missing:
             topic = graph_names.cmd_vel_of(seat.hunter) if shared else _EXERCISE_CMD_VEL
-            self._log(f"waiting for {players[seat.hunter]} on {topic}: {run_line(seat.hunter, shared=shared)}")
+            self._log(f"waiting for {self._players[seat.hunter]} on {topic}: {run_line(seat.hunter, shared=shared)}")
         if again and self._bus.graph() is not None:
             seen = ", ".join(self._neighbours.seen) or "no other node: same ROS_DOMAIN_ID? same network?"
             self._log(f"seen: {seen}; `catch-arena ros doctor` says more")
 
     def remarks(self) -> tuple[str, ...]:
         """Return lines for the authors of nodes, to print after the ranking."""
-        players = dict(zip(self._service.config.hunter_names, self._names, strict=True))
         never = [
-            f"{players[seat.hunter]}: no node drove {seat.hunter}: look for an error in its terminal"
+            f"{self._players[seat.hunter]}: no node drove {seat.hunter}: look for an error in its terminal"
             for seat in self.seats
             if not seat.drove
         ]

@@ -109,18 +109,17 @@ class Neighbours:
     def _other_types(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
         ours = {ALIVE_TURTLES: self._interfaces.turtle_array.name, CATCH_TURTLE: self._interfaces.catch_turtle.name}
         for one in own:
-            if one.name in ours and one.kind in {"subscription", "client"} and one.type != ours[one.name]:
-                package = one.type.partition("/")[0]
-                if package != self._interfaces.package:
-                    yield (
-                        f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
-                        f"other. Start the arena again with --interfaces {package}"
-                    )
+            package = one.type.partition("/")[0]
+            differs = one.type != ours.get(one.name, one.type) and one.kind in {"subscription", "client"}
+            if differs and package != self._interfaces.package:
+                yield (
+                    f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
+                    f"other. Start the arena again with --interfaces {package}"
+                )
             elif one.name in self._own and one.fields_differ:
                 yield (
                     f"{node} has other fields in {one.type} than the arena, on {one.name}: they do not hear each "
-                    f"other, or numbers arrive as garbage. Source the same {one.type.partition('/')[0]} in both "
-                    "terminals"
+                    f"other, or numbers arrive as garbage. Source the same {package} in both terminals"
                 )
 
     def _other_names(
