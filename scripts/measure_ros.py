@@ -1,10 +1,11 @@
 """How the arena keeps time on a ROS 2 bus: docs/ros2.md has its numbers.
 
-python scripts/measure_ros.py [--seconds 60] [--hunters 4] [--targets 16]
+python scripts/measure_ros.py [--bus rclpy] [--seconds 60] [--hunters 4] [--targets 16]
 
-Over cyclonedds on the loopback interface: `catch-arena ros serve` in one process; one node in another that drives all
-hunters ten times a second, hears all poses, and calls /hunter_0/catch_turtle; and a process that answers calls at once,
-whose round trip is the bus's part. The arbiter's part is measured in this process. Leave the machine alone meanwhile.
+On the loopback interface: `catch-arena ros serve` in one process; one node in another that drives all hunters ten times
+a second, receives all poses, and calls /hunter_0/catch_turtle; and a process that answers calls immediately, whose
+round trip is the bus's part. The arbiter's part is measured in this process. Leave the machine alone meanwhile.
+`make ros` runs it over rclpy with ROS's default middleware.
 """
 
 import argparse
@@ -24,11 +25,10 @@ from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
 from catch_arena.ros.middleware.bus import Bus, Call
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
+from catch_arena.ros.middleware.names import BACKENDS, Backend
 from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.service import ArenaService
 
-DOMAIN = 77
-TYPES = Interfaces()
 JUST_NOT_ONE = "1.000001"
 """The wall's clock, and the arena's is told on /clock, in which a gap shows that a message was lost."""
 
@@ -37,11 +37,13 @@ JUST_NOT_ONE = "1.000001"
 class Arguments:
     """What is measured."""
 
+    bus: Backend | None
+    """The first that works here if it is None."""
     seconds: int
     hunters: int
     targets: int
     answer: bool
-    """Be the process that answers at once."""
+    """Whether this process is the one that answers immediately."""
 
 
 class Driver:
@@ -53,12 +55,13 @@ class Driver:
         self.turtles: TurtleArray = TurtleArray(())
         self.times: list[int] = []
         self.drive = {}
+        types = bus.interfaces(Interfaces())
         for hunter in (f"hunter_{seat}" for seat in range(hunters)):
             self.drive[hunter] = bus.publisher(f"/{hunter}/cmd_vel", TWIST)
-            bus.subscribe(f"/{hunter}/pose", TYPES.pose, lambda pose, hunter=hunter: self._hear(hunter, pose))
-        bus.subscribe("/alive_turtles", TYPES.turtle_array, lambda turtles: setattr(self, "turtles", turtles))
+            bus.subscribe(f"/{hunter}/pose", types.pose, lambda pose, hunter=hunter: self._hear(hunter, pose))
+        bus.subscribe("/alive_turtles", types.turtle_array, lambda turtles: setattr(self, "turtles", turtles))
         bus.subscribe("/clock", CLOCK, lambda told: self._tick(told.clock.sec * 1000 + told.clock.nanosec // 10**6))
-        self.ask = bus.client("/hunter_0/catch_turtle", TYPES.catch_turtle)
+        self.ask = bus.client("/hunter_0/catch_turtle", types.catch_turtle)
 
     def act(self) -> str:
         """Every hunter to the turtle next to it: what hunter_0 asks for."""
@@ -87,9 +90,9 @@ class Driver:
 def main() -> None:
     """Measure, and print."""
     given = arguments()
-    os.environ["ROS_LOCALHOST_ONLY"] = "1"
+    os.environ |= {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", "77")}
     if given.answer:
-        answer()
+        answer(given)
     else:
         play(given)
 
@@ -97,6 +100,7 @@ def main() -> None:
 def arguments() -> Arguments:
     """Of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bus", choices=BACKENDS, help="the first that works here if it is left out")
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--hunters", type=int, default=4)
     parser.add_argument("--targets", type=int, default=16)
@@ -104,10 +108,14 @@ def arguments() -> Arguments:
     return Arguments(**vars(parser.parse_args()))
 
 
-def answer() -> None:
-    """Answers calls at once, until it is ended."""
-    bus = open_bus("cyclonedds", domain=DOMAIN)
-    bus.serve("/at_once", TYPES.catch_turtle, lambda one: one.answer(CatchTurtleResponse(success=False)))
+def answer(given: Arguments) -> None:
+    """Answer calls immediately, until the process is ended."""
+    bus = open_bus(given.bus)
+    bus.serve(
+        "/at_once",
+        bus.interfaces(Interfaces()).catch_turtle,
+        lambda one: one.answer(CatchTurtleResponse(success=False)),
+    )
     while True:
         bus.spin(1.0)
 
@@ -121,14 +129,14 @@ def play(given: Arguments) -> None:
         "spawn_frequency_hz": 10.0,
         "time_limit_s": given.seconds,
     }
-    command = [sys.executable, "-m", "catch_arena", "ros", "serve", "-s", "standard", "--domain", str(DOMAIN)]
+    bus = open_bus(given.bus, node="measure_ros")
+    command = [sys.executable, "-m", "catch_arena", "ros", "serve", "-s", "standard", "--bus", bus.backend]
     command += ["--speed", JUST_NOT_ONE, *(f"--set={name}={value}" for name, value in settings.items())]
-    bus = open_bus("cyclonedds", domain=DOMAIN)
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as arena:
         driver = Driver(bus, given.hunters)
         trips = round_trips(bus, driver, arena, given.seconds)
         out = arena.communicate()[0]
-    with subprocess.Popen([sys.executable, __file__, "--answer"]) as answering:
+    with subprocess.Popen([sys.executable, __file__, "--answer", "--bus", bus.backend]) as answering:
         at_once = bus_trips(bus)
         answering.kill()
     steps = len(driver.times) - 1
@@ -180,7 +188,7 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
 
 def bus_trips(bus: Bus) -> list[float]:
     """Calls to the process that answers at once."""
-    client = bus.client("/at_once", TYPES.catch_turtle)
+    client = bus.client("/at_once", bus.interfaces(Interfaces()).catch_turtle)
     while not client.ready:
         bus.spin(0.05)
     found = []
