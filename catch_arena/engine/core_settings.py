@@ -3,16 +3,16 @@ seat.
 """
 
 import math
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
+from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, PreyRewardWeights, RewardWeights
 from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
-from catch_arena.core.state import LANES, MOTIONS, SeatLimits, Settings, slot_rows
+from catch_arena.core.state import LANES, MOTIONS, PART_NAMES, PREY_PART_NAMES, SeatLimits, Settings, slot_rows
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
 from catch_arena.errors import ConfigError, require_type
 
@@ -68,19 +68,16 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         kill_refused_rate=float(config.faults.kill_refused),
         spawn_down_rate=float(config.faults.spawn_down),
         spawn_refused_rate=float(config.faults.spawn_refused),
-        catch_weight=float(config.rewards.catch),
-        rival_catch_weight=float(config.rewards.rival_catch),
-        lost_contest_weight=float(config.rewards.lost_contest),
-        rejected_request_weight=float(config.rewards.rejected_request),
-        progress_weight=float(config.rewards.progress),
-        time_weight=float(config.rewards.time),
         has_teams=int(config.teams is not None),
         team_share=0.0 if config.teams is None else float(config.team_share),
-        mate_catch_weight=float(config.rewards.mate_catch),
-        caught_weight=float(config.prey_rewards.caught),
-        survived_weight=float(config.prey_rewards.survived),
-        gained_weight=float(config.prey_rewards.gained),
+        **_weights(config.rewards, PART_NAMES),
+        **_weights(config.prey_rewards, PREY_PART_NAMES),
     )
+
+
+def _weights(weights: RewardWeights | PreyRewardWeights, parts: Sequence[str]) -> dict[str, Any]:
+    """R6.2, R12.5: return the weight of each part of the reward, by its name in `Settings`."""
+    return {f"{part}_weight": float(getattr(weights, part)) for part in parts}
 
 
 def _number_of(setting: str, word: str, numbers: Mapping[str, int], table: str) -> int:
