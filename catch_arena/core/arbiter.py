@@ -38,7 +38,7 @@ CAPSTONE: Final = 2
 POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 
 ELIGIBLE: Final = -1
-"""In place of a verdict: no test of R5.2 fails. NO_REQUEST is another code."""
+"""In place of a verdict: no test of R5.2 fails. NO_REQUEST is 0."""
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
 _MALFORMED: Final = int(Verdict.MALFORMED)
 _HUNTER_INACTIVE: Final = int(Verdict.HUNTER_INACTIVE)
@@ -71,14 +71,6 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 
 
 @rule
-def common_checks(target: int, inactive: bool, over: bool, otherwise: int) -> int:
-    """R5.2, R9.1: return the first test that a request fails of those that all policies share; else `otherwise`."""
-    verdict = select(inactive, _HUNTER_INACTIVE, otherwise)
-    verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
-    return select(over, _MATCH_OVER, verdict)
-
-
-@rule
 def first_failed_test(
     target: int, distance_um: float, reach_um: float, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
@@ -95,19 +87,24 @@ def first_failed_test(
         over: whether the episode has ended.
         service_up: whether the kill service answers.
     """
-    # from the last test to the first, which has the last word: without a branch, for several lanes at once
+    # R5.2's tests from the last to the first, whose verdict stays: without a branch, for several lanes at the same time
     verdict = select(within_reach(distance_um, reach_um), ELIGIBLE, OUT_OF_REACH)
     verdict = select(service_up, verdict, _SERVICE_DOWN)
     verdict = select(target == ALREADY_GONE, _ALREADY_CAUGHT, verdict)
     verdict = select(target == NEVER_SPAWNED, _UNKNOWN_TARGET, verdict)
     verdict = select(duplicate, _DUPLICATE, verdict)
-    return common_checks(target, inactive, over, verdict)
+    verdict = select(inactive, _HUNTER_INACTIVE, verdict)
+    verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
+    return select(over, _MATCH_OVER, verdict)
 
 
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: the original's service says yes to everybody whom it can answer at all."""
-    return common_checks(target, inactive, over, select(service_up, _GRANTED, _SERVICE_DOWN))
+    verdict = select(service_up, _GRANTED, _SERVICE_DOWN)  # from the last test to the first, as in first_failed_test
+    verdict = select(inactive, _HUNTER_INACTIVE, verdict)
+    verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
+    return select(over, _MATCH_OVER, verdict)
 
 
 @rule
@@ -188,20 +185,21 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
 
 
 @outlined
-def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uint64, step: int) -> None:
+def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint64, step: int) -> None:
     """R5.4 to R5.7: the verdicts of all requests that may catch the same target as one of them.
 
     Args:
         requests: the request table; those that may catch a target have the verdict ELIGIBLE so far.
-        first: the row of the first request of this contest.
+        one: the row of a request of this contest, the first in the table.
         policy: NEAREST or FIRST_COME (R5.9).
         seed: the arena's, from which lots are drawn (A.5).
         step: how many steps were played before this one.
     """
-    best = first
+    target = requests[one, REQUEST_TARGET]
+    best = one
     claimants = 0
     for i in range(len(requests)):
-        if requests[i, REQUEST_VERDICT] == ELIGIBLE and requests[i, REQUEST_TARGET] == requests[first, REQUEST_TARGET]:
+        if requests[i, REQUEST_VERDICT] == ELIGIBLE and requests[i, REQUEST_TARGET] == target:
             claimants += 1
             if i != best and is_preferred(
                 policy,
@@ -214,7 +212,6 @@ def decide_contest(requests: RequestTable, first: int, policy: int, seed: np.uin
                 requests[best, REQUEST_DISTANCE],
             ):
                 best = i
-    target = requests[first, REQUEST_TARGET]
     winner = requests[best, REQUEST_SEAT]
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == ELIGIBLE and requests[i, REQUEST_TARGET] == target:

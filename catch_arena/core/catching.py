@@ -102,8 +102,9 @@ def refuse_requests(
     sections: Sections,
     service_up: Block,
 ) -> None:
-    """R5.2: answer the requests that fail a test whatever others ask for, several lanes at once. Under full control
-    these are most.
+    """R5.2: answer the requests that fail a test whatever others ask for, several lanes at the same time.
+
+    This is for speed alone, since under full control most requests fail so: `judge` gives the same verdicts without it.
 
     Args:
         block: the block without verdicts; verdicts, evidence and tallies of these requests are written.
@@ -133,7 +134,7 @@ def refuse_requests(
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
                 me[WINNER + lane] = select(refused, -1.0, me[WINNER + lane])
-                for verdict in range(1, OUT_OF_REACH + 1):
+                for verdict in range(1, OUT_OF_REACH + 1):  # those of first_failed_test
                     happened = refused & (failed == float(verdict))
                     if any_of(happened):
                         tally = TALLIES + verdict * LANES + lane
@@ -306,7 +307,7 @@ def resolve_requests(
         given_requests: requests that are judged instead of what the hunters ask for, in a block of one arena: their
             seats and slots, or the codes instead of a slot; or none.
     """
-    service_up, counts = sections.rows[:LANES], sections.rows[LANES : 2 * LANES]
+    service_up, counts = sections.scratch_rows[:LANES], sections.scratch_rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)
     ask_service(block, s, width, lanes, service_up)
     from_hunters = len(given_requests) == 0

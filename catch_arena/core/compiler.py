@@ -109,7 +109,7 @@ class _Part(_Translated):
     """A function that only others of ours call: never optimised alone, never emitted."""
 
     def finalize(self) -> None:
-        """There is nothing to be done: see `_Whole.finalize`."""
+        """There is nothing to be done: see `Whole.finalize`."""
         self._raise_if_finalized()
         self._finalized = True
 
@@ -117,8 +117,8 @@ class _Part(_Translated):
 class Whole(_Translated):
     """What Python calls, and all that it calls."""
 
-    def link(self) -> Any:
-        """LLVM's module with all parts, each once; not optimised yet."""
+    def finalize(self) -> None:
+        """Link all parts, each once; optimise and emit them."""
         self._raise_if_finalized()
         self._codegen._check_llvm_bugs()  # noqa: SLF001
         linked: set[Any] = set()
@@ -132,11 +132,6 @@ class Whole(_Translated):
                 waiting += library._linking_libraries  # noqa: SLF001
             self._reload_init.update(library._reload_init)  # noqa: SLF001
             self.add_llvm_module(library._get_module_for_linking().clone())  # noqa: SLF001
-        return self._final_module
-
-    def finalize(self) -> None:
-        """Link, optimise all, emit."""
-        self.link()
         self._final_module.data_layout = self._codegen._data_layout  # noqa: SLF001
         # once, where Numba does so three times; and without the search for loops that could be vectors
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001

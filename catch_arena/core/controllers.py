@@ -83,7 +83,9 @@ def look_up_choices(
     requested: Block,
     goals: Block,
 ) -> None:
-    """R4.1: look up the target of the rank that each lane has chosen; lane by lane, since targets are anywhere.
+    """R4.1, R5.2's MALFORMED: look up the target of the rank that each lane has chosen.
+
+    Lane by lane, since targets are anywhere in the slots.
 
     Args:
         requested: the result, one row: the target's slot, NO_TARGET for hold, MALFORMED_REQUEST for a rank without a
@@ -170,14 +172,6 @@ def request_nearest(
 
 
 @phase
-def mark_active(me: Block, goals: Block, width: Width) -> None:
-    """R4.4: under full control the target requested is the active one, for this step."""
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        me[ACTIVE + lane] = goals[GOAL_NUMBER + lane]
-
-
-@phase
 def drive_by_command(
     me: Block, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
 ) -> None:
@@ -231,7 +225,9 @@ def steer_seat(
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
     else:
         look_up_choices(me, order, targets, seat, choices, lanes, s, requested, goals)
-        mark_active(me, goals, width)
+        for first in range(0, span(width), len(width)):  # R4.4: the target requested is the active one, for this step
+            lane = group(first, width)
+            me[ACTIVE + lane] = goals[GOAL_NUMBER + lane]
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
 
 
@@ -299,7 +295,7 @@ def apply_actions(
     Args:
         sections: see `memory.Sections`; the requested slots and the progress references are set.
     """
-    targets, goals = targets_of(block, s), sections.rows
+    targets, goals = targets_of(block, s), sections.scratch_rows
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         order = target_order_of(block, seat, s)

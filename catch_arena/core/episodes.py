@@ -190,12 +190,12 @@ def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
 
 
 @phase
-def begin_again(block: Block, s: Settings, first: int, last: int, sections: Sections) -> None:
+def begin_again(block: Block, s: Settings, lanes: int, first_arena: int, sections: Sections) -> None:
     """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
-    for lane in range(last - first):
+    for lane in range(lanes):
         if block[ENDED + lane] == RUNNING:
             continue
-        arena = first + lane
+        arena = first_arena + lane
         keep_rows(sections.observations[arena], sections.final_observations[arena])
         keep_rows(sections.masks[arena], sections.final_masks[arena])
         sections.lengths[arena] = block[STEP + lane]

@@ -103,7 +103,7 @@ class Sections(NamedTuple):
     """The observations of one group of lanes, as they lie in memory."""
     requests: ScratchIntegers2
     """The open requests of one lane: see `arbiter`."""
-    rows: ScratchDoubles1
+    scratch_rows: ScratchDoubles1
     """A few rows of LANES for whatever a phase counts."""
     requested_slots: ScratchDoubles2
     """(H, LANES): what each seat asks for in this step: a slot, NO_TARGET or MALFORMED_REQUEST."""
@@ -190,7 +190,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
         "body_tiles": ((MOST + 1) * len(WIDE) * TILE,),
         "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
         "requests": (hunters, REQUEST_COLUMNS),
-        "rows": (_ROWS * LANES,),
+        "scratch_rows": (_ROWS * LANES,),
         "requested_slots": (hunters, LANES),
         "rival_orders": (hunters, MOST // RANKS_PER_WORD * LANES),
         "progress_references": (hunters, 3 * LANES),

@@ -127,27 +127,6 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
         time_left[lane] = time_left_at(block, s, lane)
 
 
-@rule
-def blur_key_at(block: Block, seat: int, kind: np.uint64, lane: int) -> np.uint64:
-    """R7.6: `visibility.blur_key` of what a seat sees of one kind in one lane."""
-    return blur_key(seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), block[STEP + lane], seat, kind)
-
-
-@phase
-def write_blurred(key: np.uint64, forward: float, left: float, s: Settings, out: Numbers, at: int) -> None:
-    """R7.6: where one thing is seen that is so far ahead and to the left [m]: two columns from out[at] on.
-
-    Args:
-        key: `visibility.blur_key`'s stream of what is seen.
-        forward: how far ahead it is [m].
-        left: how far to the left [m].
-        out: observations, flat.
-        at: where in `out` the two columns begin.
-    """
-    out[at] = np.float32(forward + blur(key, 0, s.view_noise_m))
-    out[at + 1] = np.float32(left + blur(key, 1, s.view_noise_m))
-
-
 @phase
 def write_self(me: Block, time_left: Block, first: int, width: Width, place: Place) -> None:
     """R7.1: what a hunter knows of itself, in the lanes of one group.
@@ -247,15 +226,18 @@ def blur_seen(
     of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
-        me, key = observer_of(seat_of(block, seat), lane), blur_key_at(block, seat, kind, lane)
+        me = observer_of(seat_of(block, seat), lane)
+        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+        key = blur_key(seed, block[STEP + lane], seat, kind)
         at = place.at + (lane - first) * place.stride
         for rank in range(s.targets_seen if of_targets else s.hunters_seen):
             item = slot_at_rank(order, rank, lane)
             if item != ABSENT:
                 tile = (item * len(width) + lane - first) * TILE
                 forward, left = in_frame_of(me, tiles[tile + TILE_X] - me.x, tiles[tile + TILE_Y] - me.y)
-                who = np.uint64(tiles[tile + TILE_NUMBER]) if of_targets else np.uint64(item)
-                write_blurred(draw(key, who), forward, left, s, place.out, at)
+                drawn = draw(key, np.uint64(tiles[tile + TILE_NUMBER]) if of_targets else np.uint64(item))
+                place.out[at] = np.float32(forward + blur(drawn, 0, s.view_noise_m))
+                place.out[at + 1] = np.float32(left + blur(drawn, 1, s.view_noise_m))
             at += columns
 
 
@@ -327,7 +309,7 @@ def write_seat(
     Args:
         sections: see `memory.Sections`; tiles, the time left (its first row) and the rivals' orders are read.
     """
-    write_self(seat_of(block, seat), sections.rows[:LANES], first, width, place)
+    write_self(seat_of(block, seat), sections.scratch_rows[:LANES], first, width, place)
     targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
     write_targets(block, seat, s, first, width, sections.target_tiles, targets)
     rivals = Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride)
@@ -359,7 +341,7 @@ def write(
     teams: NDArray[np.int64],
     sections: Sections,
     observations: NDArray[np.float32],
-    arena: int,
+    first_arena: int,
     ahead: Block,
 ) -> None:
     """R7.1: the observations of a block, one group of lanes after the other.
@@ -370,16 +352,16 @@ def write(
     Args:
         slots: how many slots are in use in any lane.
         observations: those of the whole batch, (B, N, columns); the hunters' are written.
-        arena: which of the batch is the first lane.
+        first_arena: the number of the arena in the first lane.
         ahead: see `prefetch_part`.
     """
-    compute_time_left(block, s, width, sections.rows)
+    compute_time_left(block, s, width, sections.scratch_rows)
     columns, out = observations.shape[2], flat(observations)
     stride = observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = sections.staging if apart else out
-        begin = 0 if apart else (arena + first) * stride
+        begin = 0 if apart else (first_arena + first) * stride
         tile_targets(block, targets_of(block, s), first, width, slots, s, sections.target_tiles)
         if s.hunters_seen > 0:
             tile_hunters(block, first, width, s, teams, sections.body_tiles)
@@ -388,20 +370,20 @@ def write(
             prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if apart:
             copy_to_observations(
-                sections.staging, min(len(width), lanes - first) * stride, out, (arena + first) * stride
+                sections.staging, min(len(width), lanes - first) * stride, out, (first_arena + first) * stride
             )
 
 
 @phase
-def block_after(blocks: NDArray[np.float64], first: int) -> Block:
+def block_after(blocks: NDArray[np.float64], first_arena: int) -> Block:
     """The block that is played next, if it has to come from the memory and is not large; or nothing.
 
     Args:
         blocks: see `memory.Sections`.
-        first: the first arena of the block that is played.
+        first_arena: the first arena of the block that is played.
     """
     size = blocks.shape[1]
-    begin = (first // LANES + 1) * size
+    begin = (first_arena // LANES + 1) * size
     return flat(blocks)[begin : begin + (size if blocks.size > _CACHED and size < _LARGE else 0)]
 
 
@@ -426,18 +408,18 @@ def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, s
             measure_rivals(block, seat, first, width, s, reach_limit_m2, sections.positions, keys)
             # one rank more than is seen: a tie at the edge of the view has to be noticed
             sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-            resolve_ties(block, seat, first, width, lanes, s, teams, keys, sections.rows[:LANES])
+            resolve_ties(block, seat, first, width, lanes, s, teams, keys, sections.scratch_rows[:LANES])
             pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 
 
 @phase
-def observe(block: Block, s: Settings, width: Width, first: int, last: int, sections: Sections) -> None:
+def observe(block: Block, s: Settings, width: Width, first_arena: int, stop_arena: int, sections: Sections) -> None:
     """R7.1, R7.2: who sees whom in which order, and then the observations and masks of a block: of the arenas from
-    `first` up to, but not including, `last`.
+    `first_arena` up to, but not including, `stop_arena`.
 
     The order of the targets stays in the arena: the next step's choices are ranks in it.
     """
-    lanes = last - first
+    lanes = stop_arena - first_arena
     targets = targets_of(block, s)
     slots = most_alive(block, lanes)
     for seat in range(s.hunters):
@@ -445,10 +427,10 @@ def observe(block: Block, s: Settings, width: Width, first: int, last: int, sect
     if s.targets_move:
         for slot in range(slots):
             update_heading(body_of(targets, slot, s), width)
-    for group_first in range(0, lanes, len(width)):
-        rank_seen(block, s, group_first, width, lanes, slots, sections)
-    ahead = block_after(sections.blocks, first)
-    write(block, s, width, lanes, slots, sections.teams, sections, sections.observations, first, ahead)
-    write_masks(block, s, lanes, sections.masks[first:last])
+    for first in range(0, lanes, len(width)):
+        rank_seen(block, s, first, width, lanes, slots, sections)
+    ahead = block_after(sections.blocks, first_arena)
+    write(block, s, width, lanes, slots, sections.teams, sections, sections.observations, first_arena, ahead)
+    write_masks(block, s, lanes, sections.masks[first_arena:stop_arena])
     if s.prey > 0:
-        observe_as_prey(block, s, width, first, lanes, sections)
+        observe_as_prey(block, s, width, first_arena, lanes, sections)

@@ -236,11 +236,11 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
 
 
 @outlined
-def observe_as_prey(block: Block, s: Settings, width: Width, arena: int, lanes: int, sections: Sections) -> None:
+def observe_as_prey(block: Block, s: Settings, width: Width, first_arena: int, lanes: int, sections: Sections) -> None:
     """R12.4, R12.3: the observations of all prey of a block.
 
     Args:
-        arena: which of the batch is the first lane.
+        first_arena: the number of the arena in the first lane.
         sections: see `memory.Sections`; prey's rows of `observations` are the result.
     """
     gather_prey(block, s, lanes, targets_of(block, s), sections)
@@ -255,10 +255,10 @@ def observe_as_prey(block: Block, s: Settings, width: Width, arena: int, lanes: 
             if bodies.ranks == 0:
                 continue
             for first in range(0, lanes, len(width)):
-                rank_bodies(me, bodies, first, width, lanes, sections.keys, sections.rows[:LANES])
+                rank_bodies(me, bodies, first, width, lanes, sections.keys, sections.scratch_rows[:LANES])
                 apart = lanes - first < len(width)
                 staged = (s.hunters + index) * columns
-                begin = (arena + first) * stride + staged
+                begin = (first_arena + first) * stride + staged
                 place = Place(sections.staging if apart else out, staged if apart else begin, stride)
                 if of_hunters:
                     write_self(block, caught, me, s, first, width, place)

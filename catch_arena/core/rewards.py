@@ -131,21 +131,21 @@ def share_rewards(
         rewards: the result.
     """
     earned = team_rows[s.hunters * LANES :]
-    for first in range(s.hunters):
-        if teams[first] != first:
+    for leader in range(s.hunters):
+        if teams[leader] != leader:
             continue
         members = 0.0
-        for seat in range(first, s.hunters):
-            members += 1.0 if teams[seat] == first else 0.0
-        for begin in range(0, span(width), len(width)):
-            lane = group(begin, width)
-            total = earned[first * LANES + lane]
-            for seat in range(first + 1, s.hunters):
-                if teams[seat] == first:
+        for seat in range(leader, s.hunters):
+            members += 1.0 if teams[seat] == leader else 0.0
+        for first in range(0, span(width), len(width)):
+            lane = group(first, width)
+            total = earned[leader * LANES + lane]
+            for seat in range(leader + 1, s.hunters):
+                if teams[seat] == leader:
                     total = total + earned[seat * LANES + lane]
             mean = total / members
-            for seat in range(first, s.hunters):
-                if teams[seat] == first:
+            for seat in range(leader, s.hunters):
+                if teams[seat] == leader:
                     me = seat_of(block, seat)
                     shared = (1.0 - s.team_share) * earned[seat * LANES + lane] + s.team_share * mean
                     shared = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
@@ -175,8 +175,8 @@ def reward_hunters(
         rewards: the result.
         parts: the result, or none.
     """
-    catches = sections.rows[:LANES]
-    amounts = sections.rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
+    catches = sections.scratch_rows[:LANES]
+    amounts = sections.scratch_rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
     parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
     count_catches(block, s, width, teams, in_teams, catches, sections.team_rows)
     for seat in range(s.hunters):

@@ -34,40 +34,51 @@ def play(
     block: Block,
     s: Settings,
     width: Width,
-    first: int,
-    last: int,
+    first_arena: int,
+    stop_arena: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
-    """R1.4: play one step of a block, whose arenas are those from `first` up to, but not including, `last`.
+    """R1.4: play one step of a block, whose arenas are those from `first_arena` up to, but not including,
+    `stop_arena`.
 
     Args:
         width: how many lanes play at a time.
-        first: the number of the arena in the block's first lane.
-        last: the number after that of the last arena.
+        first_arena: the number of the arena in the block's first lane.
+        stop_arena: the number after that of the last arena.
         choices: see `run`.
         commands: see `run`.
         given_requests: see `run`.
         sections: see `memory.Sections`.
     """
-    lanes = last - first
+    lanes = stop_arena - first_arena
     targets = targets_of(block, s)
-    rewards, parts = sections.rewards[first:last], sections.parts[first:last]
+    rewards, parts = sections.rewards[first_arena:stop_arena], sections.parts[first_arena:stop_arena]
     had_ended = some_ended(block, lanes)
     if had_ended:
         take_snapshot(block, sections.snapshot)
     if s.dropout_rate > 0.0:
         drop_out(block, s, lanes)
-    controls, limits = sections.controls[first:last], sections.limits
-    apply_actions(block, s, width, lanes, controls, limits, choices[first:last], commands[first:last], sections)
+    controls, limits = sections.controls[first_arena:stop_arena], sections.limits
+    apply_actions(
+        block,
+        s,
+        width,
+        lanes,
+        controls,
+        limits,
+        choices[first_arena:stop_arena],
+        commands[first_arena:stop_arena],
+        sections,
+    )
     if s.target_motion != STILL:
-        command_targets(block, s, width, lanes, targets, sections.rows)
+        command_targets(block, s, width, lanes, targets, sections.scratch_rows)
     if s.prey > 0:
-        command_prey(block, s, lanes, targets, commands[first:last], sections)
+        command_prey(block, s, lanes, targets, commands[first_arena:stop_arena], sections)
     resolve_requests(block, s, width, lanes, targets, limits, given_requests, sections)
-    move(block, s, width, lanes, targets, sections.rows)
+    move(block, s, width, lanes, targets, sections.scratch_rows)
     spawn_through(block, targets, lanes, s)
     if s.prey > 0:
         return_prey(block, s, lanes, targets)
@@ -76,8 +87,8 @@ def play(
     if had_ended:
         restore_finished(block, s, lanes, sections, rewards, parts)
     if s.prey > 0:
-        reward_prey(block, s, lanes, had_ended, targets, sections, rewards, sections.prey_parts[first:last])
-    write_ends(block, lanes, sections.ends[first:last])
+        reward_prey(block, s, lanes, had_ended, targets, sections, rewards, sections.prey_parts[first_arena:stop_arena])
+    write_ends(block, lanes, sections.ends[first_arena:stop_arena])
 
 
 @entry
@@ -120,21 +131,22 @@ def run(
         begin(sections.blocks[arena // LANES], s, arena % LANES, sections.start_poses, resets[i, 1])
     for index in range(first_block, stop_block):
         block = sections.blocks[index]
-        first = index * LANES
-        last = min(first + LANES, len(sections.ends))
+        first_arena = index * LANES
+        stop_arena = min(first_arena + LANES, len(sections.ends))
+        lanes = stop_arena - first_arena
         if playing:
-            play(block, s, width, first, last, ranks, velocities, table, sections)
+            play(block, s, width, first_arena, stop_arena, ranks, velocities, table, sections)
         # if episodes have ended, their last states are observed first, and the new ones after that; in a loop, so that
         # `observe` is compiled once
-        renewing = playing and len(sections.records) > 0 and some_ended(block, last - first)
+        renewing = playing and len(sections.records) > 0 and some_ended(block, lanes)
         for turn in range(2 if renewing else 1):
             if turn == 1:
-                begin_again(block, s, first, last, sections)
-            observe(block, s, view_width, first, last, sections)
+                begin_again(block, s, lanes, first_arena, sections)
+            observe(block, s, view_width, first_arena, stop_arena, sections)
         if s.dropout_rate > 0.0 or s.prey > 0:
-            write_active(block, s, last - first, sections.active[first:last])
+            write_active(block, s, lanes, sections.active[first_arena:stop_arena])
         if s.has_teams:
-            team_scores = sections.team_scores[first:last]
+            team_scores = sections.team_scores[first_arena:stop_arena]
             write_team_scores(
-                block, s, width, last - first, sections.teams, sections.team_seats, sections.rows, team_scores
+                block, s, width, lanes, sections.teams, sections.team_seats, sections.scratch_rows, team_scores
             )

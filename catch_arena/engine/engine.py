@@ -105,7 +105,7 @@ class Engine:
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Give the memory's sections their names."""
         self._memory = memory
-        self._run: Callable[..., None] = partial(tick.run, *self._compiled_for, memory)
+        self._run_tick: Callable[..., None] = partial(tick.run, *self._compiled_for, memory)
         self.blocks = sections.blocks
         self.controls = sections.controls
         self.rewards = sections.rewards
@@ -183,20 +183,20 @@ class Engine:
         blocks, chunks = len(self.blocks), self._chunks
         playing = True
         if self.threads.size == 1:
-            thread = first = 0
-            self._run(thread, first, blocks, _NO_RESETS, playing, choices, commands, requests)
+            thread = first_block = 0
+            self._run_tick(thread, first_block, blocks, _NO_RESETS, playing, choices, commands, requests)
             return
 
         def play(thread: int, chunk: int) -> None:
-            first, stop = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
-            self._run(thread, first, stop, _NO_RESETS, playing, choices, commands, requests)
+            first_block, stop_block = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
+            self._run_tick(thread, first_block, stop_block, _NO_RESETS, playing, choices, commands, requests)
 
         self.threads.run(chunks, play)
 
-    def _observe(self, first: int, stop: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations and masks of the blocks from `first` up to `stop`."""
+    def _observe(self, first_block: int, stop_block: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """Begin episodes, and write the observations and masks of the blocks from `first_block` up to `stop_block`."""
         thread, playing = 0, False
-        self._run(thread, first, stop, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
+        self._run_tick(thread, first_block, stop_block, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
 
     def _observe_block_of(self, arena: int) -> None:
         self._observe(arena // LANES, arena // LANES + 1)

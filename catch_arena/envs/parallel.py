@@ -135,7 +135,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.possible_agents = checked_agent_names(agent_names, [*config.hunter_names, *config.prey_names])
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
-        self._nobody: dict[str, bool] = {}
+        self._all_false: dict[str, bool] = {}
         """False for each of `agents`: to copy it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         self._leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
@@ -146,7 +146,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._over = True
         self._leaving: set[str] = set()
         """Agents that leave at the end of the next step, and those that have left."""
-        self._cut: tuple[str, ...] = ()
+        self._truncated: tuple[str, ...] = ()
         """Agents whose infos say `TimeLimit.truncated`."""
         self._infos = infos
         self._engine = Engine(config)
@@ -239,7 +239,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         require_options(options)
         follows = seed is None and self._engine.ends.item() == state.TRUNCATED
-        self._cut = tuple(agent for agent in self.possible_agents if agent not in self._leaving) if follows else ()
+        self._truncated = (
+            tuple(agent for agent in self.possible_agents if agent not in self._leaving) if follows else ()
+        )
         self._seed = episode_seed(seed, self._seed)
         self._np_random = None
         self._engine.reset([self._seed])
@@ -249,7 +251,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._set_agents(self.possible_agents[:])
         if self.render_mode == "human":
             self.render()
-        return self._results.observations(), self._results.infos(self._cut)
+        return self._results.observations(), self._results.infos(self._truncated)
 
     def step(self, actions: Mapping[str, Any]) -> Step:
         """R1.4: one control period; an action for each of `agents`. Actions of agents that have left are ignored.
@@ -267,26 +269,26 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 return {}, {}, {}, {}, {}
             why = "no episode has begun" if self._seed is None else "this episode is over"
             raise EpisodeError(f"step must follow a reset: {why}")
-        agents, engine, given = self.agents, self._engine, self._actions
-        given.read(actions, agents)
-        engine.step(given.choices, given.commands)  # writes its arrays: `_results` reads rewards and all else there
+        agents, engine, reader = self.agents, self._engine, self._actions
+        reader.read(actions, agents)
+        engine.step(reader.choices, reader.commands)  # writes its arrays: `_results` reads rewards and all else there
         if self._recorder.replay is not None:
-            self._recorder.replay.append(given.choices[0], given.commands[0], engine)
+            self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
         ended = engine.ends.item()
         if self._some_leave:
             active = engine.active[0].tolist()
-            self._leaving.update(agent for agent, row in given.rows.items() if self._leaves[row] and not active[row])
-        terminations, truncations = self._nobody.copy(), self._nobody.copy()
+            self._leaving.update(agent for agent, row in reader.rows.items() if self._leaves[row] and not active[row])
+        terminations, truncations = self._all_false.copy(), self._all_false.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
         for agent in self._leaving:
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
-        self._cut = tuple(agent for agent in agents if truncations[agent]) if ended else ()
+        self._truncated = tuple(agent for agent in agents if truncations[agent]) if ended else ()
         observations, rewards, infos = (
             self._results.observations(),
             self._results.rewards(),
-            self._results.infos(self._cut),
+            self._results.infos(self._truncated),
         )
         if ended or self._leaving:
             self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
@@ -296,7 +298,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return observations, rewards, terminations, truncations, infos
 
     def _set_agents(self, agents: list[str]) -> None:
-        self.agents, self._nobody = agents, dict.fromkeys(agents, False)
+        self.agents, self._all_false = agents, dict.fromkeys(agents, False)
         self._results.set_agents(agents)
         for agent in self._leaving.difference(agents):
             self._actions.clear(agent)
@@ -374,7 +376,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             agents=tuple(self.agents),
             over=self._over,
             leaving=frozenset(self._leaving),
-            cut=self._cut,
+            cut=self._truncated,
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if replay is None else replay.copy(),
         )
@@ -395,14 +397,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             got = in_short(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         restore_row(self._engine, 0, saved.arena)
-        self._seed, self._over, self._cut = saved.seed, saved.over, saved.cut
+        self._seed, self._over, self._truncated = saved.seed, saved.over, saved.cut
         self._leaving = set(saved.leaving)
         self._set_agents(list(saved.agents))
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._recorder.replay = None if saved.replay is None else saved.replay.copy()
-        return self._results.observations(), self._results.infos(self._cut)
+        return self._results.observations(), self._results.infos(self._truncated)
 
     def clone(self) -> "CatchArenaEnv":
         """Return an independent env in the same state, without a window; `copy.deepcopy` does the same."""

@@ -36,6 +36,7 @@ class Results:
     ) -> None:
         self._made_of = config, engine, rows, controls, infos
         self._config, self._engine, self._rows, self._controls, self._level = self._made_of
+        # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward_hunters`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
         self._team_by_seat = () if config.teams is None else config.team_by_seat

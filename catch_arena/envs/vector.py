@@ -32,7 +32,7 @@ _MOST_THREADS: Final = 4096
 
 T = TypeVar("T")
 
-Results = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
+StepResults = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 Begun = tuple[NDArray[np.float32], dict[str, Any]]
 
 
@@ -284,7 +284,7 @@ class VectorArena:
     def _begun_with(self) -> Begun:
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
-    def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> Results:
+    def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
         """R1.4: one step of every arena.
 
         Args:

@@ -201,7 +201,7 @@ def _at_play(batch: Played) -> tuple[catch_arena.Engine, Callable[[], None]]:
 
 def play_by(engine: catch_arena.Engine, run: Any) -> None:
     """Have an engine play by this in place of the `tick.run` that it looked up when it was made."""
-    engine._run = functools.partial(run, *engine._compiled_for, engine._memory)  # noqa: SLF001
+    engine._run_tick = functools.partial(run, *engine._compiled_for, engine._memory)  # noqa: SLF001
 
 
 def _measured(batch: Played, variants: Mapping[str, Any], rounds: int) -> dict[str, Any]:
