@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 from catch_arena.cli import arena, main
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.entrants import agent_module
 from catch_arena.tournament.isolation.namespaces import level_line
+from catch_arena.tournament.loading import agent_module
 
 ROOT = Path(__file__).parents[2]
 """What a command says every few seconds, on a slow machine."""

@@ -16,8 +16,8 @@ from tournament.agents import LEAVES_A_CHILD, write_agent
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.descendants import family
 from catch_arena.errors import StoreError
+from catch_arena.interrupts import family
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store
 

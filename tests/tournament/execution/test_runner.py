@@ -8,9 +8,9 @@ from tournament.agents import dies_once, write_agent
 from tournament.seats import hunters
 
 from catch_arena import Replay, scenario
-from catch_arena.descendants import family
 from catch_arena.errors import NoContest
 from catch_arena.files import prepare_folder
+from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
 from catch_arena.tournament.plans.schedule import round_robin
