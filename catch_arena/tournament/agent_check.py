@@ -52,23 +52,22 @@ def check_fitness(
     looked: list[Inspection] = []
 
     def look(resolved: str) -> Inspection:
-        if not looked:
-            try:
-                looked.append(inspector(sandbox)(resolved))
-            except AgentError as error:  # it is trusted
-                looked.append(Inspection(fault=str(error)))
-        return looked[0]
+        try:
+            looked.append(inspector(sandbox)(resolved))
+        except AgentError as error:  # it is trusted
+            looked.append(Inspection(fault=str(error)))
+        return looked[-1]
 
-    def copies(config: ArenaConfig) -> tuple[Entrant, ...]:
-        return enter([spec] * len(Parties.of(config)), look)
+    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), look)
+    entrant = copies[0]
 
     def play(config: ArenaConfig) -> tuple[MatchResult, list[bytes]]:
         """Play a match, and return its result with the digest after each step."""
         digests: list[bytes] = []
-        result = play_entrants(config, seed, copies(config), sandbox, watch=lambda env: digests.append(env.digest()))
+        seated = copies[: len(Parties.of(config))]
+        result = play_entrants(config, seed, seated, sandbox, watch=lambda env: digests.append(env.digest()))
         return result, digests
 
-    (entrant,) = enter([spec], look)
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
         return
@@ -83,7 +82,7 @@ def check_fitness(
             yield Finding("warning", f"was too slow in {late} arenas, and not tried in: {left}")
             return
         progress(number, total)
-        result = play_first_step(config, seed, copies(config), sandbox)
+        result = play_first_step(config, seed, copies[: len(Parties.of(config))], sandbox)
         if any(result.forfeits):  # a whole match would say the same of every seat
             yield from _findings(name, config, result, step_ms, reported)
             late += any(forfeit is not None and forfeit.late for forfeit in result.details)

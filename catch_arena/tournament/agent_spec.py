@@ -65,7 +65,7 @@ def shipped_spec(name: str) -> str:
 
 
 def is_shipped(spec: str) -> bool:
-    """Whether an agent comes with the package: our own code, which needs no process of its own."""
+    """Return whether an agent comes with the package: our own code, which needs no process of its own."""
     return spec.startswith(f"{SHIPPED}.")
 
 
@@ -81,15 +81,15 @@ def file_of(spec: str) -> Path | None:
 
 
 def command_of(spec: str) -> list[str] | None:
-    """The words of a command, its program first; None for an agent in Python."""
+    """Return the words of a command, its program first; None for an agent in Python."""
     return shlex.split(spec.removeprefix(COMMAND)) if spec.startswith(COMMAND) else None
 
 
 def resolve_spec(word: str) -> str:
-    """An entrant's spec, from one as on the command line: from any folder it stands for the same.
+    """Return the spec of the agent that a word on the command line names; it means the same in any folder.
 
     Raises:
-        AgentError: where it names no agent.
+        AgentError: if it names no agent.
     """
     return resolve(word).spec
 

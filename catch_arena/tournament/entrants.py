@@ -1,4 +1,4 @@
-"""Who plays: an agent that was looked at, under a name that is unique in its tournament."""
+"""Entrants: agents that were inspected, each under a name that is unique in its tournament."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -15,7 +15,7 @@ from catch_arena.tournament.agent_spec import command_of, file_of, resolve, ship
 from catch_arena.tournament.loading import create_policy, has_prey, sources_of
 
 SHIPPED_PREY: Final = "flee"
-"""Who plays prey for an agent that does not."""
+"""The agent that plays prey for agents that do not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,21 +34,21 @@ class Entrant:
     command, of its words and of the files that they name.
     """
     fault: str | None = None
-    """Why it cannot play, where that showed when it was looked at in isolation: it forfeits all its matches."""
+    """The reason if it could not play when it was inspected in isolation: it forfeits all its matches."""
     prey: bool = False
-    """R12.7: whether it plays prey itself; else a shipped one plays there."""
+    """R12.7: true if it plays prey itself; else a shipped agent does."""
     prey_digest: str = ""
-    """That of who plays prey for it: its own, or the shipped one's."""
+    """Digest of the agent that plays prey for this entrant."""
     side: Side = "hunter"
-    """What it plays in a match; no part of what is known of it."""
+    """Side that it plays on in a match."""
 
     @property
     def needs_prey(self) -> bool:
-        """Whether the shipped prey plays for it: it has none of its own, and nothing else keeps it from playing."""
+        """True if the shipped prey plays for it: it has none of its own, and nothing else keeps it from playing."""
         return not self.prey and self.fault is None
 
     def on(self, side: Side) -> "Entrant":
-        """Who plays for it on a side, under the name that tells so."""
+        """Return who plays for it on a side, under a name that says so."""
         if side == self.side:
             return self
         found = replace(self, control="velocity", side=side)
@@ -59,7 +59,7 @@ class Entrant:
 
     @property
     def source(self) -> str:
-        """Where it comes from, for everybody: a file's name without its folders, and of a command its program."""
+        """Origin for readers of a report: a file's name without its folders, or a command's program."""
         try:
             if (words := command_of(self.spec)) is not None:
                 return f"a command: {Path(words[0]).name}"
@@ -68,46 +68,46 @@ class Entrant:
         return self.spec if file_of(self.spec) is None else Path(self.spec).name
 
     def create(self) -> Policy | PreyPolicy:
-        """A fresh instance in this process, for one match.
+        """Return a fresh instance in this process, for one match.
 
         Raises:
-            AgentError: where it cannot be loaded or made.
+            AgentError: if it cannot be loaded or made.
         """
         return create_policy(self.spec, self.side)
 
 
 @dataclass(frozen=True, slots=True)
 class Inspection:
-    """What an agent says of itself."""
+    """Result of inspecting an agent."""
 
     control: Control = "target"
     sources: tuple[str, ...] = ()
     """The files that it consists of: `sources_of`."""
     fault: str | None = None
-    """Why it cannot play."""
+    """The reason if it cannot play."""
     log: str = ""
-    """What it printed meanwhile."""
+    """Its output meanwhile."""
     prey: bool = False
-    """Whether it plays prey itself."""
+    """True if it plays prey itself."""
 
 
 def inspect_agent(spec: str) -> Inspection:
-    """An agent looked at in this process.
+    """Inspect an agent in this process.
 
     Raises:
-        AgentError: where it cannot play.
+        AgentError: if it cannot play.
     """
     policy = create_policy(spec)
     return Inspection(control_of(policy), sources_of(spec), prey=has_prey(spec))
 
 
 def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
-    """The entrants that these specs stand for, in their order.
+    """Return the entrants that these specs name, in their order.
 
     Args:
         specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent` or of folders with
             such an agent.py, or `cmd:` and a command.
-        inspect: looks at an agent, in this process or (`isolation.playing.inspector`) in one of its own.
+        inspect: inspects an agent, in this process or (`isolation.playing.inspector`) in one of its own.
 
     Raises:
         AgentError: one line, that names the spec and what is wrong with it.

@@ -20,7 +20,7 @@ from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
 
 _OFTEN: Final = 0.1
-"""The part of an agent's requests that a verdict must have for its hint."""
+"""Share of an agent's requests that a verdict must have for its hint."""
 _LOG_SHOWN: Final = 4000
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
@@ -44,7 +44,7 @@ _HINTS: Final[Mapping[str, str]] = {
     "not installed": "`catch-arena docs agents`, What it may import: Python's own modules, NumPy, and what else is "
     "installed where it plays; it needs no ROS",
 }
-"""What to read, by what happened."""
+"""Pages and clauses to read, by the cause of a failure."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,21 +58,21 @@ class TestGrade:
     failures: tuple[str, ...]
     hints: tuple[str, ...]
     figures: Mapping[str, Any]
-    """What was measured, for `--json`."""
+    """Figures, for `--json`."""
     measured: str
-    """The same, for people."""
+    """The figures in words."""
     log: str = ""
     """The last of what was printed."""
 
     def __str__(self) -> str:
-        """For people: what was measured, then what failed, then what to read."""
+        """Return the figures, then the failures, then the hints."""
         head = f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}"
         return "\n        ".join(
             [f"{head}: {self.measured}", *self.failures, *(f"hint: {hint}" for hint in self.hints)]
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """For programs."""
+        """Return the grade as JSON has it."""
         known = ("test", "points", "possible", "failures", "hints", "log")
         return {name: getattr(self, name) for name in known} | dict(self.figures)
 
@@ -98,7 +98,7 @@ def grade_agent(
         progress: called with (played, in all) after each match.
 
     Raises:
-        NoContest: where a match could not be held.
+        NoContest: if a match could not be held.
     """
     config, matches = test.config, spec.matches(test)
     parties = Parties.of(config)
@@ -203,7 +203,7 @@ def _cause_of(forfeit: Forfeit, config: ArenaConfig) -> str:
 
 
 def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:
-    """The grades as JSON; no seed is told.
+    """Return the grades as JSON, without seeds.
 
     Args:
         spec: by which it was graded.
@@ -224,7 +224,7 @@ def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence
 
 
 def junit_text(spec: GradingSpec, name: str, grades: Sequence[TestGrade]) -> str:
-    """The grades as JUnit XML, a test case for each test; no seed is told."""
+    """Return the grades as JUnit XML, a test case for each test, without seeds."""
     failed = sum(bool(one.failures) for one in grades)
     suite = ET.Element(
         "testsuite", name=printable(spec.title), tests=str(len(grades)), failures=str(failed), errors="0"
@@ -245,7 +245,7 @@ def junit_text(spec: GradingSpec, name: str, grades: Sequence[TestGrade]) -> str
 
 
 def seeds_text(spec: GradingSpec) -> str:
-    """Which matches a spec has, as JSON, with all their seeds: for nobody who may be graded by it again."""
+    """Return the matches of a spec as JSON, with all their seeds: secret while agents may be graded by it again."""
     content = {
         "title": spec.title,
         "seed": spec.secret.digits,

@@ -47,7 +47,7 @@ class GradingTest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     max_mean_refused: Amount | None = None
     """Refused requests per match, without lost contests."""
     max_mean_caught: Amount | None = None
-    """How often it was caught, in a match in which it was prey."""
+    """Times that it was caught, per match in which it was prey."""
     cases: tuple[str, ...] = ()
     """For a ROS 2 node instead of an agent: cases of the conformance suite, or what their ids begin with."""
 

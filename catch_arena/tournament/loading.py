@@ -22,24 +22,24 @@ from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.tournament.agent_spec import COMMAND, IN_FOLDER, SHIPPED, content_of, file_of, folder_of
 
 NOT_INSTALLED: Final = "which is not installed here"
-"""What is said of a module that an agent imports, and that is not there."""
+"""Words about a module that an agent imports and that is missing."""
 _PREY: Final = "Prey"
-"""What the class is called that plays prey."""
+"""Name of the class that plays prey."""
 _FILE_MODULE: Final = "catch_arena_agent_"
 """Begin of the name that the module in an agent's file has."""
 
 
 def shipped() -> dict[str, str]:
-    """The agents that come with the package: name to one line about each."""
+    """Return the agents that come with the package: name to one line about each."""
     names = sorted(module.name for module in pkgutil.iter_modules(agents.__path__))
     return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
 
 
 def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
-    """A new instance of an agent that can play on that side.
+    """Return a new instance of an agent that can play on that side.
 
     Raises:
-        AgentError: that says why it cannot.
+        AgentError: if it cannot; the text says why.
     """
     found = agent_class(spec, side)
     try:
@@ -66,19 +66,19 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
 
 
 def has_prey(spec: str) -> bool:
-    """Whether an agent in Python plays prey itself; none is made.
+    """Return whether an agent in Python plays prey itself; none is made.
 
     Raises:
-        AgentError: where its module cannot be used.
+        AgentError: if its module cannot be used.
     """
     return hasattr(agent_module(spec), _PREY)
 
 
 def sources_of(spec: str) -> tuple[str, ...]:
-    """The files that an agent in Python consists of: its module's, and those that its classes come from.
+    """Return the files of an agent in Python: its module's, and those that its classes come from.
 
     Raises:
-        AgentError: where its module cannot be used, or has no such class.
+        AgentError: if its module cannot be used, or has no such class.
     """
     module = agent_module(spec)
     homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
@@ -89,7 +89,7 @@ def sources_of(spec: str) -> tuple[str, ...]:
 
 @cache
 def agent_module(spec: str) -> ModuleType:
-    """Where the class is that a spec stands for, imported once: whatever asks for it, and in all that is forked since.
+    """Return the module with the class of a spec; it is imported once, also for processes that are forked later.
 
     Raises:
         AgentError: for a command, and a module that cannot be imported.
@@ -102,7 +102,7 @@ def agent_module(spec: str) -> ModuleType:
 
 
 def agent_class(spec: str, side: Side = "hunter") -> type:
-    """The class that a spec stands for; that of its prey stands beside it.
+    """Return the class of a spec, or the class `Prey` next to it.
 
     Raises:
         AgentError: for a command, a module that cannot be imported, and one without that class.

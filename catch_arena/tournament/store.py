@@ -69,7 +69,7 @@ _PLAYED: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Tournament:
-    """What a store holds the matches of; it can be continued by whoever says the same.
+    """The tournament whose matches a store holds; only the same tournament can continue it.
 
     Table `fact` has these fields by name, as JSON.
     """
@@ -79,7 +79,7 @@ class Tournament:
     plan: Mapping[str, str | int | float]
     """The plan's parameters."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
-    """On what terms it is played besides: `recorded`, `trusted`, and the limits of isolated agents."""
+    """Its other terms: `recorded`, `trusted`, and the limits of isolated agents."""
     seed: str | None = field(default=None, repr=False)
     """`Secret.text`; None where the plan is not drawn, or not for others to repeat."""
     ruleset: str = RULESET
@@ -92,7 +92,7 @@ class Tournament:
 
     @classmethod
     def of(cls, facts: Mapping[str, str]) -> "Tournament":
-        """The tournament that is stored so.
+        """Return the tournament that is stored so.
 
         Raises:
             DamagedError: for facts that no tournament of this version has.
@@ -107,12 +107,12 @@ class Tournament:
 
     @property
     def secret(self) -> Secret | None:
-        """What the plan is drawn from."""
+        """Secret that the plan is drawn from."""
         return None if self.seed is None else Secret.parse(self.seed)
 
 
 def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
-    """A tournament's `terms`.
+    """Return a tournament's `terms`.
 
     Args:
         limits: those of isolated agents, None where all are trusted.

@@ -6,12 +6,12 @@ import sqlite3
 import stat
 
 import pytest
+from tournament.runs import run
 from tournament.seats import blocks_of, hunters, listed
 
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
