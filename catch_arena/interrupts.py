@@ -12,30 +12,26 @@ import signal
 import sys
 import time
 
-from catch_arena.descendants import end_all
-
 TYPE_CHECKING = False  # as typing says, which takes 10 ms to load
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import NoReturn
 
+LINUX = sys.platform == "linux"
 _LONG_S = 3600.0
+_GRACE_S = 0.5
+_PAUSE_S = 0.002
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
 
 
 class _Command:
     """State of the command that this process runs."""
 
-    status = 2
-    """Exit code if no signal comes; until the command has ended, that of an unexpected error."""
-    heard = 0
-    """The first signal, or 0."""
-    unwinds = False
-    """True from the begin of the command to its end: an interrupt can be raised."""
-    lingers = False
-    """True while an interrupt is the command's normal end."""
-    keeps = False
-    """True while it saves what must not be lost; an interrupt waits."""
+    status = 2  # exit code; until the command has ended, that of an unexpected error
+    heard = 0  # the first signal, or 0
+    unwinds = False  # from the begin of the command to its end: an interrupt can be raised
+    lingers = False  # an interrupt is the command's normal end
+    keeps = False  # it saves what must not be lost: an interrupt waits
     more: "Callable[[], str]" = str
 
 
@@ -111,6 +107,23 @@ def also_say(more: "Callable[[], str]") -> None:
     _Command.more = more
 
 
+def family(*roots: int) -> set[int]:
+    """Return the living descendants of these processes, without themselves; empty if the system does not list them."""
+    children: dict[int, list[int]] = {}
+    for name in os.listdir("/proc") if LINUX else ():  # noqa: PTH208 - pathlib takes long to import
+        try:
+            with open(f"/proc/{name}/stat", "rb", buffering=0) as file:  # noqa: PTH123
+                state, parent, *_ = file.read().rpartition(b")")[2].split()
+            if state not in {b"Z", b"X"}:
+                children.setdefault(int(parent), []).append(int(name))
+        except (OSError, ValueError):  # it is no process, or has just ended
+            continue
+    found = list(roots)
+    for parent in found:  # it grows meanwhile
+        found += children.get(parent, ())
+    return {*found} - {*roots}
+
+
 def _hear(number: int, _: object) -> None:
     if _Command.heard:
         _Command.status = 128 + _Command.heard  # the command had more to do, although the first was its normal end
@@ -134,7 +147,7 @@ def _swallowed(what: "sys.UnraisableHookArgs") -> None:
 def _end() -> "NoReturn":
     """End this process and all that descends from it, without what Python does at its exit."""
     try:
-        end_all()
+        _end_family()
         if _Command.status:
             line = f"catch-arena: {_WORDS[signal.Signals(_Command.heard).name]}"
             try:
@@ -145,6 +158,19 @@ def _end() -> "NoReturn":
             os.write(2, f"{before}{line}{more and ': '}{more}\n".encode(errors="backslashreplace"))
     finally:
         os._exit(_Command.status)
+
+
+def _end_family() -> None:
+    """End all that descend from this process: first by SIGTERM, a moment later by SIGKILL."""
+    for number in (signal.SIGTERM, signal.SIGKILL) if LINUX else ():
+        patience = time.monotonic() + _GRACE_S
+        while (left := family(os.getpid())) and time.monotonic() < patience:
+            for pid in left:
+                try:  # noqa: SIM105 - contextlib may be half imported
+                    os.kill(pid, number)
+                except OSError:  # it has just ended
+                    pass
+            time.sleep(_PAUSE_S)
 
 
 def _flush() -> bool:

@@ -13,7 +13,7 @@ from statistics import median
 from typing import get_args
 
 from catch_arena import agents, scenario
-from catch_arena.descendants import family
+from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.isolation.playing import inspector, start_players

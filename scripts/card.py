@@ -33,8 +33,9 @@ from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TR
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures, measure
 from catch_arena.suite.references import FILE, references, references_text
-from catch_arena.tournament.entrants import Entrant, enter, shipped
+from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import usable_cores
+from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
 PAGE: Final = Path(__file__).parent.parent / "docs" / "card.md"

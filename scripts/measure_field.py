@@ -22,7 +22,7 @@ from catch_arena import VectorArena, scenario
 from catch_arena.cli.progress import progress_bar
 from catch_arena.config import RewardWeights
 from catch_arena.errors import CatchArenaError, ConfigError
-from catch_arena.tournament.entrants import shipped
+from catch_arena.tournament.loading import shipped
 from catch_arena.training.opponents import Opponents
 
 NOT_HUNTERS = ("corners", "flee", "idle", "random")

@@ -51,7 +51,8 @@ from catch_arena.config import RULESET, RewardWeights
 from catch_arena.files import prepare_folder, whole_file, write_whole
 from catch_arena.policy import Limits, control_of
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.tournament.entrants import create_policy, resolve_spec
+from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.loading import create_policy
 from catch_arena.training import LearnerBatch
 from catch_arena.training.destinations import VERSION, Destinations, destinations_of_batch
 from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, drive, weight_shapes

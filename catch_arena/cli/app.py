@@ -298,7 +298,7 @@ def limits_or_trust(changes: list[str] | None, *, trusted: bool) -> AgentLimits 
 
 def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
     """Say in one line how the entrants with these specs are isolated, if any of them is."""
-    from catch_arena.tournament.entrants import is_shipped
+    from catch_arena.tournament.agent_spec import is_shipped
     from catch_arena.tournament.isolation.namespaces import level_here, level_line
 
     if limits is not None and not all(map(is_shipped, specs)):

@@ -146,7 +146,7 @@ def _callable(spec: str) -> Any:
     Raises:
         AgentError: where it cannot be loaded, or nothing there has that name.
     """
-    from catch_arena.tournament.entrants import load_file, load_module
+    from catch_arena.tournament.loading import load_file, load_module
 
     module_name, colon, name = spec.rpartition(":")
     if not (module_name and colon and name):

@@ -24,7 +24,8 @@ from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 from catch_arena.scenarios import SCENARIOS
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.grading import GradingSpec, TestGrade
+    from catch_arena.tournament.grading import TestGrade
+    from catch_arena.tournament.grading_spec import GradingSpec
     from catch_arena.tournament.isolation.limits import AgentLimits
 
 Agent = Annotated[
@@ -58,7 +59,7 @@ def check_agent(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.entrants import resolve_spec
+    from catch_arena.tournament.agent_spec import resolve_spec
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
@@ -111,7 +112,8 @@ def grade(
     after it are for nodes only.
     """
     from catch_arena.files import write_whole
-    from catch_arena.tournament.grading import json_text, junit_text, read_spec, seeds_text
+    from catch_arena.tournament.grading import json_text, junit_text, seeds_text
+    from catch_arena.tournament.grading_spec import read_spec
 
     given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     exercise = read_spec(spec)

@@ -21,7 +21,7 @@ _LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
 @main.command()
 def agents() -> None:
     """List the agents that come with the package."""
-    from catch_arena.tournament.entrants import shipped
+    from catch_arena.tournament.loading import shipped
 
     listing = FittedTable("agent", "what it does", folded="what it does")
     for name, line in shipped().items():

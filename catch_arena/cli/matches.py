@@ -137,7 +137,7 @@ def tournament(
     plan = _plan(entrants, parties, secret, _PlanOptions(form, rounds, until_separated, max_matches))
     worker = Worker(config, entrants, record, allowed)
     terms = terms_of(allowed, max_forfeits, recorded=record)
-    about = Tournament(config, entrants, plan.parameters, terms, secret)
+    about = Tournament(config, entrants, plan.parameters, terms, secret.text)
     folder = out / REPLAYS if record else out
     begun: Store | None = None
     if (out / STORE).exists():

@@ -352,7 +352,7 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 def _seat_fault(who: str) -> str | None:
     """Why nobody is called so who could drive a hunter; None where somebody may be."""
-    from catch_arena.tournament.entrants import resolve_spec
+    from catch_arena.tournament.agent_spec import resolve_spec
 
     word, named, name = who.partition(":")
     if word in {NODE, HUMAN}:

@@ -77,7 +77,7 @@ def suite(
     from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
     from catch_arena.suite.measures import measure
     from catch_arena.suite.references import references
-    from catch_arena.tournament.entrants import is_shipped
+    from catch_arena.tournament.agent_spec import is_shipped
     from catch_arena.tournament.execution.executors import require_jobs
     from catch_arena.tournament.isolation.playing import sandbox_for
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS

@@ -138,7 +138,7 @@ class Evaluation:
         """
         terms = terms_of(self.limits, self.max_forfeits, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
-        facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret)
+        facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret.text)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)
 
     def _plan(self, scenario: SuiteScenario) -> FixedPlan:

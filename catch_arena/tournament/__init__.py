@@ -7,12 +7,13 @@ What is in which folder:
 - statistics: what the results say about the agents, and how sure that is.
 
 And in which file, from one match up:
-- entrants: who plays. parties: who plays as one, a team or one prey. players, match, match_loop, ranks: one
-  match, how it is played, and its result.
+- agent_spec: how a word names an agent. loading: an agent's code is imported. entrants: who plays.
+- parties: who plays as one, a team or one prey. players, match, match_loop, ranks: one match, how it is played,
+  and its result.
 - secret: the tournament's secret, and all seeds that follow from it.
 - store: what was planned and played. stored_values: what a stored value may be.
 - agent_logs, export, standings_files: what is written beside it.
-- agent_check, grading: one agent. comparison: two.
+- agent_check, grading with grading_spec: one agent. comparison: two.
 
 Nothing here draws, prints or reads options: the command line does (cli/).
 """

@@ -52,61 +52,63 @@ def check_fitness(
     looked: list[Inspection] = []
 
     def look(resolved: str) -> Inspection:
-        if not looked:
-            try:
-                looked.append(inspector(sandbox)(resolved))
-            except AgentError as error:  # it is trusted
-                looked.append(Inspection(fault=str(error)))
-        return looked[0]
+        try:
+            looked.append(inspector(sandbox)(resolved))
+        except AgentError as error:  # it is trusted
+            looked.append(Inspection(fault=str(error)))
+        return looked[-1]
 
-    limits = AgentLimits() if sandbox is None else sandbox.limits
-    (entrant,) = enter([spec], look)
+    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), look)
+    entrant = copies[0]
+
+    def play(config: ArenaConfig) -> tuple[MatchResult, list[bytes]]:
+        """Play a match, and return its result with the digest after each step."""
+        digests: list[bytes] = []
+        seated = copies[: len(Parties.of(config))]
+        result = play_entrants(config, seed, seated, sandbox, watch=lambda env: digests.append(env.digest()))
+        return result, digests
+
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
         return
     prey = f"{SHIPPED_PREY} plays prey for it" if entrant.needs_prey else "plays prey itself"
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
-    whole: dict[str, list[bytes]] = {}
-    reported: set[tuple[str, str]] = set()
-    begun = {}
-    late = 0
+    step_ms = (AgentLimits() if sandbox is None else sandbox.limits).step_ms
+    total, reported = 2 * len(arenas) + 1, set[tuple[str, str]]()
+    begun, late = [], 0
     for number, (name, config) in enumerate(arenas.items()):
         if late == MOST_TIMEOUTS:
             left = ", ".join(list(arenas)[number:])
             yield Finding("warning", f"was too slow in {late} arenas, and not tried in: {left}")
             return
-        progress(number, 2 * len(arenas) + 1)
-        result = play_first_step(config, seed, enter([spec] * len(Parties.of(config)), look), sandbox)
+        progress(number, total)
+        result = play_first_step(config, seed, copies[: len(Parties.of(config))], sandbox)
         if any(result.forfeits):  # a whole match would say the same of every seat
-            yield from _findings(name, config, result, limits.step_ms, reported)
+            yield from _findings(name, config, result, step_ms, reported)
             late += any(forfeit is not None and forfeit.late for forfeit in result.details)
         else:
-            begun[name] = config
-    for number, (name, config) in enumerate(begun.items(), len(arenas)):
-        progress(number, 2 * len(arenas) + 1)
-        digests: list[bytes] = []
-        copies = enter([spec] * len(Parties.of(config)), look)
-        result = play_entrants(config, seed, copies, sandbox, watch=lambda env, to=digests: to.append(env.digest()))
-        yield from _findings(name, config, result, limits.step_ms, reported)
+            begun.append(name)
+    whole: dict[str, list[bytes]] = {}
+    for number, name in enumerate(begun, len(arenas)):
+        progress(number, total)
+        result, digests = play(arenas[name])
+        yield from _findings(name, arenas[name], result, step_ms, reported)
         if not any(result.forfeits):
             whole[name] = digests
     if not whole:  # where and why it forfeited is what there is to say
         return
     name, first = next(iter(whole.items()))
-    config = arenas[name]
-    again: list[bytes] = []
-    progress(2 * len(arenas), 2 * len(arenas) + 1)
-    copies = enter([spec] * len(Parties.of(config)), look)
-    play_entrants(config, seed, copies, sandbox, watch=lambda env: again.append(env.digest()))
+    progress(total - 1, total)
+    _, again = play(arenas[name])
     if again == first:
         yield Finding("ok", f"{name}: plays the same match again, given the same seed")
-    else:
-        step = sum(one == two for one, two in zip(first, again, strict=False))
-        yield Finding(
-            "warning",
-            f"{name}: plays another match from step {step} on, given the same seed: "
-            "draw from random.Random(seed) of reset, and not from the clock or the global random",
-        )
+        return
+    step = sum(one == two for one, two in zip(first, again, strict=False))
+    yield Finding(
+        "warning",
+        f"{name}: plays another match from step {step} on, given the same seed: "
+        "draw from random.Random(seed) of reset, and not from the clock or the global random",
+    )
 
 
 def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], sandbox: Sandbox | None) -> MatchResult:
@@ -132,15 +134,7 @@ def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], s
 def _findings(
     name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """What one match shows.
-
-    Args:
-        name: the scenario's, with which each finding begins.
-        config: the arena's settings.
-        result: how the match ended.
-        step_ms: how long a move may take.
-        reported: the failures that were shown at length before, to which it adds.
-    """
+    """Yield what one match shows; `reported` has the failures that were shown at length before, and gets these."""
     failed = [(party, forfeit) for party, forfeit in enumerate(result.details) if forfeit is not None]
     here: set[tuple[str, str]] = set()
     for party, forfeit in failed:

@@ -11,7 +11,9 @@ import numpy as np
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
@@ -20,6 +22,7 @@ from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
+from catch_arena.tournament.store import Store, Tournament
 
 _A, _B, _FIELD = range(3)
 """Indices among the entrants: the two that are compared, and the first of their field."""
@@ -43,15 +46,11 @@ class ComparisonDesign:
         return self.parties.group
 
     def __post_init__(self) -> None:
-        free = self.seats - self.field
-        if free < 1 or (free > 1 and free % 2):
-            *fitting, most = [
-                size for size in range(self.seats) if size == self.seats - 1 or not (self.seats - size) % 2
-            ]
-            sizes = f"{', '.join(map(str, fitting))} or {most}" if fitting else f"{most}"
+        fitting = [size for size in range(self.seats) if size == self.seats - 1 or (self.seats - size) % 2 == 0]
+        if self.field not in fitting:
             raise ConfigError(
-                f"the field (--against) must be of {sizes} agents, got {self.field}: a block has {self.seats} players, "
-                "and A and B share what the field leaves free, or play it in turn if it is one"
+                f"the field (--against) must be of {' or '.join(map(str, fitting))} agents, got {self.field}: a block "
+                f"has {self.seats} players, and A and B share what the field leaves free, or play it in turn"
             )
         if self.seats < 2:
             raise ConfigError(f"the scenario must be for at least 2 agents, got {self.seats}")
@@ -189,12 +188,24 @@ def compare(
     secret = Secret.of(seed)
     design = ComparisonDesign(Parties.of(config), len(entrants) - _FIELD)
     plan = _UntilDecided(design, test, max_blocks, secret, progress)
-    played = run(config, entrants, plan, jobs=jobs, limits=limits, max_forfeits=max_forfeits, progress=on_played)
     forfeits: dict[str, Counter[str]] = {}
-    for one in played:
-        for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
-            if code is not None:
-                forfeits.setdefault(entrants[index].name, Counter())[code] += 1
+    done = 0
+
+    def count(played: Sequence[PlayedMatch]) -> None:
+        nonlocal done
+        done += len(played)
+        for one in played:
+            for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
+                if code is not None:
+                    forfeits.setdefault(entrants[index].name, Counter())[code] += 1
+        if on_played is not None:
+            on_played(done, plan.size)
+
+    with (
+        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
+        local_executor(Worker(config, tuple(entrants), limits=limits), jobs) as executor,
+    ):
+        play_plan(store, plan, executor, max_forfeits=max_forfeits, on_results=count)
     column = np.array(plan.shares)[:, None]
     (share,) = shares(column, np.ones_like(column))
     return Comparison(test.decision, len(plan.shares), plan.matches, share, test.log_likelihood_ratio, forfeits)

@@ -96,7 +96,6 @@ class _RunningMatch:
         parties: Parties,
         on_forfeit: Callable[[int, Forfeit], None] | None,
     ) -> None:
-        seats = len(parties.by_seat)
         self.step = 0
         self._env, self._players, self._parties, self._on_forfeit = env, players, parties, on_forfeit
         self._agents = env.possible_agents
@@ -107,18 +106,18 @@ class _RunningMatch:
         self._actions: dict[str, Any] = {}
         self._forfeits: list[Forfeit | None] = [None] * len(parties)
         self._verdicts: list[Counter[str]] = [Counter() for _ in parties.seats]
-        self._verdicts_of = dict(zip(self._agents, parties.to_seats(self._verdicts), strict=True))
-        self._party_of = dict(zip(self._agents, parties.by_seat, strict=True))
+        self._by_seat = parties.by_seat
+        self._party_of = dict(zip(self._agents, self._by_seat, strict=True))
         self._contests_won: Counter[int] = Counter()
         self._contests_lost: Counter[int] = Counter()
         self._lost_to_mates: Counter[int] = Counter()
-        """These three by party."""
-        self._moves, self._total_s, self._longest_s = [0] * seats, [0.0] * seats, [0.0] * seats
+        self._moves, self._total_s, self._longest_s = ([0] * len(parties), [0.0] * len(parties), [0.0] * len(parties))
+        """All from `_forfeits` on are by party."""
 
     def forfeit(self, faults: Mapping[int, Fault], shown: Mapping[int, Observation]) -> None:
         """Withdraw the parties of the seats that failed in this step; `shown`, what each seat was shown in it."""
         for seat, fault in sorted(faults.items()):
-            party = self._parties.by_seat[seat]
+            party = self._by_seat[seat]
             if self._forfeits[party] is not None:  # a team-mate has failed in the same step
                 continue
             forfeit = Forfeit(fault.code, self.step, one_line(fault.reason), shown.get(seat), seat, fault.late)
@@ -173,14 +172,7 @@ class _RunningMatch:
             steps=self.step,
             digest=self._env.digest().hex(),
             forfeits=tuple(None if one is None else one.code for one in forfeits),
-            thinking=tuple(
-                MoveTimes(
-                    sum(self._moves[seat] for seat in party),
-                    sum(self._total_s[seat] for seat in party),
-                    max(self._longest_s[seat] for seat in party),
-                )
-                for party in parties
-            ),
+            thinking=tuple(map(MoveTimes, self._moves, self._total_s, self._longest_s)),
             details=tuple(forfeits),
             logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
             lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
@@ -198,10 +190,11 @@ class _RunningMatch:
         """
         faults: dict[int, Fault] = {}
         for seat, (action, seconds, fault) in self._players.act(shown).items():
-            self._moves[seat] += 1
-            self._total_s[seat] += seconds
-            if seconds > self._longest_s[seat]:  # noqa: PLR1730 - max() takes twice as long
-                self._longest_s[seat] = seconds
+            party = self._by_seat[seat]
+            self._moves[party] += 1
+            self._total_s[party] += seconds
+            if seconds > self._longest_s[party]:  # noqa: PLR1730 - max() takes twice as long
+                self._longest_s[party] = seconds
             if fault is None:
                 self._actions[self._agents[seat]] = action
             else:
@@ -236,15 +229,15 @@ class _RunningMatch:
         for agent, info in infos.items():
             verdict = info.get("verdict", NO_REQUEST)
             if verdict != NO_REQUEST:
-                self._verdicts_of[agent][Verdict(verdict).name] += 1
+                self._verdicts[self._party_of[agent]][Verdict(verdict).name] += 1
                 if verdict == Verdict.LOST_CONTEST:
-                    winner, loser = self._parties.by_seat[info["winner"]], self._party_of[agent]
+                    winner, loser = self._by_seat[info["winner"]], self._party_of[agent]
                     if winner == loser:
                         self._lost_to_mates[loser] += 1
                     else:
                         contests.setdefault(info["winner"], set()).add(loser)
         for seat, parties in contests.items():
-            self._contests_won[self._parties.by_seat[seat]] += 1
+            self._contests_won[self._by_seat[seat]] += 1
             self._contests_lost.update(parties)
 
 

@@ -4,7 +4,7 @@ A match seats one entrant in each party, with an instance of it in each of the p
 first, and then the prey.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import permutations
 from typing import Final, TypeVar
@@ -110,18 +110,15 @@ class Parties:
         return f"seat{many} {self.names[party]}" if party < self.hunting else self.names[party]
 
     @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """By seat: its party, and its number among the party's seats."""
+        places = {seat: (party, number) for party, seats in enumerate(self.seats) for number, seat in enumerate(seats)}
+        return tuple(places[seat] for seat in range(len(places)))
+
+    @property
     def by_seat(self) -> tuple[int, ...]:
         """The party of each seat."""
-        party_of = {seat: party for party, seats in enumerate(self.seats) for seat in seats}
-        return tuple(party_of[seat] for seat in range(len(party_of)))
-
-    def to_seats(self, by_party: Sequence[T]) -> list[T]:
-        """What is known of each party, for each seat."""
-        return [by_party[party] for party in self.by_seat]
-
-    def mapped_to_seats(self, by_party: Mapping[int, T]) -> dict[int, T]:
-        """The same of some parties."""
-        return {seat: by_party[party] for seat, party in enumerate(self.by_seat) if party in by_party}
+        return tuple(party for party, _ in self.places)
 
 
 def _lineups(players: tuple[T, ...], parties: int) -> Sequence[tuple[T, ...]]:

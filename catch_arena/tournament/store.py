@@ -4,21 +4,22 @@ Each block is a transaction of its own, in write-ahead mode: a process that is k
 none that was kept. Keeping a match twice changes nothing.
 """
 
-import json
 import os
 import platform
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
 
+import msgspec
+
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import CatchArenaError, OtherTournamentError, StoreError
+from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
@@ -68,47 +69,50 @@ _PLAYED: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Tournament:
-    """What a store holds the matches of; it can be continued by whoever says the same."""
+    """The tournament whose matches a store holds; only the same tournament can continue it.
+
+    Table `fact` has these fields by name, as JSON.
+    """
 
     config: ArenaConfig
     entrants: tuple[Entrant, ...]
     plan: Mapping[str, str | int | float]
     """The plan's parameters."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
-    """On what terms it is played besides: `recorded`, `trusted`, and the limits of isolated agents."""
-    secret: Secret | None = None
-    """What the plan is drawn from; None where it is not drawn, or not for others to repeat."""
+    """Its other terms: `recorded`, `trusted`, and the limits of isolated agents."""
+    seed: str | None = field(default=None, repr=False)
+    """`Secret.text`; None where the plan is not drawn, or not for others to repeat."""
+    ruleset: str = RULESET
 
-    def facts(self) -> dict[str, Any]:
-        """As it is stored."""
-        return {
-            "ruleset": RULESET,
-            "config": self.config.to_dict(),
-            "entrants": [entrant.facts for entrant in self.entrants],
-            "plan": dict(self.plan),
-            "seed": None if self.secret is None else self.secret.text,
-            "terms": dict(self.terms),
-        }
+    def __post_init__(self) -> None:
+        if self.ruleset != RULESET:
+            raise ValueError(f"it was played under ruleset {self.ruleset}, and this is {RULESET}")
+        if self.seed is not None:
+            Secret.parse(self.seed)
 
     @classmethod
-    def of(cls, facts: stored_values.Facts) -> "Tournament":
-        """The tournament that is stored so.
+    def of(cls, facts: Mapping[str, str]) -> "Tournament":
+        """Return the tournament that is stored so.
 
         Raises:
             DamagedError: for facts that no tournament of this version has.
         """
-        if facts.ruleset != RULESET:
-            raise stored_values.DamagedError(f"it was played under ruleset {facts.ruleset}, and this is {RULESET}")
         try:
-            config = ArenaConfig.from_dict(facts.config)
-            secret = None if facts.seed is None else Secret.parse(facts.seed)
-        except (CatchArenaError, TypeError, ValueError) as error:
+            values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts.items()}
+            config: Any = values.get("config")
+            values["config"] = ArenaConfig.from_dict(config)  # whole numbers stay whole
+            return msgspec.convert(values, cls)
+        except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
             raise stored_values.DamagedError(f"table fact: {error}") from None
-        return cls(config, facts.entrants, facts.plan, facts.terms, secret)
+
+    @property
+    def secret(self) -> Secret | None:
+        """Secret that the plan is drawn from."""
+        return None if self.seed is None else Secret.parse(self.seed)
 
 
 def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
-    """A tournament's `terms`.
+    """Return a tournament's `terms`.
 
     Args:
         limits: those of isolated agents, None where all are trusted.
@@ -198,7 +202,7 @@ class Store:
     def ended(self) -> bool:
         """Whether its plan has been played to its end: before, nobody may know what it is drawn from."""
         with self._store_errors():
-            return self._facts().ended
+            return self._facts().get("ended") == "true"
 
     def end(self) -> None:
         """The plan has no further matches."""
@@ -220,16 +224,13 @@ class Store:
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
         """Write matches that were played, all or none; one that was kept before stays as it was."""
-        with self.transaction():
+        with self.transaction() as db:
             for one in block:
-                self._keep(one)
-
-    def _keep(self, one: PlayedMatch) -> None:
-        result = one.result
-        parts = {name: getattr(result, name) for name in stored_values.RESULTS}
-        parts["thinking"] = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in result.thinking]
-        parts["details"] = [part and (part.code, part.step, part.reason) for part in result.details]
-        self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
+                parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
+                times = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking]
+                details = [part and (part.code, part.step, part.reason) for part in one.result.details]
+                values = (parts | {"thinking": times, "details": details}).values()
+                db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, values)))
 
     def waiting(self) -> Iterator[Block]:
         """The matches that are planned and not played, by block, in the order of the plan."""
@@ -302,24 +303,19 @@ class Store:
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
                 db.execute(f"PRAGMA user_version = {_FORMAT}")
             if not self.count_planned():  # whoever began it got no further
-                facts = [(name, _json(value)) for name, value in tournament.facts().items()]
+                facts = [(one.name, _json(getattr(tournament, one.name))) for one in fields(tournament)]
                 db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", facts)
             elif not resume:
                 raise StoreError(
                     f"{self._name}: holds a tournament already, with {self.count_played()} of {self.count_planned()} "
                     "matches played: go on with --resume, or give another folder"
                 )
-            elif found := difference(*(json.loads(_json(one.facts())) for one in (self.tournament, tournament))):
-                raise self._other_tournament(found)
-            elif self.tournament.secret != tournament.secret:
-                raise self._other_tournament("its seed is another one; without --seed it keeps its own")
+            elif found := difference(self.tournament, tournament):
+                message = f"{self._name}: is of another tournament: {found}"
+                raise StoreError(message) if self.path is None else OtherTournamentError(message, self.path.parent)
             text = _json(versions())
             db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
-
-    def _other_tournament(self, found: str) -> StoreError:
-        message = f"{self._name}: is of another tournament: {found}"
-        return StoreError(message) if self.path is None else OtherTournamentError(message, self.path.parent)
 
     def _has_tables(self) -> bool:
         """Whether there is anything in it.
@@ -343,8 +339,8 @@ class Store:
                 raise stored_values.DamagedError(str(found))
         return True
 
-    def _facts(self) -> stored_values.Facts:
-        return stored_values.facts_of(dict(self._db.execute("SELECT name, value FROM fact")))
+    def _facts(self) -> dict[str, str]:
+        return dict(self._db.execute("SELECT name, value FROM fact"))
 
     def _shape(self) -> tuple[int, int]:
         """Return the number of parties in a match, and of entrants."""
@@ -452,24 +448,26 @@ def store_bytes(parties: int) -> int:
     return 90 + 84 * parties
 
 
-def difference(there: Mapping[str, Any], here: Mapping[str, Any]) -> str | None:
-    """The first fact in which a stored tournament differs from this one, in words; None if there is none."""
-    for kind in ("config", "plan", "terms"):
-        for name in dict.fromkeys((*there[kind], *here[kind])):
-            begun, now = there[kind].get(name), here[kind].get(name)
-            if begun != now:
-                return f"{name} is {_shown(begun)} there, and {_shown(now)} here"
-    names = [[entrant["name"] for entrant in facts["entrants"]] for facts in (there, here)]
+def difference(there: Tournament, here: Tournament) -> str | None:
+    """Return the first fact in which a stored tournament differs from this one, in words; None if there is none."""
+    old, new = ({**one.config.to_dict(), **one.plan, **one.terms} for one in (there, here))
+    for name in (*old, *new):
+        if old.get(name) != new.get(name):
+            return f"{name} is {_shown(old.get(name))} there, and {_shown(new.get(name))} here"
+    names = [" ".join(entrant.name for entrant in one.entrants) for one in (there, here)]
     if names[0] != names[1]:
-        return f"its agents are {' '.join(names[0])}, and here {' '.join(names[1])}"
-    for begun, now in zip(there["entrants"], here["entrants"], strict=True):
-        for name in ("digest", "control", "prey", *(["prey_digest"] if here["config"]["prey"] else [])):
-            if begun[name] != now[name]:
-                what = name.replace("_", " ")
-                return f"the {what} of agent {now['name']} is {begun[name]} there, and {now[name]} here"
-        fit = ["can begin" if one["fault"] is None else "cannot begin" for one in (begun, now)]
+        return f"its agents are {names[0]}, and here {names[1]}"
+    compared = ("digest", "control", "prey", *(["prey_digest"] if here.config.prey else []))
+    for begun, now in zip(there.entrants, here.entrants, strict=True):
+        for name in compared:
+            if getattr(begun, name) != getattr(now, name):
+                what = f"the {name.replace('_', ' ')} of agent {now.name}"
+                return f"{what} is {getattr(begun, name)} there, and {getattr(now, name)} here"
+        fit = ["can begin" if one.fault is None else "cannot begin" for one in (begun, now)]
         if fit[0] != fit[1]:
-            return f"agent {now['name']} {fit[0]} there, and {fit[1]} here"
+            return f"agent {now.name} {fit[0]} there, and {fit[1]} here"
+    if there.secret != here.secret:
+        return "its seed is another one; without --seed it keeps its own"
     return None
 
 
@@ -478,4 +476,4 @@ def _shown(value: object) -> str:
 
 
 def _json(value: object) -> str:
-    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+    return msgspec.json.encode(value).decode()

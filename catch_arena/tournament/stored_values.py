@@ -7,7 +7,6 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
-from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 
 RESULTS: Final = tuple(field.name for field in fields(MatchResult) if field.name != "logs")
@@ -21,31 +20,13 @@ class DamagedError(Exception):
     """A value that no command has written; the text names the table, the row and the value."""
 
 
-class Facts(msgspec.Struct):
-    """Table `fact`, by name."""
-
-    ruleset: str
-    config: dict[str, Any]
-    entrants: tuple[Entrant, ...]
-    plan: dict[str, str | int | float]
-    seed: str | None
-    terms: dict[str, str | int | float | bool]
-    ended: bool = False
-
-
-_FACTS: Final = msgspec.json.Decoder(Facts)
 _VERSIONS: Final = msgspec.json.Decoder(dict[str, str])
 _MATCH: Final = msgspec.json.Decoder(Match)
 _RESULT: Final = msgspec.json.Decoder(MatchResult)
 
 
-def facts_of(values: Mapping[str, str]) -> Facts:
-    """Return the facts of a tournament, or raise DamagedError; likewise all other functions here."""
-    return _decode(_FACTS, "table fact", _object(values))
-
-
 def versions_of(key: int, text: str) -> dict[str, str]:
-    """Return the versions that played, by package."""
+    """Return the versions that played, by package; or raise DamagedError, as the functions below."""
     return _decode(_VERSIONS, f"table versions, row {key}", text)
 
 

@@ -15,7 +15,8 @@ from catch_arena.envs.actions import checked_action, choice_array, command_array
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
-from catch_arena.tournament.entrants import create_policy, resolve_spec
+from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.loading import create_policy
 
 Pool = str | object | Iterable[object] | Mapping[str, float]
 """One agent, several, or names and how often each is drawn."""

@@ -10,7 +10,9 @@ from catch_arena.config import ArenaConfig
 from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import PreyLimits
-from catch_arena.tournament.entrants import SHIPPED_PREY, agent_class, create_policy, resolve_spec
+from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.entrants import SHIPPED_PREY
+from catch_arena.tournament.loading import agent_class, create_policy
 
 Place = tuple[int, int]
 """An arena, and the number of a prey in it."""

@@ -22,7 +22,8 @@ from catch_arena.agents.spoiler import leading_rival
 from catch_arena.agents.tour import PATIENCE_S, best_tour, leg_s, taken_s
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.policy import Limits, Policy, View
-from catch_arena.tournament.entrants import enter, shipped
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.match_loop import play
 
 DRIVING = (

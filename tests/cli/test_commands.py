@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 from catch_arena.cli import arena, main
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.entrants import agent_module
 from catch_arena.tournament.isolation.namespaces import level_line
+from catch_arena.tournament.loading import agent_module
 
 ROOT = Path(__file__).parents[2]
 """What a command says every few seconds, on a slow machine."""
@@ -236,7 +236,7 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["match", "nearest", "idle", "-s", "tag"], "at least 4 to play the 3 hunters and the 1 prey of tag, got 2"),
         (["tournament", "nearest", "idle", "-s", "tag"], "the 1 prey of tag in a tournament, where whoever is alone"),
         (["match", "nearest", "-s", "pairs"], "agents must be at least 2 to be the teams of pairs, got 1"),
-        (["compare", "nearest", "idle", "-s", "tag"], "the field (--against) must be of 1, 3 or 4 agents, got 0: a"),
+        (["compare", "nearest", "idle", "-s", "tag"], "the field (--against) must be of 1 or 3 or 4 agents, got 0: a"),
         (["match", "nearest", *QUICK], "agents must be at least 2"),
         (["match", "nearest", "idle", "first", *QUICK], "agents must be 2"),
         (["match", "nearest", "idle", *QUICK, "-o", "file/m.replay"], "file: cannot be written"),

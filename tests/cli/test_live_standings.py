@@ -4,13 +4,13 @@ import io
 
 import pytest
 from rich.console import Console
+from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.cli import progress
 from catch_arena.cli.live_standings import LiveStandings
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 

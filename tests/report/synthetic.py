@@ -49,7 +49,9 @@ def tournament(
     secret = Secret.of(1)
     plan = round_robin(len(names), hunters(config.hunters), rounds, secret)
     folder.mkdir(parents=True, exist_ok=True)
-    with Store.begin(Tournament(config, entrants, plan.parameters, terms or {}, secret), folder, resume=True) as store:
+    with Store.begin(
+        Tournament(config, entrants, plan.parameters, terms or {}, secret.text), folder, resume=True
+    ) as store:
         store.plan(plan.stage(0, ()))
         played = []
         for number, match in enumerate(plan):

@@ -19,7 +19,7 @@ from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.ros.node_tests.cases import can_be_asked
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.testing import select_cases
-from catch_arena.tournament.grading import read_spec
+from catch_arena.tournament.grading_spec import read_spec
 
 SPEC = """
 title = "The referee"

@@ -12,7 +12,8 @@ from catch_arena.errors import ConfigError, OtherTournamentError, StoreError
 from catch_arena.suite.contents import SUITE
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures
 from catch_arena.suite.references import references_text
-from catch_arena.tournament.entrants import enter, shipped
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
 ROOT = Path(__file__).parents[2]

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catch_arena.tournament.entrants import create_policy
+from catch_arena.tournament.loading import create_policy
 from catch_arena.training.pointer import PointerNetwork, weight_shapes
 
 ROOT = Path(__file__).parents[2]

@@ -18,6 +18,7 @@ def made_up(block: int, seating: tuple[int, ...], scores: tuple[int, ...], turn:
         "digest": "ab",
         "forfeits": (None,) * count,
         "thinking": (),
+        "details": (None,) * count,
     }
     match = Match(f"r00001-g{block + 1:06d}-s{turn:02d}", block, 7 + block, seating)
     return PlayedMatch(match, MatchResult(scores, **(usual | parts)))

@@ -16,7 +16,7 @@ from isolation_levels import NAMESPACES
 from tournament.agents import source
 
 from catch_arena import scenario
-from catch_arena.descendants import family
+from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants

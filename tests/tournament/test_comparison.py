@@ -106,7 +106,10 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest", "idle", "--alpha", "0"], "alpha must lie in"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
-        (["nearest", "idle", "-s", "standard", "--against", "first"], "(--against) must be of 0, 2 or 3 agents, got 1"),
+        (
+            ["nearest", "idle", "-s", "standard", "--against", "first"],
+            "(--against) must be of 0 or 2 or 3 agents, got 1",
+        ),
         (["nearest", "idle", "-s", "capstone"], "for at least 2 agents"),
         (["nearest", "idel"], "did you mean idle"),
     ],

@@ -25,7 +25,7 @@ CONFIG = scenario("duel", time_limit_s=20)
 ENTRANTS = enter(["nearest", "first", "random"])
 SECRET = Secret.of(1)
 PLAN = round_robin(3, hunters(2), 2, SECRET)
-FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, secret=SECRET)
+FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, seed=SECRET.text)
 
 
 @pytest.fixture(scope="module")

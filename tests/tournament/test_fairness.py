@@ -7,13 +7,13 @@ from random import Random
 import numpy as np
 import pytest
 from scipy import special
+from tournament.runs import run
 from tournament.seats import hunters, listed
 
 from catch_arena import scenario
 from catch_arena.arbitration import arbitrate
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin

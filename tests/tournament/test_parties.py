@@ -5,13 +5,13 @@ from itertools import combinations, product
 
 import pytest
 from tournament.agents import write_agent
+from tournament.runs import run
 from tournament.seats import blocks_of
 
 import catch_arena
 from catch_arena import Replay, scenario
 from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox

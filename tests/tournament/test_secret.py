@@ -181,7 +181,7 @@ def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):
     def replays():
         return {path.stem for path in (tmp_path / REPLAYS).glob("*.replay")}
 
-    with Store.begin(Tournament(CONFIG, entrants, plan.parameters, secret=secret), tmp_path) as store:
+    with Store.begin(Tournament(CONFIG, entrants, plan.parameters, seed=secret.text), tmp_path) as store:
         with pytest.raises(KeyboardInterrupt):
             play_plan(store, plan, Breaks(worker), folder=tmp_path)
         assert replays() == {match.id for match in first}

@@ -6,21 +6,20 @@ import sqlite3
 import stat
 
 import pytest
+from tournament.runs import run
 from tournament.seats import blocks_of, hunters, listed
 
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
-from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
 
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
 PLAN = round_robin(3, hunters(2), 2, seed=4)
-FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters, secret=Secret.of(4))
+FACTS = Tournament(SHORT, ENTRANTS, PLAN.parameters, seed="4")
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +97,7 @@ def changed(**facts):
             'format is "round-robin" there, and "balanced" here',
         ),
         ({"terms": {"recorded": True}}, "recorded is not given there, and true here"),
-        ({"secret": Secret.of(5)}, "its seed is another one; without --seed it keeps its own"),
+        ({"seed": "5"}, "its seed is another one; without --seed it keeps its own"),
         ({"entrants": ENTRANTS[:2]}, "its agents are nearest idle random, and here nearest idle"),
         (changed(fault="it is broken"), "agent idle can begin there, and cannot begin here"),
         (changed(digest="0" * 16), "the digest of agent idle is"),

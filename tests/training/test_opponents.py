@@ -12,7 +12,8 @@ from catch_arena.errors import AgentError, ConfigError, EpisodeError
 from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.entrants import create_policy, resolve_spec, shipped
+from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.loading import create_policy, shipped
 from catch_arena.training import LearnerBatch
 
 WORDS = ("target", "velocity", "full")

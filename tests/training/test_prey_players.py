@@ -8,7 +8,8 @@ import pytest
 import catch_arena
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.policy import PreyLimits
-from catch_arena.tournament.entrants import create_policy, resolve_spec
+from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.loading import create_policy
 from catch_arena.training import GymnasiumVectorEnv, LearnerBatch
 
 WORDS = {0: "target", 1: "velocity"}

@@ -1,7 +1,6 @@
 """Grades of a node by a spec: points for conformance cases that its service answers right."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from catch_arena.conformance.answers import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
@@ -10,23 +9,11 @@ from catch_arena.errors import ConfigError
 from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
-from catch_arena.tournament.grading import GradingSpec, GradingTest, TestGrade
+from catch_arena.tournament.grading import TestGrade
+from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NodeGrade(TestGrade):
-    """Result of one test of a node. Its failures are a line for the clauses of the failed cases."""
-
-    cases: int
-    passed: int
-
-    @property
-    def measured(self) -> str:
-        """The figures, for people."""
-        return f"{self.passed} of {counted(self.cases, 'case')}"
-
-
-def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[NodeGrade]:
+def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
     """Grade a node by the tests of a spec, one after the other. A request without an answer fails its case.
 
     Raises:
@@ -51,19 +38,21 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
     return found
 
 
-def _grade(test: GradingTest, report: Report) -> NodeGrade:
+def _grade(test: GradingTest, report: Report) -> TestGrade:
+    """Return a grade whose failures are a line for the clauses of the failed cases."""
     played = sum(result.played for result in report.results)
     if not played:
         raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
     by_clauses: dict[str, list[str]] = {}
     for failure in report.failures:
         by_clauses.setdefault(", ".join(failure.case.clauses), []).append(failure.case.id)
-    return NodeGrade(
+    passed = played - len(report.failures)
+    return TestGrade(
         test=test.name,
         points=0.0 if report.failures else test.points,
         possible=test.points,
-        cases=played,
-        passed=played - len(report.failures),
+        figures={"cases": played, "passed": passed},
+        measured=f"{passed} of {counted(played, 'case')}",
         failures=tuple(
             f"{clauses}: {counted(len(ids), 'case')}: {', '.join(ids)}" for clauses, ids in by_clauses.items()
         ),

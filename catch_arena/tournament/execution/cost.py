@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import Final
 
 from catch_arena.errors import NoContest
-from catch_arena.tournament.entrants import is_shipped
+from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties

@@ -5,65 +5,20 @@ from itertools import count
 from pathlib import Path
 from typing import Final
 
-from catch_arena.config import ArenaConfig
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import add_to_logs
-from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
-from catch_arena.tournament.execution.executors import Executor, local_executor
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.worker import RecordedMatch, Worker
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.execution.worker import RecordedMatch
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
-from catch_arena.tournament.store import Store, Tournament
+from catch_arena.tournament.store import Store
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
 """In the tournament's folder."""
-
-
-def run(
-    config: ArenaConfig,
-    entrants: Sequence[Entrant],
-    plan: Plan,
-    *,
-    jobs: int = 1,
-    limits: AgentLimits | None = None,
-    max_forfeits: int = 0,
-    record: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> list[PlayedMatch]:
-    """Play every match, without a store on disk; the results come in the order of the plan.
-
-    It raises what `play_plan` does.
-
-    Args:
-        config: the arena's settings.
-        entrants: who plays.
-        plan: which matches are played.
-        jobs: how many processes play, 1 for this one alone.
-        limits: those of isolated agents, None where all are trusted.
-        max_forfeits: as of `play_plan`.
-        record: a tournament's folder, for replays and logs.
-        progress: called with (played, in all).
-    """
-    worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
-    done = 0
-
-    def on_results(played: Sequence[PlayedMatch]) -> None:
-        nonlocal done
-        done += len(played)
-        if progress is not None:
-            progress(done, plan.size)
-
-    with (
-        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
-        local_executor(worker, jobs) as executor,
-    ):
-        play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record, on_results=on_results)
-        return list(store.played())
 
 
 def play_plan(

@@ -26,21 +26,15 @@ from types import TracebackType
 from typing import Any, Final, NoReturn
 
 import catch_arena
-from catch_arena.descendants import LINUX
 from catch_arena.errors import AgentError, CatchArenaError, reason
+from catch_arena.interrupts import LINUX
 from catch_arena.policy import Policy, PreyPolicy
-from catch_arena.tournament import entrants
-from catch_arena.tournament.entrants import (
-    agent_class,
-    command_of,
-    create_policy,
-    folder_of,
-    has_prey,
-    sources_of,
-)
+from catch_arena.tournament import loading
+from catch_arena.tournament.agent_spec import command_of, folder_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.namespaces import SHARED
+from catch_arena.tournament.loading import agent_class, create_policy, has_prey, sources_of
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
 _MIB: Final = 1 << 20
@@ -329,7 +323,7 @@ def _print(error: BaseException, theirs: TracebackType | None) -> None:
 
 def _imports(file: str) -> bool:
     """Return whether a line of this file imports an agent, and is none of the agent's own."""
-    return file.startswith("<frozen importlib") or file in {importlib.__file__, entrants.__file__}
+    return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__}
 
 
 def _read_line(lines: int) -> bytes:

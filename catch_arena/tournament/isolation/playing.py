@@ -8,7 +8,8 @@ from typing import Any
 
 from catch_arena.config import ArenaConfig
 from catch_arena.policy import Policy
-from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent, is_shipped
+from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent
 from catch_arena.tournament.isolation.isolated_players import isolated_players
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -45,9 +46,11 @@ def play_entrants(
         NoContest: for a match that failed on our side.
     """
     parties = Parties.of(config)
-    names = parties.to_seats([entrant.name for entrant in in_parties(config, entrants)])
-    seeds = _seeds_by_seat(parties, agent_seeds) if agent_seeds else ()
-    with start_players(in_seats(config, entrants), sandbox, parties.mapped_to_seats(excluded_parties)) as players:
+    playing = in_parties(config, entrants)
+    names = [playing[party].name for party in parties.by_seat]
+    excluded = {seat: excluded_parties[one] for seat, one in enumerate(parties.by_seat) if one in excluded_parties}
+    seeds = [_instance_seed(agent_seeds[party], number) for party, number in parties.places] if agent_seeds else []
+    with start_players(in_seats(config, entrants), sandbox, excluded) as players:
         return play(config, seed, players, names, agent_seeds=seeds, **options)
 
 
@@ -104,17 +107,13 @@ def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant
 
 def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
     """Return who plays in each seat. Further seats of a team have names of their own: processes are kept by names."""
-    found: dict[int, Entrant] = {}
-    for playing, seats in zip(in_parties(config, entrants), Parties.of(config).seats, strict=True):
-        for number, seat in enumerate(seats):
-            found[seat] = playing if number == 0 else replace(playing, name=f"{playing.name} ({number + 1})")
-    return [found[seat] for seat in range(len(found))]
+    playing = in_parties(config, entrants)
+    return [
+        replace(playing[party], name=f"{playing[party].name} ({number + 1})") if number else playing[party]
+        for party, number in Parties.of(config).places
+    ]
 
 
-def _seeds_by_seat(parties: Parties, agent_seeds: Sequence[int]) -> list[int]:
-    """Return each seat's seed: the first of a team has its party's, the others have seeds that follow from it."""
-    found: dict[int, int] = {}
-    for seed, seats in zip(agent_seeds, parties.seats, strict=True):
-        for number, seat in enumerate(seats):
-            found[seat] = agent_seed(seed, number) if number else seed
-    return [found[seat] for seat in range(len(found))]
+def _instance_seed(seed: int, number: int) -> int:
+    """Return the seed of a party's instance: the first has the party's, the others have seeds that follow from it."""
+    return agent_seed(seed, number) if number else seed

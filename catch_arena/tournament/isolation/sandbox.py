@@ -16,10 +16,12 @@ from typing import Any, Final
 
 import catch_arena
 from catch_arena.errors import ConfigError, NoContest
-from catch_arena.tournament.entrants import Entrant, command_of, module_folders
+from catch_arena.tournament.agent_spec import command_of
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.isolation.namespaces import TEMPORARY, bubblewrap_words, level_here, visible_paths
+from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.players import Fault
 
 _MOST_WAITING: Final = 16

@@ -10,7 +10,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan
-from catch_arena.tournament.statistics.separation import Separation, next_look, require_confidence, separation
+from catch_arena.tournament.statistics.separation import Separation, next_look, separation
 from catch_arena.tournament.statistics.sides import on_side
 
 BUDGET: Final = 10_000
@@ -39,16 +39,16 @@ class UntilSeparated:
         rounds: Callable[[int], FixedPlan],
         parties: Parties,
     ) -> None:
-        require_confidence(confidence)
+        if not 0.5 <= confidence < 1:
+            raise ConfigError(f"confidence must lie in [0.5, 1), got {confidence}")
         one = rounds(1)
         if budget < one.size:
             raise ConfigError(f"max_matches must be at least {one.size}, the matches of one round, got {budget}")
         self._whole = rounds(budget // one.size)
         self._round = sum(1 for _ in one.blocks())
         self._entrants, self._parties = entrants, parties
-        self._confidence = (
-            confidence if len(parties.sides) == 1 else (1.0 + confidence) / 2.0
-        )  # two orders, half a doubt each
+        # two orders, half a doubt each
+        self._confidence = confidence if len(parties.sides) == 1 else (1.0 + confidence) / 2.0
         self.parameters: Mapping[str, str | int | float] = {
             **{name: value for name, value in one.parameters.items() if name != "rounds"},
             "until_separated": confidence,

@@ -6,7 +6,6 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
@@ -103,29 +102,13 @@ def next_look(blocks: int) -> int:
     return look
 
 
-def require_confidence(confidence: float) -> None:
-    """Require a confidence that an interval can have.
-
-    Raises:
-        ConfigError: for a confidence outside [0.5, 1).
-    """
-    if not 0.5 <= confidence < 1:
-        raise ConfigError(f"confidence must lie in [0.5, 1), got {confidence}")
-
-
 def separation(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], confidence: float = 0.95) -> Separation:
     """Whether the order of all entrants is clear.
 
     To be asked once for each `next_look`. Looking often would find differences where there are none, so the k-th look
     has 1 / (k (k + 1)) of what `confidence` leaves (the sum over all k is 1): however long it goes on, an order that is
     called clear is wrong no more often than 1 - confidence.
-
-    Raises:
-        ConfigError: for a confidence outside [0.5, 1), and fewer than two entrants.
     """
-    require_confidence(confidence)
-    if len(entrants) < 2:
-        raise ConfigError(f"entrants must be at least 2 to be told apart, got {len(entrants)}")
     outcomes = Outcomes.of(len(entrants), played)
     higher, lower, p = least_separated(rate(outcomes))
     level = level_of_look(outcomes.blocks, confidence)

@@ -65,10 +65,7 @@ def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
     joined: dict[str, Any] = {
         name: tuple(value for result in results for value in getattr(result, name)) for name in _BY_PARTY
     }
-    if joined["details"]:
-        lasted = [None if one is None else one.step for one in joined["details"]]
-    else:
-        lasted = [None if code is None else 0 for code in joined["forfeits"]]
+    lasted = [None if one is None else one.step for one in joined["details"]]
     ranks = ranks_of_sides(joined["scores"], lasted, len(lasted) if side == "hunter" else 0)
     return replace(
         first,

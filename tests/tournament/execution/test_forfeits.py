@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tournament.agents import write_agent
+from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import scenario
@@ -17,7 +18,7 @@ from catch_arena.errors import ConfigError, NoContest
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.runner import play_plan, run
+from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import Match, MatchResult, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin

@@ -16,8 +16,8 @@ from tournament.agents import LEAVES_A_CHILD, write_agent
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.descendants import family
 from catch_arena.errors import StoreError
+from catch_arena.interrupts import family
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store
 
@@ -109,14 +109,22 @@ PLAYS = """
 import sys
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
+from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.store import Store, Tournament
 limits = AgentLimits(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
 config = scenario("duel")
 plan = round_robin(2, Parties.of(config), 9, 0)
-run(config, enter(["mine.py", "mine.py"]), plan, jobs=2, limits=limits)
+entrants = enter(["mine.py", "mine.py"])
+with (
+    Store.begin(Tournament(config, entrants, plan.parameters)) as store,
+    local_executor(Worker(config, entrants, limits=limits), 2) as executor,
+):
+    play_plan(store, plan, executor)
 """
 
 

@@ -5,14 +5,15 @@ from multiprocessing import resource_tracker
 
 import pytest
 from tournament.agents import dies_once, write_agent
+from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import Replay, scenario
-from catch_arena.descendants import family
 from catch_arena.errors import NoContest
 from catch_arena.files import prepare_folder
+from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import LOGS, REPLAYS, run
+from catch_arena.tournament.execution.runner import LOGS, REPLAYS
 from catch_arena.tournament.plans.schedule import round_robin
 
 SHORT = scenario("duel", time_limit_s=6)

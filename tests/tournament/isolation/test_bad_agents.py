@@ -9,7 +9,7 @@ from isolation_levels import LEVELS
 from tournament.agents import LEAVES_A_CHILD, source, write_agent
 
 from catch_arena import Replay, scenario
-from catch_arena.descendants import family
+from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players

@@ -16,14 +16,15 @@ from tournament.agents import write_agent
 
 import catch_arena.agents
 from catch_arena import scenario
-from catch_arena.descendants import family
 from catch_arena.errors import ConfigError, NoContest
+from catch_arena.interrupts import family
 from catch_arena.policy import Limits
-from catch_arena.tournament.entrants import enter, shipped
+from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox
+from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.match_loop import play
 
 SHORT = scenario("duel", time_limit_s=10)

@@ -1,12 +1,12 @@
 """Playing until the order is clear: whole rounds, a budget, and the same matches with a larger one."""
 
 import pytest
+from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.runner import run
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.plans.until_separated import UntilSeparated
 

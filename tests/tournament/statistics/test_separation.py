@@ -1,6 +1,5 @@
 """Groups of agents that cannot be told apart, and when an order is clear: errors as rare as docs/ratings.md says."""
 
-import math
 import re
 import runpy
 from pathlib import Path
@@ -10,7 +9,6 @@ import pytest
 from tournament.played_matches import made_up
 from tournament.seats import hunters
 
-from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.plans.schedule import plan_of
 from catch_arena.tournament.statistics.outcomes import Outcomes
@@ -105,9 +103,3 @@ def test_an_order_of_equals_is_not_called_clear_however_often_one_looks():
     """
     clear, wrong = MEASURE["called_clear"](MEASURE["catches"](2, 14.0, 14.0), 2, 150, 100, 5)
     assert clear == wrong == pytest.approx(0.04, abs=0.011)
-
-
-@pytest.mark.parametrize(("confidence", "entrants"), [(1.0, 3), (0.2, 3), (math.nan, 3), (0.95, 1)])
-def test_what_cannot_be_asked_is_refused(confidence, entrants):
-    with pytest.raises(ConfigError, match=r"must (lie in \[0\.5, 1\)|be at least 2)"):
-        separation(THREE[:entrants], [], confidence)

@@ -18,7 +18,7 @@ from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Tournament
 
 A, B = (Entrant(name, f"{name}.py", "target", "0" * 16) for name in "ab")
-DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 2}, secret=Secret.of(3))
+DUEL = Tournament(scenario("duel"), (A, B), {"format": "round-robin", "rounds": 2}, seed="3")
 
 
 def played(

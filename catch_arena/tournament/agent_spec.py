@@ -1,0 +1,231 @@
+"""An agent's spec: how a word on the command line names an agent, what the agent is called, and its digest.
+
+A spec is the absolute path of a .py file or of a folder with an agent.py, `package.module:Class`, or `cmd:` and a
+command with absolute paths.
+"""
+
+import hashlib
+import os
+import pkgutil
+import shlex
+import shutil
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from stat import S_ISREG
+from typing import Final, NamedTuple
+
+from catch_arena import agents
+from catch_arena.errors import AgentError, suggest
+from catch_arena.files import is_loop
+from catch_arena.text import composed
+
+COMMAND: Final = "cmd:"
+"""Begin of a command's spec."""
+SHIPPED: Final = "catch_arena.agents"
+"""The package of the agents that come with Catch Arena."""
+IN_FOLDER: Final = "agent.py"
+"""The file with the class `Agent`, if an agent is a folder."""
+_WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
+_LARGEST_SOURCE: Final = 1 << 26
+"""Bytes of a file that is read as a module's source."""
+_MOST_SOURCES: Final = 3
+"""Files of an agent: its module's, and those of its two classes."""
+_GENERIC: Final = frozenset({"agent", "bot", "main", "player", "solution", "submission"})
+"""Names of files that do not tell one agent from another: the folder's name is put before them."""
+
+
+class AgentSpec(NamedTuple):
+    """An agent that a word on the command line names; it has not been loaded."""
+
+    spec: str
+    path: tuple[str, ...]
+    """Its name comes last, after the names of what holds it."""
+    content: bytes | None = None
+    """The bytes for its digest, as far as they are known without loading it."""
+
+    def digest(self, sources: Sequence[str]) -> str:
+        """Return 16 hexadecimal digits of its files, or of its spec if none can be read.
+
+        Args:
+            sources: the files that it says it consists of; a command and a folder are digested as they are.
+        """
+        found = [] if self.content is None else [self.content]
+        if not self.spec.startswith(COMMAND) and folder_of(self.spec) is None:
+            for source in sources[:_MOST_SOURCES]:
+                content = content_of(source)
+                if content is not None and source != self.spec:
+                    found.append(content + _weights_beside(Path(source)))
+        return hashlib.blake2b(b"\0".join(found or [self.spec.encode()]), digest_size=8).hexdigest()
+
+
+def shipped_spec(name: str) -> str:
+    """Return the spec of an agent that comes with the package."""
+    return f"{SHIPPED}.{name}:Agent"
+
+
+def is_shipped(spec: str) -> bool:
+    """Return whether an agent comes with the package: our own code, which needs no process of its own."""
+    return spec.startswith(f"{SHIPPED}.")
+
+
+def folder_of(spec: str) -> Path | None:
+    """Return the folder of an agent that is a folder with an agent.py; None for all others."""
+    return Path(spec) if Path(spec).is_absolute() and not spec.endswith(".py") else None
+
+
+def file_of(spec: str) -> Path | None:
+    """Return the file with the class of an agent in a file or folder; None for modules and commands."""
+    folder = folder_of(spec)
+    return folder / IN_FOLDER if folder is not None else Path(spec) if spec.endswith(".py") else None
+
+
+def command_of(spec: str) -> list[str] | None:
+    """Return the words of a command, its program first; None for an agent in Python."""
+    return shlex.split(spec.removeprefix(COMMAND)) if spec.startswith(COMMAND) else None
+
+
+def resolve_spec(word: str) -> str:
+    """Return the spec of the agent that a word on the command line names; it means the same in any folder.
+
+    Raises:
+        AgentError: if it names no agent.
+    """
+    return resolve(word).spec
+
+
+def resolve(word: str) -> AgentSpec:
+    """Return the agent that a word on the command line names.
+
+    Raises:
+        AgentError: if it names no agent.
+    """
+    if word.startswith(COMMAND):
+        return _resolve_command(word)
+    if (file := word.rpartition(":")[0]).endswith(".py"):
+        raise AgentError(f"{word}: a file is given alone, and its class is called Agent: {file}")
+    path = Path(os.path.abspath(Path(word).expanduser()))  # noqa: PTH100 - absolute() keeps ".."; links stay
+    is_path = os.sep in word or word.endswith(".py")
+    known = [module.name for module in pkgutil.iter_modules(agents.__path__)]
+    if word in known:
+        return AgentSpec(shipped_spec(word), (word,))
+    if is_path or os.path.lexists(path):
+        return _resolve_path(word, path)
+    if ":" in word:
+        return AgentSpec(word, tuple(word.replace(":", ".").split(".")))
+    raise AgentError(
+        f"unknown agent {word!r}: {suggest(word, known)} "
+        f"(or give a .py file, a folder with {IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND)"
+    )
+
+
+def unique_names(found: Sequence[AgentSpec]) -> list[str]:
+    """Return a name for each: the last part of its path, with as many before it as tell it from other paths.
+
+    The second of one path is `name#2`.
+    """
+    depths = {one.path: 2 if one.path[-1] in _GENERIC else 1 for one in found}
+
+    def name(path: tuple[str, ...]) -> str:
+        return "/".join(path[-depths[path] :])
+
+    for _ in range(max(map(len, depths), default=0)):
+        often = Counter(map(name, depths))
+        for path in [path for path in depths if often[name(path)] > 1]:
+            depths[path] += 1
+    seen: Counter[str] = Counter()
+    names: list[str] = []
+    for wanted in (name(one.path) for one in found):
+        seen[wanted] += 1
+        while (unique := wanted if seen[wanted] == 1 else f"{wanted}#{seen[wanted]}") in names:
+            seen[wanted] += 1  # a file may be called like that
+        names.append(unique)
+    return names
+
+
+def content_of(source: str) -> bytes | None:
+    """Return the content of a file that an agent says is its own, whatever it says; None if it cannot be read."""
+    try:
+        # a pipe that nobody writes to is not waited for
+        with os.fdopen(os.open(source, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+            return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
+    except (OSError, ValueError):
+        return None
+
+
+def _resolve_path(word: str, path: Path) -> AgentSpec:
+    if path.is_dir():
+        if not (path / IN_FOLDER).is_file():
+            raise AgentError(f"{word}: is a folder without {IN_FOLDER}, which holds the class Agent")
+        return AgentSpec(str(path), tuple(map(composed, path.parts[1:])), _digest_of_folder(path))
+    if not path.is_file():
+        why = "is a link that leads to no file" if path.is_symlink() else "no such file"
+        raise AgentError(f"{word}: {'is a link that leads to itself' if is_loop(path) else why}")
+    content = path.read_bytes()
+    if path.suffix == ".ipynb" or (content.lstrip().startswith(b"{") and b'"cells"' in content):
+        raise AgentError(f"{word}: is a notebook; save the code of its agent as a .py file with a class Agent")
+    if path.suffix != ".py":
+        right = path.with_suffix(".py").name
+        hint = f"rename it to {right}" if path.suffix.lower() == ".py" else "other programs are given as cmd:COMMAND"
+        raise AgentError(f"{word}: must be a .py file or a folder with {IN_FOLDER}; {hint}")
+    return AgentSpec(str(path), _path_to(path), content + _weights_beside(path))
+
+
+def _resolve_command(spec: str) -> AgentSpec:
+    """Resolve a command; the files that it names get their whole paths, since it is started in another folder."""
+    try:
+        words = shlex.split(spec.removeprefix(COMMAND))
+    except ValueError as error:
+        raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
+    if not words:
+        raise AgentError(f"{spec}: must name a command, as in {COMMAND}./my_bot")
+    named = {word: Path(os.path.abspath(path)) for word in words if (path := Path(word).expanduser()).exists()}  # noqa: PTH100
+    files = {word: path for word, path in named.items() if path.is_file()}
+    program, *arguments = [str(named.get(word, word)) for word in words]
+    if words[0] in files:
+        _require_program(words[0], files[words[0]])
+    found = shutil.which(program)
+    if found is None:
+        raise AgentError(f"{spec}: {words[0]} is no program that can be run")
+    contents = (_digest_of_folder(path) if path.is_dir() else path.read_bytes() for path in named.values())
+    content = b"\0".join([*(word.encode() for word in words if word not in named), *contents])
+    path = next(iter(files.values()), Path(Path(program).name))
+    return AgentSpec(COMMAND + shlex.join([found, *arguments]), _path_to(path), content)
+
+
+def _require_program(word: str, path: Path) -> None:
+    """Require that a file can be started as a program."""
+    if not os.access(path, os.X_OK):
+        raise AgentError(f"{word}: must be executable: chmod +x {word}")
+    first = (content_of(str(path)) or b"").partition(b"\n")[0]
+    if not first.startswith(b"#!"):
+        return
+    if first.endswith(b"\r"):
+        raise AgentError(f"{word}: its lines end as on Windows (CR LF): sed -i 's/\\r$//' {word}")
+    interpreter, *options = os.fsdecode(first[2:]).split() or [""]
+    needed = options[-1] if Path(interpreter).name == "env" and len(options) == 1 else interpreter
+    if shutil.which(needed) is None:
+        raise AgentError(f"{word}: its first line names the interpreter {needed!r}, which is not installed here")
+
+
+def _path_to(file: Path) -> tuple[str, ...]:
+    """Return the folders and the stem of a file; a package is called as its folder."""
+    parts = file.parts[1:-1]
+    if file.name != "__init__.py" or not parts:
+        parts = (*parts, file.stem)
+    return tuple(map(composed, parts))
+
+
+def _digest_of_folder(folder: Path) -> bytes:
+    """Return a digest of the names and contents of its files, without `__pycache__` and what begins with a dot."""
+    paths = (path.relative_to(folder) for path in sorted(folder.rglob("*")))
+    kept = (path for path in paths if not any(part[0] == "." or part == "__pycache__" for part in path.parts))
+    digest = hashlib.blake2b()  # a folder may hold more than memory does
+    for path in kept:
+        digest.update(os.fsencode(path) + b"\0" + (content_of(str(folder / path)) or b"") + b"\0")
+    return digest.digest()
+
+
+def _weights_beside(path: Path) -> bytes:
+    """Return what a network has learned, from files next to the agent's under its name: `mine.npz` for `mine.py`."""
+    return b"".join(content_of(str(path.with_suffix(suffix))) or b"" for suffix in _WEIGHTS)

@@ -1,0 +1,222 @@
+"""Agents in Python are imported here, and instances of their classes made."""
+
+import hashlib
+import importlib
+import importlib.util
+import locale
+import os
+import pkgutil
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from functools import cache
+from inspect import signature
+from pathlib import Path
+from types import ModuleType
+from typing import Final
+
+from catch_arena import agents
+from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
+from catch_arena.files import wide_text_fault
+from catch_arena.policy import Policy, PreyPolicy, Side, control_of
+from catch_arena.tournament.agent_spec import COMMAND, IN_FOLDER, SHIPPED, content_of, file_of, folder_of
+
+NOT_INSTALLED: Final = "which is not installed here"
+"""Words about a module that an agent imports and that is missing."""
+_PREY: Final = "Prey"
+"""Name of the class that plays prey."""
+_FILE_MODULE: Final = "catch_arena_agent_"
+"""Begin of the name that the module in an agent's file has."""
+
+
+def shipped() -> dict[str, str]:
+    """Return the agents that come with the package: name to one line about each."""
+    names = sorted(module.name for module in pkgutil.iter_modules(agents.__path__))
+    return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
+
+
+def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
+    """Return a new instance of an agent that can play on that side.
+
+    Raises:
+        AgentError: if it cannot; the text says why.
+    """
+    found = agent_class(spec, side)
+    try:
+        policy: Policy | PreyPolicy = found()
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
+    for method, argument in (("reset", "seed"), ("act", "view")):
+        if not callable(getattr(policy, method, None)):
+            raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
+        if not _takes_one_argument(getattr(policy, method)):
+            raise AgentError(
+                f"{spec}: {found.__name__}.{method} must take one argument: def {method}(self, {argument})"
+            )
+    control = getattr(policy, "control", None)
+    if side == "prey":
+        if control not in {None, "velocity"}:
+            raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
+        return policy
+    try:
+        control_of(policy)
+    except CatchArenaError:
+        raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}") from None
+    return policy
+
+
+def has_prey(spec: str) -> bool:
+    """Return whether an agent in Python plays prey itself; none is made.
+
+    Raises:
+        AgentError: if its module cannot be used.
+    """
+    return hasattr(agent_module(spec), _PREY)
+
+
+def sources_of(spec: str) -> tuple[str, ...]:
+    """Return the files of an agent in Python: its module's, and those that its classes come from.
+
+    Raises:
+        AgentError: if its module cannot be used, or has no such class.
+    """
+    module = agent_module(spec)
+    homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
+    modules = [module, *(sys.modules.get(home) for home in homes if isinstance(home, str))]
+    files = [getattr(one, "__file__", None) for one in modules]
+    return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
+
+
+@cache
+def agent_module(spec: str) -> ModuleType:
+    """Return the module with the class of a spec; it is imported once, also for processes that are forked later.
+
+    Raises:
+        AgentError: for a command, and a module that cannot be imported.
+    """
+    if spec.startswith(COMMAND):
+        raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
+    if (file := file_of(spec)) is not None:
+        return load_file(file, folder_of(spec))
+    return load_module(spec.partition(":")[0])
+
+
+def agent_class(spec: str, side: Side = "hunter") -> type:
+    """Return the class of a spec, or the class `Prey` next to it.
+
+    Raises:
+        AgentError: for a command, a module that cannot be imported, and one without that class.
+    """
+    module = agent_module(spec)
+    name = _PREY if side == "prey" else "Agent" if file_of(spec) is not None else spec.partition(":")[2]
+    found = getattr(module, name, None)
+    if not isinstance(found, type):
+        classes = [key for key, value in vars(module).items() if isinstance(value, type)]
+        raise AgentError(f"{spec}: has no class {name}{'; ' + suggest(name, classes) if classes else ''}")
+    return found
+
+
+def module_folders() -> list[str]:
+    """Return where the modules of agents are searched: all of `sys.path` but the folder that a command started in."""
+    here = sys.path[:1] in ([""], [str(Path.cwd())])
+    return [str(Path(entry).absolute()) for entry in sys.path[here:] if entry]
+
+
+def load_module(name: str) -> ModuleType:
+    """Return the installed module with a dotted name.
+
+    Raises:
+        AgentError: if importing it raises.
+    """
+    try:
+        with _process_restored():
+            return importlib.import_module(name)
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raise AgentError(f"{name}: {_why_not_imported(error, name)}") from error
+
+
+def load_file(path: Path, folder: Path | None = None) -> ModuleType:
+    """Return the module in a .py file.
+
+    Args:
+        path: the file.
+        folder: the folder in which it finds further modules, while it is imported; None for none.
+
+    Raises:
+        AgentError: if importing it raises.
+    """
+    name = f"{_FILE_MODULE}{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise AgentError(f"{path}: is no Python file")
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)  # dataclasses look their module up
+    try:
+        with _process_restored(), nullcontext() if folder is None else _modules_of(folder):
+            spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        del sys.modules[name]
+        fault = wide_text_fault(content_of(str(path)) or b"")
+        why = fault or _why_not_imported(error, path.stem, path.parent if folder is None else None)
+        raise AgentError(f"{path}: {why}") from error
+    return module
+
+
+def _takes_one_argument(method: Callable[..., object]) -> bool:
+    try:
+        signature(method).bind(None)
+    except TypeError:
+        return False
+    except ValueError:  # some callables tell no signature
+        return True
+    return True
+
+
+@contextmanager
+def _process_restored() -> Iterator[None]:
+    """Search modules in `module_folders` alone, and restore what a stranger's module may change while it is imported:
+    the folder, the streams, the locale, and where modules are found.
+    """
+    path, folder, language = sys.path[:], Path.cwd(), locale.setlocale(locale.LC_ALL)
+    streams = sys.stdin, sys.stdout, sys.stderr
+    sys.path[:] = module_folders()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        os.chdir(folder)
+        locale.setlocale(locale.LC_ALL, language)
+        sys.stdin, sys.stdout, sys.stderr = streams
+
+
+@contextmanager
+def _modules_of(folder: Path) -> Iterator[None]:
+    """Let modules be imported from a folder, and forget them: another agent's may have the same names.
+
+    In an agent's own process the folder is searched already, and they stay.
+    """
+    if str(folder) in sys.path:
+        yield
+        return
+    before = set(sys.modules)
+    sys.path.insert(0, str(folder))
+    try:
+        yield
+    finally:
+        for name in sys.modules.keys() - before:
+            file = getattr(sys.modules[name], "__file__", None)
+            if isinstance(file, str) and Path(file).is_relative_to(folder) and not name.startswith(_FILE_MODULE):
+                del sys.modules[name]
+
+
+def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:
+    """Return an import's error in words; `folder` holds the agent's file if the file plays alone."""
+    missing = error.name if isinstance(error, ModuleNotFoundError) else None
+    if missing is None or module == missing or module.startswith(f"{missing}."):
+        return f"importing it raised {reason(error)}"
+    top = missing.partition(".")[0]
+    if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
+        return (
+            f"it imports {missing}, which is next to it: an agent of several files is a folder with {IN_FOLDER}, "
+            "and is given as that folder (`catch-arena docs agents`)"
+        )
+    return f"it imports {missing}, {NOT_INSTALLED}"

@@ -1,0 +1,34 @@
+"""Whole plans played without a store on disk."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from catch_arena.config import ArenaConfig
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.plans.schedule import Plan
+from catch_arena.tournament.store import Store, Tournament
+
+
+def run(
+    config: ArenaConfig,
+    entrants: Sequence[Entrant],
+    plan: Plan,
+    *,
+    jobs: int = 1,
+    limits: AgentLimits | None = None,
+    max_forfeits: int = 0,
+    record: Path | None = None,
+) -> list[PlayedMatch]:
+    """Return every match of a plan, played, in the plan's order; `record` is the folder for replays and logs."""
+    worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
+    with (
+        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
+        local_executor(worker, jobs) as executor,
+    ):
+        play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record)
+        return list(store.played())
