@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import Final
 
 from rich.console import Console, Group
@@ -22,9 +21,9 @@ _PAUSE_FACTOR: Final = 20.0
 """The table is made again after so many times what it took to make: at most a twentieth of one core's time."""
 
 
-class LiveStandings:
-    """A context that shows the same table as there will be in the end, below a bar, on stderr; what a low terminal has
-    no room for is the end of the table. Where it is no terminal, a line now and then says how far it is.
+class LiveStandings(Live):
+    """A context that shows on stderr a bar, and below it the same table as there will be in the end. If stderr is no
+    terminal, a line now and then says how far it is.
 
     Args:
         entrants: who plays.
@@ -41,47 +40,32 @@ class LiveStandings:
         console: Console | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._entrants = entrants
-        self._parties = parties
-        self._console = console or own_console(err=True)
-        self._clock = clock
-        self._played: list[PlayedMatch] = []
-        self._total = total
-        self._say = progress_lines("playing", self._console, clock)
-        self._say_planned = progress_lines("planning", self._console, clock)
-        self._next = clock() + _PAUSE_S
         self._bar = Progress(*bar_columns())
-        self._task = self._bar.add_task("playing", total=total)
-        self._live = Live(self._bar, console=self._console, transient=True)
+        super().__init__(self._bar, console=console or own_console(err=True), transient=True)
+        self._entrants, self._parties, self._total = entrants, parties, total
+        self._task = self._bar.add_task("planning", total=total)
+        self._clock = clock
+        self._next = clock() + _PAUSE_S
+        self._lines = {what: progress_lines(what, self.console, clock) for what in ("planning", "playing")}
+        self._played: list[PlayedMatch] = []
 
     def planned(self, matches: int) -> None:
         """Show how many matches are planned: hundreds of agents take minutes."""
-        if self._console.is_terminal:
-            self._bar.update(self._task, description="planning", completed=matches)
-        else:
-            self._say_planned(matches, self._total)
+        self._show("planning", matches)
 
-    def update(self, played: Sequence[PlayedMatch]) -> None:
-        """More matches have been played, in whatever order."""
-        self._played += played
-        if not self._console.is_terminal:
-            self._say(len(self._played), self._total)
-            return
-        self._bar.update(self._task, description="playing", completed=len(self._played))
+    def played(self, more: Sequence[PlayedMatch]) -> None:
+        """Count matches that have been played, in whatever order."""
+        self._played += more
+        self._show("playing", len(self._played))
         begin = self._clock()
-        if begin < self._next:
-            return
-        tables = standings_of_sides(self._entrants, self._played, self._parties)
-        self._live.update(Group(self._bar, *standings_tables(tables)))
-        end = self._clock()
-        self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
+        if self.console.is_terminal and begin >= self._next:
+            tables = standings_of_sides(self._entrants, self._played, self._parties)
+            self.update(Group(self._bar, *standings_tables(tables)))
+            end = self._clock()
+            self._next = end + max(_PAUSE_S, _PAUSE_FACTOR * (end - begin))
 
-    def __enter__(self) -> "LiveStandings":
-        if self._console.is_terminal:
-            self._live.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._live.stop()
+    def _show(self, what: str, done: int) -> None:
+        if self.console.is_terminal:
+            self._bar.update(self._task, description=what, completed=done)
+        else:
+            self._lines[what](done, self._total)

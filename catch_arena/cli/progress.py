@@ -17,13 +17,13 @@ _LATE_S: Final = 2.0
 
 @contextmanager
 def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[[int, int], None]]:
-    """How far it is, on stderr, to be called with (done, total).
+    """Show on stderr how far some work is: yields what is to be called with (done, total).
 
     On a terminal it is a bar, which goes away in the end; elsewhere it is a line now and then.
 
     Args:
         what: is done.
-        total: how much there is to do, where that is known before.
+        total: how much there is to do, if that is known before.
         late: whether a terminal shows nothing of work that is over soon.
     """
     console = own_console(err=True)
@@ -51,9 +51,8 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
 def progress_lines(
     what: str, console: Console, clock: Callable[[], float] = time.monotonic
 ) -> Callable[[int, int], None]:
-    """For logs and pipes: says how far it is, to be called with (done, total), in a line every few seconds."""
-    began = clock()
-    said = began
+    """Return what prints a line every few seconds for logs and pipes, to be called with (done, total)."""
+    began = said = clock()
 
     def show(done: int, total: int) -> None:
         nonlocal said
@@ -61,12 +60,11 @@ def progress_lines(
         if now - said >= _LINE_EVERY_S:
             said = now
             left = (now - began) * (total - done) / max(done, 1)
-            line = f"{what}: {done} of {total}, {now - began:.0f} s, some {left:.0f} s left"
-            console.print(line, highlight=False, soft_wrap=True)
+            console.print(f"{what}: {done} of {total}, {now - began:.0f} s, some {left:.0f} s left", soft_wrap=True)
 
     return show
 
 
 def bar_columns() -> tuple[ProgressColumn, ...]:
-    """What stands beside and in a bar."""
-    return TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    """Return what stands next to and in a bar."""
+    return TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()

@@ -28,7 +28,7 @@ def shown_at(console, played, times):
     now = [0.0]
     with LiveStandings(ENTRANTS, Parties.of(CONFIG), len(PLAN), console=console, clock=lambda: now[0]) as live:
         for one, now[0] in zip(played, times, strict=True):
-            live.update([one])
+            live.played([one])
             yield now[0]
 
 

@@ -50,14 +50,14 @@ RUNS = {
     "check-agent": ["{}", *SHORT],
     "suite": ["{}", "--quick", "--jobs", "1"],
     "grade": ["{}", "--spec", "spec.toml"],
-    "play": ["{}", *SHORT, "--size", "320x320"],
-    "watch": ["{}", "nearest", *SHORT, "--size", "320x320"],
-    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--no-wait", "--speed", "10", "--domain", "93"],
+    "play": ["{}", *SHORT],
+    "watch": ["{}", "nearest", *SHORT],
+    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--speed", "10", "--domain", "93"],
 }
 """Each command that runs agents, and what it is given."""
 WITHOUT_AGENTS = {
     *("agents", "conformance", "diff", "docs", "explain", "export", "highlights", "mosaic", "render", "report"),
-    *("scenarios", "sheet", "verify"),
+    *("scenarios", "verify"),
 }
 ROS_AGENTS = ("serve", "controller")
 """The commands of `ros` that run agents; a controller needs a turtlesim."""

@@ -14,7 +14,7 @@ from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 from catch_arena.scenarios import SCENARIOS
 
-QUICK = ["--set", "time_limit_s=1", "--size", "320x320"]
+QUICK = ["--set", "time_limit_s=1"]
 
 
 def press(code: int, mod: int = 0):
