@@ -5,8 +5,7 @@ the results are.
 - The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare), suite,
   live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights), report, exports (export),
   conformance, listings (agents, scenarios, docs), ros and ros_bags.
-- outputs: files that are not replaced without --force. terminal, tables, progress, live_standings: what a terminal
-  shows.
+- outputs: files that are not replaced without --force. terminal, tables, progress: what a terminal shows.
 """
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401

@@ -13,12 +13,13 @@ from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.names import BRIDGE_URL, INTERFACES, TURTLESIM, Backend
 
 if TYPE_CHECKING:
-    from catch_arena.ros.middleware.bus import Bus
+    from catch_arena.ros.middleware.bus import Bus as JoinedBus
     from catch_arena.ros.middleware.interfaces import Interfaces
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
 _ROS_ARGS: Final = "--ros-args"
-_SERVICE: Final = "ros:"
+SERVICE: Final = "ros:"
+"""The beginning of a word that names a node's service: ros:/catch_turtle."""
 RosArgs = Annotated[
     list[str] | None,
     typer.Option(
@@ -30,18 +31,36 @@ RosArgs = Annotated[
 """Only of a NodeCommand."""
 
 
+Interface = Annotated[
+    str,
+    typer.Option(
+        "--interfaces",
+        metavar="PACKAGE",
+        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`). Over rclpy it is found "
+        "by itself.",
+    ),
+]
+BusOption = Annotated[
+    Backend | None,
+    typer.Option(
+        "--bus",
+        metavar="BUS",
+        help="rclpy needs ROS on this machine; cyclonedds needs none; rosbridge needs a rosbridge server where ROS "
+        "runs.",
+        show_default="the first of them that works here",
+    ),
+]
+Url = Annotated[
+    str | None,
+    typer.Option(metavar="URL", help="Where rosbridge's server listens; only with rosbridge.", show_default=BRIDGE_URL),
+]
+
+
 @dataclass(frozen=True)
 class Packages:
     """The packages of the nodes' messages."""
 
-    interfaces: Annotated[
-        str,
-        typer.Option(
-            metavar="PACKAGE",
-            help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`). Over rclpy it is "
-            "found by itself.",
-        ),
-    ] = INTERFACES
+    interfaces: Interface = INTERFACES
     turtlesim: Annotated[
         str,
         typer.Option(metavar="PACKAGE", help="The package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
@@ -62,18 +81,10 @@ class Packages:
 
 
 @dataclass(frozen=True)
-class BusOptions(Packages):
+class Bus(Packages):
     """The bus that is joined."""
 
-    bus: Annotated[
-        Backend | None,
-        typer.Option(
-            metavar="BUS",
-            help="rclpy needs ROS on this machine; cyclonedds needs none; rosbridge needs a rosbridge server where ROS "
-            "runs.",
-            show_default="the first of them that works here",
-        ),
-    ] = None
+    bus: BusOption = None
     domain: Annotated[
         int | None,
         typer.Option(
@@ -81,14 +92,9 @@ class BusOptions(Packages):
             show_default="ROS_DOMAIN_ID, or 0",
         ),
     ] = None
-    url: Annotated[
-        str | None,
-        typer.Option(
-            metavar="URL", help="Where rosbridge's server listens; only with rosbridge.", show_default=BRIDGE_URL
-        ),
-    ] = None
+    url: Url = None
 
-    def opened(self, node: str) -> "Bus":
+    def opened(self, node: str) -> "JoinedBus":
         """Join the bus, with a node of this name on it.
 
         Raises:
@@ -99,7 +105,7 @@ class BusOptions(Packages):
         return open_bus(self.bus, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True))
 
     @contextmanager
-    def joined(self, node: str) -> "Iterator[Bus]":
+    def joined(self, node: str) -> "Iterator[JoinedBus]":
         """Join the bus, say which it is, and leave it in the end.
 
         Raises:
@@ -116,16 +122,6 @@ class BusOptions(Packages):
         finally:
             bus.close()
 
-    def refuse(self) -> None:
-        """Require that no option of a bus was given, because none is joined.
-
-        Raises:
-            ConfigError: for one that was given.
-        """
-        for field in fields(self):
-            if getattr(self, field.name) != field.default:
-                raise ConfigError(f"--{field.name} must come with a service of a node, as ros:/catch_turtle")
-
 
 class NodeCommand(TyperCommand):
     """A command that may be started as a node: all words after --ros-args are its values, up to a --."""
@@ -141,25 +137,39 @@ class NodeCommand(TyperCommand):
         return super().parse_args(ctx, words)
 
 
-def names_a_service(word: str) -> bool:
-    """Return whether it names a service: ros:/catch_turtle."""
-    return word.startswith(_SERVICE)
+@dataclass(frozen=True)
+class NodeUnderTestOptions:
+    """The bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
 
+    interfaces: Interface = INTERFACES
+    bus: BusOption = None
+    url: Url = None
 
-@contextmanager
-def node_under_test(word: str, bus: BusOptions) -> "Iterator[NodeUnderTest]":
-    """Join the bus on which a node serves ros:/catch_turtle, with the arena about it.
+    @contextmanager
+    def node(self, word: str) -> "Iterator[NodeUnderTest]":
+        """Join the bus on which a node serves `word`, with the arena about it.
 
-    Raises:
-        ConfigError: for a name that no service has.
-        BusError: if the bus cannot be reached.
-    """
-    from catch_arena.ros.middleware.opening import is_service
-    from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
+        Raises:
+            ConfigError: for a name that no service has.
+            BusError: if the bus cannot be reached.
+        """
+        from catch_arena.ros.middleware.opening import is_service
+        from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
-    service = word.removeprefix(_SERVICE)
-    if not is_service(service):
-        raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
-    types = bus.types()
-    with bus.joined("catch_arena") as joined:
-        yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))
+        service = word.removeprefix(SERVICE)
+        if not is_service(service):
+            raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
+        bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
+        types = bus.types()
+        with bus.joined("catch_arena") as joined:
+            yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))
+
+    def refuse(self) -> None:
+        """Require that no option of a bus was given, because none is joined.
+
+        Raises:
+            ConfigError: for one that was given.
+        """
+        for field in fields(self):
+            if getattr(self, field.name) != field.default:
+                raise ConfigError(f"--{field.name} must come with a service of a node, as ros:/catch_turtle")

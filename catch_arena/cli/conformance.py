@@ -7,12 +7,14 @@ from typing import Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.bus import BusOptions, names_a_service, node_under_test
+from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
 _EXIT_FAILED = 1
+_LIMIT_S = 60.0
+"""After so many seconds a case counts as failed."""
 
 
 @main.command()
@@ -41,17 +43,8 @@ def conformance(
     verdicts_only: Annotated[
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
-    exact_lots: Annotated[
-        bool, typer.Option("--exact-lots", help="Lots must be exactly those of the rulebook's appendix.")
-    ] = False,
-    limit_s: Annotated[
-        float,
-        typer.Option(
-            "--limit-s", metavar="S", help="After so many seconds a case counts as failed.", show_default=True
-        ),
-    ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
-    bus: BusOptions,
+    service: NodeUnderTestOptions,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
@@ -72,16 +65,16 @@ def conformance(
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
         output_file(junit, ".xml", force=force)
-    if arbiter is not None and names_a_service(arbiter):
+    if arbiter is not None and arbiter.startswith(SERVICE):
         from catch_arena.ros.node_tests.cases import run_on_node
 
-        if arena is not None or exact_lots:
-            raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")
-        with node_under_test(arbiter, bus) as node:
+        if arena is not None:
+            raise ConfigError("--arena must be left out with a service, which answers yes or no")
+        with service.node(arbiter) as node:
             node.meet()
             report = run_on_node(node, select_cases(only or ()))
     else:
-        bus.refuse()
+        service.refuse()
         tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _made(arena)
         with progress_bar("cases", late=True) as show:
             report = run_conformance(
@@ -89,8 +82,7 @@ def conformance(
                 arena=made,
                 only=only or (),
                 evidence=not verdicts_only,
-                exact_lots=exact_lots,
-                limit_s=limit_s,
+                limit_s=_LIMIT_S,
                 progress=show,
             )
     width = min(WIDTH, own_console().width)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.text import Text
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import (
@@ -21,7 +20,7 @@ from catch_arena.cli.options import (
     say_who_needs_prey,
     secret_of,
 )
-from catch_arena.cli.terminal import own_console, say
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -48,8 +47,10 @@ def compare(
     arena: Duel,
     elo0: Annotated[float, typer.Option(help="H0: A is stronger by this many points.")] = 0.0,
     elo1: Annotated[float, typer.Option(help="H1: A is stronger by this many points.")] = 20.0,
-    share0: Annotated[float | None, typer.Option(help="H0 as A's share instead, 0.5 being equal.")] = None,
-    share1: Annotated[float | None, typer.Option(help="H1 as A's share instead.")] = None,
+    shares: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="H0 H1", help="H0 and H1 as A's share instead, 0.5 being equal.", show_default=False),
+    ] = None,
     max_blocks: Annotated[int, typer.Option(help="Give up after this many blocks.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -59,7 +60,7 @@ def compare(
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
-    from catch_arena.cli.progress import progress_lines
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
@@ -67,19 +68,17 @@ def compare(
     config, secret, limits = arena.config(), secret_of(seed), trust.limits()
     if len(agents) != 2:
         raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
-    if (share0 is None) != (share1 is None):
-        raise ConfigError("--share0 and --share1 must be given together")
-    test = Sprt(share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1)
+    test = Sprt(*(shares or (share_of_elo(elo0), share_of_elo(elo1))))
     entrants = enter_agents([*agents, *(against or ())], limits)
     say_who_needs_prey(entrants, config)
     first, second, *field = (entrant.name for entrant in entrants)
     low, high = test.bounds
-    console = own_console(err=True)
-    with console.status(Text(f"{first} against {second}: the first blocks")) as status:
+    doing = "playing"
+    with progress_bar(doing) as show:
 
-        def show(blocks: int, test: Sprt) -> None:
-            ratio = test.log_likelihood_ratio
-            status.update(f"{blocks} of at most {max_blocks} blocks; H0 {low:.2f} < {ratio:+.2f} < {high:.2f} H1")
+        def on_blocks(_: int, test: Sprt) -> None:
+            nonlocal doing
+            doing = f"H0 {low:.2f} < {test.log_likelihood_ratio:+.2f} < {high:.2f} H1"
 
         found = play_and_test(
             config,
@@ -90,8 +89,8 @@ def compare(
             jobs=jobs_or_all(jobs),
             limits=limits,
             max_forfeits=MAX_FORFEITS,
-            progress=show,
-            on_played=None if console.is_terminal else progress_lines("playing", console),
+            progress=on_blocks,
+            on_played=lambda played, most: show(played, most, doing),
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.bus import BusOptions, names_a_service, node_under_test
+from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.options import MAX_FORFEITS, Agent, SettingOption, Trust, arena, say_level
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
@@ -69,16 +69,7 @@ def grade(
     ] = None,
     force: Force = False,
     trust: Trust,
-    max_forfeits: Annotated[
-        int,
-        typer.Option(
-            metavar="N",
-            min=0,
-            help="After N forfeits in a row, or two time-outs, the other matches of a test are not played. 0: play "
-            "all.",
-        ),
-    ] = MAX_FORFEITS,
-    bus: BusOptions,
+    service: NodeUnderTestOptions,
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
@@ -94,24 +85,24 @@ def grade(
         if path is not None:
             output_file(path, ending, force=force)
     grades: list[TestGrade] = []
-    if names_a_service(agent):
+    if agent.startswith(SERVICE):
         from catch_arena.ros.node_tests.grading import grade_node
 
         if seeds is not None:
             raise ConfigError("--seeds must be left out with a service: its cases have none")
         name, digest = agent, None
-        with node_under_test(agent, bus) as node:
+        with service.node(agent) as node:
             for one in grade_node(exercise, node):
                 grades.append(one)
                 say(str(one))
     else:
-        bus.refuse()
+        service.refuse()
         for test in exercise.tests:
             if test.cases:
                 raise ConfigError(
                     f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
                 )
-        name, digest = _grade_agent(exercise, agent, trust.limits(), max_forfeits, spec, grades)
+        name, digest = _grade_agent(exercise, agent, trust.limits(), spec, grades)
     points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
     say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
     if junit is not None:
@@ -128,7 +119,6 @@ def _grade_agent(
     exercise: "GradingSpec",
     agent: str,
     limits: "AgentLimits | None",
-    max_forfeits: int,
     spec: Path,
     grades: "list[TestGrade]",
 ) -> tuple[str, str | None]:
@@ -148,6 +138,6 @@ def _grade_agent(
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
             with progress_bar(test.name, test.matches) as show:
-                grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits, show))
+                grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
             say(str(grades[-1]))
     return student.name, student.digest

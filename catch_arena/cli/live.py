@@ -23,18 +23,9 @@ _SIZE = (1280, 720)
 
 @dataclass(frozen=True)
 class Window(Trust, Arena):
-    """The match in a window, and where its replay is saved."""
+    """The match in a window."""
 
     seed: ArenaSeed = None
-    record: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Where to save the replay.",
-            show_default="with Ctrl-S: match.replay, or match-2.replay ...",
-        ),
-    ] = None
-    force: Force = False
 
 
 @main.command()
@@ -54,6 +45,15 @@ def play(
     ] = None,
     seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0 ...")] = "0",
     window: Window,
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Where to save the replay.",
+            show_default="with Ctrl-S: match.replay, or match-2.replay ...",
+        ),
+    ] = None,
+    force: Force = False,
 ) -> None:
     """Take a seat yourself, with turtlesim's keys or a gamepad, against agents.
 
@@ -62,16 +62,16 @@ def play(
     Where there are teams, an agent plays all hunters of one; the first plays your team-mates. Where there is prey,
     agents play that too, after the hunters.
     """
-    _show([*(against or ()), *(agents or ())] or list(_RIVALS), window, seat)
+    _show([*(against or ()), *(agents or ())] or list(_RIVALS), window, seat, record, force=force)
 
 
 @main.command()
 def watch(agents: Agents, *, window: Window) -> None:
     """Watch agents play, live; if there are fewer agents than seats, an agent plays several seats."""
-    _show(agents, window, None)
+    _show(agents, window, None, None, force=False)
 
 
-def _show(agents: list[str], window: Window, seat: str | None) -> None:
+def _show(agents: list[str], window: Window, seat: str | None, record: Path | None, *, force: bool) -> None:
     """Seat the person, if any, and the agents, one after the other and over again, and play in a window."""
     from catch_arena.files import prepare_folder
     from catch_arena.live.session import free_parties, line_up, show_match
@@ -88,13 +88,13 @@ def _show(agents: list[str], window: Window, seat: str | None) -> None:
         )
     players = enter_agents([agents[index % len(agents)] for index in range(free)], limits)
     lineup = line_up(config, players, person)
-    if window.record is not None:
-        output_file(window.record, *REPLAY, force=window.force)
+    if record is not None:
+        output_file(record, *REPLAY, force=force)
     else:
         prepare_folder(Path.cwd())
 
     def save(replay: "Replay") -> str:
-        target = window.record or free_file("match.replay", force=window.force)
+        target = record or free_file("match.replay", force=force)
         replay.save(target)
         return str(target)
 
@@ -102,7 +102,7 @@ def _show(agents: list[str], window: Window, seat: str | None) -> None:
     shown = show_match(config, seed, lineup, limits, title=window.scenario, size=_SIZE, save=save)
     print_logs(shown.replay.names, shown.logs)
     print_result(Parties.of(config), shown, shown.names)
-    if window.record is not None:
+    if record is not None:
         say(f"replay: {save(shown.replay)}")
 
 

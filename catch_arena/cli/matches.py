@@ -107,7 +107,6 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table
     from catch_arena.files import prepare_folder
@@ -176,16 +175,23 @@ def tournament(
                 from catch_arena.tournament.execution.ray_executor import RayExecutor
             with (
                 RayExecutor(worker, jobs, address) if executor == "ray" else local_executor(worker, jobs) as ready,
-                LiveStandings(entrants, parties, plan.size) as live,
+                progress_bar("playing", plan.size) as show,
             ):
+                done = 0
+
+                def on_results(more: Sequence[object]) -> None:
+                    nonlocal done
+                    done += len(more)
+                    show(done, plan.size)
+
                 play_plan(
                     store,
                     plan,
                     ready,
                     max_forfeits=max_forfeits,
                     folder=out,
-                    on_results=live.played,
-                    on_planned=live.planned,
+                    on_results=on_results,
+                    on_planned=lambda planned: show(planned, plan.size, "planning"),
                 )
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()

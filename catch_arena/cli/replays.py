@@ -1,6 +1,5 @@
 """`catch-arena verify`, `diff` and `explain`: what recorded matches prove, where two of them part, and why."""
 
-import json
 import textwrap
 from pathlib import Path
 from typing import Annotated
@@ -89,7 +88,6 @@ def explain(
             metavar="K", help="Explain step K, counted from 1: with steps of 0.1 s, step 124 begins at 12.3 s."
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")] = False,
 ) -> None:
     """Explain the contests and refusals of a recorded match: the clause, the distances, the winner."""
     from catch_arena import explanation
@@ -107,9 +105,6 @@ def explain(
             result = explanation.explain(recorded, hunter, show)
     else:
         result = explanation.explain_step(recorded, step, hunter)
-    if as_json:
-        say(json.dumps(result.to_dict(), indent=1))
-        return
     width = min(WIDE, own_console().width)
     for paragraph in result.lines():
         say(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

@@ -9,7 +9,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import Program, main
-from catch_arena.cli.bus import BusOptions, NodeCommand, RosArgs
+from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import say
@@ -67,7 +67,7 @@ def serve(
     speed: Annotated[
         float, typer.Option(help="Simulation speed: 1 is real time; at other speeds /clock has the simulated time.")
     ] = 1.0,
-    bus: BusOptions,
+    bus: Bus,
     trust: Trust,
     record: Annotated[
         Path | None,
@@ -145,7 +145,7 @@ def controller(
             show_default="/NAME/catch_turtle where it is served, else /catch_turtle",
         ),
     ] = None,
-    bus: BusOptions,
+    bus: Bus,
     trust: Trust,
     ros_args: RosArgs = None,
 ) -> None:
@@ -203,8 +203,7 @@ def spawner(
         str, typer.Option(metavar="TEXT", help="How the names of the targets begin.")
     ] = "target_turtle_",
     reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
-    seed: ArenaSeed = None,
-    bus: BusOptions,
+    bus: Bus,
     ros_args: RosArgs = None,
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
@@ -227,7 +226,7 @@ def spawner(
     )
     types = bus.types()
     with bus.joined("turtle_spawner") as joined:
-        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(seed), log=say)
+        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(None), log=say)
         rate = Rate(DT)
 
         def judge() -> None:
@@ -248,7 +247,7 @@ def spawner(
 @ros.command()
 def doctor(
     *,
-    bus: BusOptions,
+    bus: Bus,
 ) -> None:
     """Say what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
 

@@ -101,14 +101,6 @@ def mosaic(
     *,
     output: Annotated[Path, typer.Option("--output", "-o", help=_VIDEO)],
     force: Force = False,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WIDTHxHEIGHT",
-            help="Size of the picture, in pixels.",
-            show_default="as the cells need, up to 1280x1280",
-        ),
-    ] = None,
     speed: Speed = 1.0,
     count: Annotated[
         int | None,
@@ -127,7 +119,6 @@ def mosaic(
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
 
-    frame_size = width_and_height(size)
     require_ending(output, *VIDEO)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
@@ -141,7 +132,7 @@ def mosaic(
     _require_some(folder, len(found), len(paths))
     output_video(output, force=force)
     with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, size=frame_size, speed=speed, view_of=view_of, progress=show)
+        report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
     print_report(report)
 
@@ -160,7 +151,6 @@ def highlights(
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
     picture: Picture,
-    view_of: ViewOf = None,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and make a video of them.
 
@@ -189,7 +179,7 @@ def highlights(
     target = output or output_file(None, force=force, usual="highlights.mp4")
     with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
-        report = render_highlights(recorded, target, view_of=view_of, progress=show, **drawn)
+        report = render_highlights(recorded, target, progress=show, **drawn)
     print_report(report)
 
 

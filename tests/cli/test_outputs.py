@@ -123,7 +123,7 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
             assert any("--force" in parameter.opts for parameter in command.params), name
     assert writers == {
         *("conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
-        *("report", "ros import", "ros serve", "suite", "tournament", "watch"),
+        *("report", "ros import", "ros serve", "suite", "tournament"),
     }
 
 
@@ -242,7 +242,7 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
         (["match", "nearest", "idle", *QUICK, "-o", "m.mp4"], "must end in .replay, got .mp4"),
         (["match", "nearest", "idle", *QUICK, "-o", "m.mkv"], "must end in .replay, got .mkv"),
         (["match", "nearest", "idle", *QUICK, "-o", "m"], "must end in .replay, got no ending"),
-        (["watch", "nearest", "--record", "m.gif"], ".replay, got .gif"),
+        (["play", "nearest", "--record", "m.gif"], ".replay, got .gif"),
         (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png"),
         (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html"),
         (["highlights", "{o}/replays", "-o", "g.json"], ".webp, got .json"),

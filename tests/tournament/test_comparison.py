@@ -65,7 +65,7 @@ def test_the_decision_does_not_depend_on_the_number_of_processes():
         (["idle", "nearest", "--elo1", "100"], 1, "idle is not stronger than nearest \\(H0\\)"),
         (["nearest", "contested", "--max-blocks", "2"], 3, "undecided after 2 blocks"),
         (
-            ["idle", "nearest", "-s", "standard", "--share0", "0.4", "--share1", "0.6", *["--against", "patrol"] * 3],
+            ["idle", "nearest", "-s", "standard", "--shares", "0.4", "0.6", *["--against", "patrol"] * 3],
             1,
             "H0",
         ),
@@ -100,8 +100,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest"], "agents must be two, A and B, got 1"),
         (["nearest", "idle", "first"], "the field is named by --against"),
         (["nearest", "idle", "--elo0", "30"], "share0 < share1"),
-        (["nearest", "idle", "--share0", "0.5"], "--share0 and --share1 must be given together"),
-        (["nearest", "idle", "--share0", "0.5", "--share1", "1.5"], "got 0.5 and 1.5"),
+        (["nearest", "idle", "--shares", "0.5", "1.5"], "got 0.5 and 1.5"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
