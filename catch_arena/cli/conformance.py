@@ -98,11 +98,7 @@ def conformance(
 
 
 def _function(spec: str) -> Any:
-    """Return the arbiter that «module:function» or «path.py:function» stands for.
-
-    Raises:
-        AgentError: if it cannot be loaded, or is a class.
-    """
+    """Return the arbiter that «module:function» or «path.py:function» stands for."""
     found = _callable(spec)
     if isinstance(found, type):
         raise AgentError(
@@ -113,11 +109,7 @@ def _function(spec: str) -> Any:
 
 
 def _made(spec: str) -> Any:
-    """Return what a class or a function without arguments makes.
-
-    Raises:
-        AgentError: if it cannot be loaded, or raises.
-    """
+    """Return what a class or a function without arguments makes."""
     make = _callable(spec)
     try:
         return make()
@@ -126,11 +118,7 @@ def _made(spec: str) -> Any:
 
 
 def _callable(spec: str) -> Any:
-    """Return what «module:function» or «path.py:function» stands for.
-
-    Raises:
-        AgentError: if it cannot be loaded, or nothing there has that name.
-    """
+    """Return what «module:function» or «path.py:function» stands for."""
     from catch_arena.tournament.entrants import load_file, load_module
 
     module_name, colon, name = spec.rpartition(":")

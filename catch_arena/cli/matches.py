@@ -16,6 +16,7 @@ from catch_arena.cli.options import (
     Arena,
     ArenaSeed,
     Jobs,
+    Resume,
     Seed,
     Trust,
     enter_agents,
@@ -89,9 +90,7 @@ def tournament(
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
     ] = Path("out/tournament"),
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")
-    ] = False,
+    resume: Resume = False,
     force: Annotated[
         bool,
         typer.Option(

@@ -47,6 +47,7 @@ SettingOption = Annotated[
         "be repeated.",
     ),
 ]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
 Seed = Annotated[
     str | None,

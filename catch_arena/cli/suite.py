@@ -8,7 +8,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Trust, enter_agents, jobs_or_all
+from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, plain_table, say, shown
 from catch_arena.errors import NoContest, OutputError, StoreError
@@ -46,9 +46,7 @@ def suite(
             show_default="out/suite, or out/suite-quick",
         ),
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")
-    ] = False,
+    resume: Resume = False,
     jobs: Jobs = None,
     trust: Trust,
 ) -> None:
