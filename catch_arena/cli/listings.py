@@ -22,7 +22,7 @@ def agents() -> None:
     """List the agents that come with the package."""
     from catch_arena.tournament.entrants import shipped
 
-    listing = plain_table("agent", "what it does", wraps="what it does")
+    listing = plain_table("agent", "what it does", text="what it does")
     for name, line in shipped().items():
         listing.add_row(name, line)
     own_console().print(listing)
@@ -31,7 +31,7 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    listing = plain_table("scenario", "hunters", "side m", "per s", "besides", wraps="besides")
+    listing = plain_table("scenario", "hunters", "side m", "per s", "besides", text="besides")
     for name, config in SCENARIOS.items():
         numbers = (str(config.hunters), f"{config.side_m:.1f}", f"{1000 / config.spawn_period_ms:g}")
         listing.add_row(name, *numbers, ", ".join(_besides(config)))
@@ -51,7 +51,7 @@ def docs(
     folder = inside if inside.is_dir() else package.parent / "docs"
     pages = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
     if page is None:
-        listing = plain_table("page", "title", wraps="title")
+        listing = plain_table("page", "title", text="title")
         for name, text in pages.items():
             listing.add_row(name, text.partition("\n")[0].removeprefix("# "))
         own_console().print(listing)

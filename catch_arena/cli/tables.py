@@ -41,7 +41,7 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
         *["cont."] * hunts,
         *["mates"] * with_mates,
         *["forf."] * forfeited,
-        wraps="agent",
+        text="agent",
         padding=(0, 1, 0, 0),
         title={"hunter": "As hunters", "prey": "As prey"}[side] if titled else None,
         caption="".join(

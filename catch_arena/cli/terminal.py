@@ -43,18 +43,19 @@ def own_console(*, err: bool = False) -> Console:
     return Console(file=_stream(err=err), markup=False, highlight=False, emoji=False)
 
 
-def plain_table(*headings: str, wraps: str = "", **options: Any) -> Table:
-    """Return a table without vertical lines, in which numbers stand to the right.
+def plain_table(*headings: str, text: str = "", **options: Any) -> Table:
+    """Return a table without vertical lines, in which numbers stand to the right. Where it is too wide for the
+    terminal, its cells take several lines, the widest first.
 
     Args:
         headings: of the columns.
-        wraps: the heading of the column of texts, whose cells may take several lines.
+        text: the heading of a column of texts, if it is not the first.
         options: as of `rich.table.Table`.
     """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title_justify="left", caption_justify="left", **options)
     for heading in headings:
-        number = heading not in {headings[0], wraps}
-        table.add_column(heading, justify="right" if number else "left", overflow="fold", no_wrap=heading != wraps)
+        number = heading not in {headings[0], text}
+        table.add_column(heading, justify="right" if number else "left", overflow="fold")
     return table
 
 

@@ -61,7 +61,7 @@ def test_every_sink_takes_it(text):
 
 @given(st.just("[red]x[/red] :smile:") | ANY)
 def test_the_tables_of_the_terminal_show_it_as_it_stands(text):
-    table = terminal.plain_table("name", wraps="name")
+    table = terminal.plain_table("name", text="name")
     table.add_row(printable(text))
     console = terminal.own_console()
     console.file, console.width = io.StringIO(), 10_000
