@@ -1,14 +1,11 @@
 """The command line: a file for each group of commands. Each checks its options, calls the library, and says where
 the results are.
 
-- app: the application, its errors, and the options that commands share.
+- app: the application, its errors and exit codes. options, bus: the options that commands share.
 - The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare), suite,
-  live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
-  sheet), report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
-- ros_nodes: what conformance and grade do with a node on a ROS 2 bus. bus_options: which bus that is.
-- arguments: secrets on the command line. usage_errors: errors of the command line in one line. outputs: files that are
-  not replaced unless told to.
-- terminal, tables, fitted_table, progress, live_standings: what a terminal shows.
+  live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights), report, exports (export),
+  conformance, listings (agents, scenarios, docs), ros and ros_bags.
+- outputs: files that are not replaced without --force. terminal, tables, progress: what a terminal shows.
 """
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401
@@ -24,6 +21,7 @@ from catch_arena.cli import ros as _ros  # noqa: F401
 from catch_arena.cli import ros_bags as _ros_bags  # noqa: F401
 from catch_arena.cli import suite as _suite  # noqa: F401
 from catch_arena.cli import videos as _videos  # noqa: F401
-from catch_arena.cli.app import arena, main
+from catch_arena.cli.app import main
+from catch_arena.cli.options import arena
 
 __all__ = ["arena", "main"]

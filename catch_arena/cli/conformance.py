@@ -1,4 +1,4 @@
-"""`catch-arena conformance`: anybody's arbiter, tried with the cases of the suite."""
+"""`catch-arena conformance`: any arbiter, tried with the cases of the suite."""
 
 import sys
 from pathlib import Path
@@ -6,15 +6,15 @@ from typing import Annotated, Any
 
 import typer
 
-from catch_arena.cli import bus_options
 from catch_arena.cli.app import main
+from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros_nodes import names_a_service, node_under_test
-from catch_arena.cli.terminal import columns, say
+from catch_arena.cli.terminal import own_console, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
-from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
 _EXIT_FAILED = 1
+_LIMIT_S = 60.0
+"""After so many seconds a case counts as failed."""
 
 
 @main.command()
@@ -43,34 +43,20 @@ def conformance(
     verdicts_only: Annotated[
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
-    exact_lots: Annotated[
-        bool, typer.Option("--exact-lots", help="Lots must be exactly those of the rulebook's appendix.")
-    ] = False,
-    limit_s: Annotated[
-        float,
-        typer.Option(
-            "--limit-s", metavar="S", help="After so many seconds a case counts as failed.", show_default=True
-        ),
-    ] = 60.0,
     listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
-    bus: bus_options.BusOption = None,
-    domain: bus_options.Domain = None,
-    url: bus_options.Url = None,
-    interfaces: bus_options.Package = INTERFACES,
-    turtlesim: bus_options.Turtlesim = TURTLESIM,
+    service: NodeUnderTestOptions,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
     It takes the arguments of catch_arena.arbitrate and returns its rulings; `catch-arena docs conformance` has an
-    example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs ros2_bags`); --bus and
-    the options after it are for nodes only.
+    example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs ros2_bags`); --interfaces
+    and the options after it are for nodes only.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.files import write_whole
     from catch_arena.testing import run_conformance, select_cases
 
-    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     if listing:
         for case in select_cases(only or ()):
             say(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
@@ -79,16 +65,16 @@ def conformance(
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
         output_file(junit, ".xml", force=force)
-    if arbiter is not None and names_a_service(arbiter):
+    if arbiter is not None and arbiter.startswith(SERVICE):
         from catch_arena.ros.node_tests.cases import run_on_node
 
-        if arena is not None or exact_lots:
-            raise ConfigError("--arena and --exact-lots must be left out with a service, which answers yes or no")
-        with node_under_test(arbiter, given_bus) as node:
+        if arena is not None:
+            raise ConfigError("--arena must be left out with a service, which answers yes or no")
+        with service.node(arbiter) as node:
             node.meet()
             report = run_on_node(node, select_cases(only or ()))
     else:
-        given_bus.refuse()
+        service.refuse()
         tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _made(arena)
         with progress_bar("cases", late=True) as show:
             report = run_conformance(
@@ -96,11 +82,10 @@ def conformance(
                 arena=made,
                 only=only or (),
                 evidence=not verdicts_only,
-                exact_lots=exact_lots,
-                limit_s=limit_s,
+                limit_s=_LIMIT_S,
                 progress=show,
             )
-    width = min(WIDTH, columns())
+    width = min(WIDTH, own_console().width)
     say(report.in_full(width) if everything else report.by_mistake(width))
     if report.failures and not everything:
         first = report.diagnoses[0].failures[0].case.id
@@ -113,11 +98,7 @@ def conformance(
 
 
 def _function(spec: str) -> Any:
-    """The arbiter that «module:function» or «path.py:function» stands for.
-
-    Raises:
-        AgentError: where it cannot be loaded, or is a class.
-    """
+    """Return the arbiter that «module:function» or «path.py:function» stands for."""
     found = _callable(spec)
     if isinstance(found, type):
         raise AgentError(
@@ -128,11 +109,7 @@ def _function(spec: str) -> Any:
 
 
 def _made(spec: str) -> Any:
-    """What a class or a function without arguments makes.
-
-    Raises:
-        AgentError: where it cannot be loaded, or raises.
-    """
+    """Return what a class or a function without arguments makes."""
     make = _callable(spec)
     try:
         return make()
@@ -141,19 +118,15 @@ def _made(spec: str) -> Any:
 
 
 def _callable(spec: str) -> Any:
-    """What «module:function» or «path.py:function» stands for.
-
-    Raises:
-        AgentError: where it cannot be loaded, or nothing there has that name.
-    """
+    """Return what «module:function» or «path.py:function» stands for."""
     from catch_arena.tournament.loading import load_file, load_module
 
     module_name, colon, name = spec.rpartition(":")
     if not (module_name and colon and name):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
-    if module_name.endswith(".py") and not Path(module_name).is_file():
-        raise AgentError(f"{spec}: no such file")
     if module_name.endswith(".py"):
+        if not Path(module_name).is_file():
+            raise AgentError(f"{spec}: no such file")
         module = load_file(Path(module_name))
     else:
         sys.path.append(str(Path.cwd()))  # an arbiter is the user's own, unlike an agent

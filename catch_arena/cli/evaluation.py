@@ -1,37 +1,39 @@
 """`catch-arena compare`: which of two agents is stronger."""
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catch_arena.cli.app import (
+from catch_arena.cli.app import main
+from catch_arena.cli.options import (
     MAX_FORFEITS,
+    Arena,
     Jobs,
-    LimitOption,
-    MaxForfeits,
     Scenario,
     Seed,
-    SettingOption,
-    Trusted,
-    arena,
+    Trust,
     enter_agents,
     jobs_or_all,
-    limits_or_trust,
-    main,
+    say_seed,
     say_who_needs_prey,
     secret_of,
-    seed_told,
 )
-from catch_arena.cli.terminal import own_console, plain, say
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.statistics.intervals import Estimate
 
 _EXIT_CODES = {"H1": 0, "H0": 1, None: 3}
+
+
+@dataclass(frozen=True)
+class Duel(Arena):
+    """The arena of a comparison."""
+
+    scenario: Scenario = "duel"
 
 
 @main.command()
@@ -42,51 +44,41 @@ def compare(
         list[str] | None,
         typer.Option(metavar="AGENT", help="One more agent of the field that both play against; may be repeated."),
     ] = None,
-    scenario: Scenario = "duel",
+    arena: Duel,
     elo0: Annotated[float, typer.Option(help="H0: A is stronger by this many points.")] = 0.0,
     elo1: Annotated[float, typer.Option(help="H1: A is stronger by this many points.")] = 20.0,
-    share0: Annotated[float | None, typer.Option(help="H0 as A's share instead, 0.5 being equal.")] = None,
-    share1: Annotated[float | None, typer.Option(help="H1 as A's share instead.")] = None,
-    alpha: Annotated[float, typer.Option(help="How often H1 may be accepted wrongly.")] = 0.05,
-    beta: Annotated[float, typer.Option(help="How often H0 may be accepted wrongly.")] = 0.05,
+    shares: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="H0 H1", help="H0 and H1 as A's share instead, 0.5 being equal.", show_default=False),
+    ] = None,
     max_blocks: Annotated[int, typer.Option(help="Give up after this many blocks.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
-    max_forfeits: MaxForfeits = MAX_FORFEITS,
-    settings: SettingOption = None,
+    trust: Trust,
 ) -> None:
     """Play A and B until a sequential test knows which is stronger.
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
-    from catch_arena.cli.progress import progress_lines
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config, secret = arena(scenario, settings), secret_of(seed)
+    config, secret, limits = arena.config(), secret_of(seed), trust.limits()
     if len(agents) != 2:
         raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
-    if (share0 is None) != (share1 is None):
-        raise ConfigError("--share0 and --share1 must be given together")
-    test = Sprt(
-        share_of_elo(elo0) if share0 is None else share0, share_of_elo(elo1) if share1 is None else share1, alpha, beta
-    )
-    everybody = [*agents, *(against or ())]
-    allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = enter_agents(everybody, allowed)
-    if config.prey:
-        say_who_needs_prey(entrants)
-    first, second = entrants[:2]
+    test = Sprt(*(shares or (share_of_elo(elo0), share_of_elo(elo1))))
+    entrants = enter_agents([*agents, *(against or ())], limits)
+    say_who_needs_prey(entrants, config)
+    first, second, *field = (entrant.name for entrant in entrants)
     low, high = test.bounds
-    console = own_console(err=True)
-    with console.status(plain(f"{first.name} against {second.name}: the first blocks")) as status:
+    doing = "playing"
+    with progress_bar(doing) as show:
 
-        def show(blocks: int, test: Sprt) -> None:
-            ratio = test.log_likelihood_ratio
-            status.update(f"{blocks} of at most {max_blocks} blocks; H0 {low:.2f} < {ratio:+.2f} < {high:.2f} H1")
+        def on_blocks(_: int, test: Sprt) -> None:
+            nonlocal doing
+            doing = f"H0 {low:.2f} < {test.log_likelihood_ratio:+.2f} < {high:.2f} H1"
 
         found = play_and_test(
             config,
@@ -95,31 +87,33 @@ def compare(
             max_blocks=max_blocks,
             seed=secret,
             jobs=jobs_or_all(jobs),
-            limits=allowed,
-            max_forfeits=max_forfeits,
-            progress=show,
-            on_played=None if console.is_terminal else progress_lines("playing", console),
+            limits=limits,
+            max_forfeits=MAX_FORFEITS,
+            progress=on_blocks,
+            on_played=lambda played, most: show(played, most, doing),
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
-    say(f"{found.matches} matches in {found.blocks} blocks, {_opponents(Parties.of(config).group, entrants)}")
-    say(f"share of {first.name}: {_in_words(found.share)}")
+    how = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
+    against_whom = f"{how} against {', '.join(field)}" if field else "against each other"
+    say(f"{found.matches} matches in {found.blocks} blocks, {against_whom}")
+    say(f"share of {first}: {_in_words(found.share)}")
     say(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
         f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
     )
     verdicts = {
-        "H1": f"{first.name} is stronger than {second.name} (H1)",
-        "H0": f"{first.name} is not stronger than {second.name} (H0)",
+        "H1": f"{first} is stronger than {second} (H1)",
+        "H0": f"{first} is not stronger than {second} (H0)",
         None: f"undecided after {found.blocks} blocks",
     }
-    say(seed_told(secret))
+    say_seed(secret)
     say(f"verdict: {verdicts[found.decision]}")
     raise typer.Exit(_EXIT_CODES[found.decision])
 
 
 def _in_words(share: "Estimate") -> str:
-    """A share, and as points; each with its interval, where it has one."""
+    """Return a share, and as points; each with its interval, where it has one."""
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
     from catch_arena.tournament.statistics.sprt import elo_of_share
 
@@ -130,10 +124,3 @@ def _in_words(share: "Estimate") -> str:
     return (
         f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"
     )
-
-
-def _opponents(group: int, entrants: Sequence["Entrant"]) -> str:
-    field = ", ".join(entrant.name for entrant in entrants[2:])
-    if not field:
-        return "against each other"
-    return f"{'in turn' if group == len(entrants) - 1 else 'together'} against {field}"

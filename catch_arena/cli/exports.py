@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.outputs import TABLE, Force, output_file
+from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
 
@@ -37,20 +37,10 @@ def export(
     from catch_arena.tournament.store import Store
 
     with Store.read(folder) as store:
-        chosen = _format(form, output)
-        output_file(output, *TABLE, ".json", force=force)
-        write(store, chosen, output, timing=timing)
+        ending = output.suffix.lower().removeprefix(".")
+        named = next((one for one in get_args(Format) if one == ending), None)
+        if form is not None and named not in {form, None}:
+            raise ConfigError(f"--format must be as the file's name ends or be left out, got {form} for {output.name}")
+        output_file(output, *(f".{one}" for one in get_args(Format)), ".json", force=force)
+        write(store, form or named or "jsonl", output, timing=timing)
         say(f"{store.count_played()} of {store.count_planned()} matches: {output}")
-
-
-def _format(form: Format | None, output: Path) -> Format:
-    """What --format says, or else how the file's name ends.
-
-    Raises:
-        ConfigError: where the two contradict.
-    """
-    ending = output.suffix.lower().removeprefix(".")
-    named = next((one for one in get_args(Format) if one == ending), None)
-    if form is not None and named not in {form, None}:
-        raise ConfigError(f"--format must be as the file's name ends or be left out, got {form} for {output.name}")
-    return form or named or "jsonl"

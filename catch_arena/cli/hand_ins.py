@@ -5,22 +5,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catch_arena.cli import bus_options
-from catch_arena.cli.app import (
-    MAX_FORFEITS,
-    LimitOption,
-    SettingOption,
-    Trusted,
-    arena,
-    limits_or_trust,
-    main,
-    say_level,
-)
+from catch_arena.cli.app import main
+from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
+from catch_arena.cli.options import MAX_FORFEITS, Agent, SettingOption, Trust, arena, say_level
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.ros_nodes import names_a_service, node_under_test
-from catch_arena.cli.terminal import folded, say
+from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
-from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 from catch_arena.scenarios import SCENARIOS
 
 if TYPE_CHECKING:
@@ -28,13 +18,6 @@ if TYPE_CHECKING:
     from catch_arena.tournament.grading_spec import GradingSpec
     from catch_arena.tournament.isolation.limits import AgentLimits
 
-Agent = Annotated[
-    str,
-    typer.Argument(
-        metavar="AGENT",
-        help="A shipped name, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
-    ),
-]
 _EXIT_NOT_PASSED = 1
 
 
@@ -48,9 +31,7 @@ def check_agent(
             "--scenario", "-s", metavar="NAME", help="An arena to play in; may be repeated.", show_default="all"
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of all random draws.")] = 0,
-    limits: LimitOption = None,
-    trusted: Trusted = False,
+    trust: Trust,
     settings: SettingOption = None,
 ) -> None:
     """Let an agent play itself, and say what is wrong with it.
@@ -63,17 +44,17 @@ def check_agent(
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
-    allowed = limits_or_trust(limits, trusted=trusted)
+    limits = trust.limits()
     wrong = 0
-    with sandbox_for(allowed) as sandbox, progress_bar("playing", late=True) as show:
-        for number, finding in enumerate(check_fitness(agent, arenas, seed, sandbox, show)):
+    with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
+        for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # it could be entered
-                say_level(allowed, [resolve_spec(agent)])
+                say_level(limits, [resolve_spec(agent)])
             wrong += finding.level == "error"
-            say(folded(finding.text, f"{finding.level + ':':9}", " " * 9))
+            say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if wrong:
         raise typer.Exit(_EXIT_NOT_PASSED)
-    say(folded(f"{agent} is fit to play"))
+    say(f"{agent} is fit to play")
 
 
 @main.command()
@@ -88,58 +69,42 @@ def grade(
         typer.Option(metavar="FILE", help="Write the seeds of all matches as JSON: for teachers, not for students."),
     ] = None,
     force: Force = False,
-    limits: LimitOption = None,
-    trusted: Trusted = False,
-    max_forfeits: Annotated[
-        int,
-        typer.Option(
-            metavar="N",
-            min=0,
-            help="After N forfeits in a row, or two time-outs, the other matches of a test are not played. 0: play "
-            "all.",
-        ),
-    ] = MAX_FORFEITS,
-    bus: bus_options.BusOption = None,
-    domain: bus_options.Domain = None,
-    url: bus_options.Url = None,
-    interfaces: bus_options.Package = INTERFACES,
-    turtlesim: bus_options.Turtlesim = TURTLESIM,
+    trust: Trust,
+    service: NodeUnderTestOptions,
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
     The exit code is 0 if every test passed, else 1. A ROS 2 node can be graded too, instead of an agent: give
-    ros:/catch_turtle, and its service is asked the spec's cases (`catch-arena docs ros2_bags`). --bus and the options
-    after it are for nodes only.
+    ros:/catch_turtle, and its service is asked the spec's cases (`catch-arena docs ros2_bags`). --interfaces and the
+    options after it are for nodes only.
     """
     from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text
     from catch_arena.tournament.grading_spec import read_spec
 
-    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     exercise = read_spec(spec)
     for path, ending in ((junit, ".xml"), (json, ".json"), (seeds, ".json")):
         if path is not None:
             output_file(path, ending, force=force)
     grades: list[TestGrade] = []
-    if names_a_service(agent):
+    if agent.startswith(SERVICE):
         from catch_arena.ros.node_tests.grading import grade_node
 
         if seeds is not None:
             raise ConfigError("--seeds must be left out with a service: its cases have none")
         name, digest = agent, None
-        with node_under_test(agent, given_bus) as node:
+        with service.node(agent) as node:
             for one in grade_node(exercise, node):
                 grades.append(one)
                 say(str(one))
     else:
-        given_bus.refuse()
+        service.refuse()
         for test in exercise.tests:
             if test.cases:
                 raise ConfigError(
                     f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
                 )
-        allowed = limits_or_trust(limits, trusted=trusted)
-        name, digest = _grade_agent(exercise, agent, allowed, max_forfeits, spec, grades)
+        name, digest = _grade_agent(exercise, agent, trust.limits(), spec, grades)
     points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
     say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
     if junit is not None:
@@ -155,27 +120,26 @@ def grade(
 def _grade_agent(
     exercise: "GradingSpec",
     agent: str,
-    allowed: "AgentLimits | None",
-    max_forfeits: int,
+    limits: "AgentLimits | None",
     spec: Path,
     grades: "list[TestGrade]",
 ) -> tuple[str, str | None]:
-    """Play the tests, and say and collect what each gave: the agent's name and digest."""
+    """Play the tests, say and collect what each gave, and return the agent's name and digest."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
-    with sandbox_for(allowed) as sandbox:
+    with sandbox_for(limits) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
-        say_level(allowed, [student.spec])
+        say_level(limits, [student.spec])
         for test in exercise.tests:
             opponents = enter(test.opponents, look)
             for word, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
                     raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
             with progress_bar(test.name, test.matches) as show:
-                grades.append(grade_agent(exercise, test, student, opponents, sandbox, max_forfeits, show))
+                grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
             say(str(grades[-1]))
     return student.name, student.digest

@@ -8,14 +8,13 @@ from typing import Annotated, Any, Final
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.fitted_table import FittedTable
-from catch_arena.cli.terminal import own_console, say
+from catch_arena.cli.terminal import own_console, plain_table, say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
 
 _LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
-"""What has a column of its own."""
+"""The settings that have a column of their own."""
 
 
 @main.command()
@@ -23,7 +22,7 @@ def agents() -> None:
     """List the agents that come with the package."""
     from catch_arena.tournament.loading import shipped
 
-    listing = FittedTable("agent", "what it does", folded="what it does")
+    listing = plain_table("agent", "what it does", text="what it does")
     for name, line in shipped().items():
         listing.add_row(name, line)
     own_console().print(listing)
@@ -32,18 +31,10 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    numbers = ("hunters", "side m", "per s")
-    listing = FittedTable("scenario", *numbers, "besides", folded="besides")
-    for column in listing.columns[1:-1]:
-        column.justify = "right"
+    listing = plain_table("scenario", "hunters", "side m", "per s", "besides", text="besides")
     for name, config in SCENARIOS.items():
-        listing.add_row(
-            name,
-            str(config.hunters),
-            f"{config.side_m:.1f}",
-            f"{1000 / config.spawn_period_ms:g}",
-            ", ".join(_besides(config)),
-        )
+        numbers = (str(config.hunters), f"{config.side_m:.1f}", f"{1000 / config.spawn_period_ms:g}")
+        listing.add_row(name, *numbers, ", ".join(_besides(config)))
     own_console().print(listing)
 
 
@@ -60,7 +51,7 @@ def docs(
     folder = inside if inside.is_dir() else package.parent / "docs"
     pages = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
     if page is None:
-        listing = FittedTable("page", "title", folded="title")
+        listing = plain_table("page", "title", text="title")
         for name, text in pages.items():
             listing.add_row(name, text.partition("\n")[0].removeprefix("# "))
         own_console().print(listing)
@@ -73,21 +64,17 @@ def docs(
 
 def _besides(config: ArenaConfig) -> Iterator[str]:
     """What else differs from the defaults, as `--set` takes it."""
-    usual, own = ArenaConfig().to_dict(), config.to_dict()
-    for name, value in own.items():
+    usual = ArenaConfig().to_dict()
+    for name, value in config.to_dict().items():
         if name in _LISTED or value == usual[name]:
             continue
         if isinstance(value, dict):
-            yield from (
-                f"{name}.{part}={_short(number)}" for part, number in value.items() if number != usual[name][part]
-            )
+            yield from (f"{name}.{part}={_short(own)}" for part, own in value.items() if own != usual[name][part])
         else:
             yield f"{name}={_short(value)}"
 
 
 def _short(value: Any) -> str:
     if isinstance(value, tuple | list):
-        return f"[{','.join(_short(one) for one in value)}]"
-    if isinstance(value, bool) or value is None:
-        return json.dumps(value)
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+        return f"[{','.join(map(_short, value))}]"
+    return f"{value:.4g}" if isinstance(value, float) else value if isinstance(value, str) else json.dumps(value)

@@ -4,32 +4,28 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import (
+from catch_arena.cli.app import main
+from catch_arena.cli.options import (
     MAX_FORFEITS,
     Agents,
+    Arena,
     ArenaSeed,
     Jobs,
-    LimitOption,
-    MaxForfeits,
-    Scenario,
+    Resume,
     Seed,
-    SettingOption,
-    Trusted,
-    arena,
+    Trust,
     enter_agents,
     jobs_or_all,
-    limits_or_trust,
-    main,
+    say_seed,
     say_who_needs_prey,
     secret_of,
-    seed_told,
 )
-from catch_arena.cli.outputs import REPLAY, Force, given_or_free, output_file, require_free
+from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
 from catch_arena.cli.terminal import own_console, say, shown
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
@@ -37,25 +33,18 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.live.session import SessionResult
     from catch_arena.policy import Side
     from catch_arena.tournament.entrants import Entrant
-    from catch_arena.tournament.execution.executors import Executor
-    from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.match import Forfeit, MatchResult
     from catch_arena.tournament.parties import Parties
-    from catch_arena.tournament.plans.schedule import Plan
-    from catch_arena.tournament.secret import Secret
     from catch_arena.tournament.statistics.standings import Standing
-
-Format = Literal["round-robin", "gauntlet"]
-ExecutorName = Literal["local", "ray"]
 
 
 @main.command()
 def tournament(
     agents: Agents,
     *,
-    scenario: Scenario = "standard",
+    arena: Arena,
     form: Annotated[
-        Format,
+        Literal["round-robin", "gauntlet"],
         typer.Option(
             "--format",
             metavar="FORMAT",
@@ -82,19 +71,26 @@ def tournament(
     ] = None,
     seed: Seed = None,
     jobs: Jobs = None,
-    executor: Annotated[ExecutorName, typer.Option(help="Where they play: on this machine, or by Ray.")] = "local",
+    executor: Annotated[
+        Literal["local", "ray"], typer.Option(help="Where they play: on this machine, or by Ray.")
+    ] = "local",
     address: Annotated[
         str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
     ] = None,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
-    max_forfeits: MaxForfeits = MAX_FORFEITS,
+    trust: Trust,
+    max_forfeits: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=0,
+            help="An agent that forfeits N matches in a row is excluded: it forfeits the rest without being started. "
+            "0: never exclude.",
+        ),
+    ] = MAX_FORFEITS,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
     ] = Path("out/tournament"),
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")
-    ] = False,
+    resume: Resume = False,
     force: Annotated[
         bool,
         typer.Option(
@@ -105,39 +101,52 @@ def tournament(
     watch: Annotated[
         bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
     ] = False,
-    settings: SettingOption = None,
 ) -> None:
     """Play groups of agents in every seating, and rank them.
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.live_standings import LiveStandings
     from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table
     from catch_arena.files import prepare_folder
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.cost import measure_cost
+    from catch_arena.tournament.execution.executors import local_executor
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.parties import Parties
-    from catch_arena.tournament.plans.schedule import require_enough
-    from catch_arena.tournament.plans.until_separated import UntilSeparated
+    from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, FixedPlan, Plan, plan_of, require_enough
+    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
     from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
     from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
-    config = arena(scenario, settings)
+    if address is not None and executor != "ray":
+        raise ConfigError(f"--address must come with --executor ray, got --executor {executor}")
+    if address is not None and jobs is not None:
+        raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
+    if until_separated is not None and rounds is not None:
+        raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
+    config, limits, jobs = arena.config(), trust.limits(), jobs_or_all(jobs)
     parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
-    allowed = limits_or_trust(limits, trusted=trusted)
-    jobs = _jobs(executor, jobs, address)
-    entrants = enter_agents(agents, allowed)
-    require_enough(len(entrants), config, scenario, tournament=True)
+    entrants = enter_agents(agents, limits)
+    require_enough(len(entrants), config, arena.scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
-    plan = _plan(entrants, parties, secret, _PlanOptions(form, rounds, until_separated, max_matches))
-    worker = Worker(config, entrants, record, allowed)
-    terms = terms_of(allowed, max_forfeits, recorded=record)
-    about = Tournament(config, entrants, plan.parameters, terms, secret.text)
+
+    def rounds_of(number: int | None, most: int) -> FixedPlan:
+        return plan_of(form, len(entrants), parties, number, secret, most)
+
+    plan: Plan
+    if until_separated is None:
+        plan = rounds_of(rounds, MOST_IN_A_ROUND if max_matches is None else max_matches)
+        size = f"{plan.size}"
+    else:
+        budget = BUDGET if max_matches is None else max_matches
+        plan = UntilSeparated(entrants, until_separated, budget, lambda number: rounds_of(number, budget), parties)
+        size = f"at most {plan.size}"
+    worker = Worker(config, entrants, record, limits)
+    about = Tournament(config, entrants, plan.parameters, terms_of(limits, max_forfeits, recorded=record), secret.text)
     folder = out / REPLAYS if record else out
     begun: Store | None = None
     if (out / STORE).exists():
@@ -150,46 +159,51 @@ def tournament(
             table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
         own_console(err=True).print(table)
         prepare_folder(folder)
-    most = "at most " if isinstance(plan, UntilSeparated) else ""
 
-    def kept(count: int) -> str:
-        return shown(f"{count} of {most}{plan.size} matches are kept in {out}; the same command with --resume goes on")
-
-    def kept_by_now() -> str:
+    def kept() -> str:
         with Store.read(out) as store:  # of its own: any thread may ask
-            return kept(store.count_played())
+            played = store.count_played()
+        return shown(f"{played} of {size} matches are kept in {out}; the same command with --resume goes on")
 
     with begun or Store.begin(about, out) as store, _watched(out) if watch else nullcontext():
-        interrupts.also_say(kept_by_now)
-        say(f"{scenario}: {len(entrants)} agents, {most}{plan.size} matches, {len(parties)} in each")
-        if config.prey:
-            say_who_needs_prey(entrants)
+        interrupts.also_say(kept)
+        say(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
+        say_who_needs_prey(entrants, config)
         try:
+            if executor == "ray":
+                from catch_arena.tournament.execution.ray_executor import RayExecutor
             with (
-                _executor(executor, worker, jobs, address) as ready,
-                LiveStandings(entrants, parties, plan.size) as live,
+                RayExecutor(worker, jobs, address) if executor == "ray" else local_executor(worker, jobs) as ready,
+                progress_bar("playing", plan.size) as show,
             ):
+                done = 0
+
+                def on_results(more: Sequence[object]) -> None:
+                    nonlocal done
+                    done += len(more)
+                    show(done, plan.size)
+
                 play_plan(
                     store,
                     plan,
                     ready,
                     max_forfeits=max_forfeits,
                     folder=out,
-                    on_results=live.update,
-                    on_planned=live.planned,
+                    on_results=on_results,
+                    on_planned=lambda planned: show(planned, plan.size, "planning"),
                 )
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
         except (NoContest, OutputError, StoreError) as error:
-            error.args = (f"{error}; {kept(store.count_played())}",)
+            error.args = (f"{error}; {kept()}",)
             raise
         _say_standings(tables, entrants)
         if isinstance(plan, UntilSeparated) and plan.last is not None:
             say(f"after {played} matches, {plan.last}")
         if (out / LOGS).exists():
             say(f"what agents printed, and how they failed: {out / LOGS}")
-        say(seed_told(secret))
+        say_seed(secret)
         say(f"results: {out}")
         say(f"report: {write_report(out)}")
 
@@ -218,12 +232,11 @@ def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entran
 
     for table in standings_tables(tables):
         own_console().print(table)
-    for line in tables["hunter"]:
-        (entrant,) = (one for one in entrants if one.name == line.name)
+    for entrant in entrants:
         lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
         if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
             matches = sum(one.matches for one in lines)
-            say(f"{line.name} was out: {without} of its {matches} matches were played without it")
+            say(f"{entrant.name} was out: {without} of its {matches} matches were played without it")
 
 
 @contextmanager
@@ -237,79 +250,13 @@ def _watched(folder: Path) -> Iterator[None]:
         interrupts.wait(lambda: say(f"the report stays at {address} until Ctrl-C"))
 
 
-class _PlanOptions(NamedTuple):
-    """Which matches a tournament is asked to have."""
-
-    form: Format
-    rounds: int | None
-    until_separated: float | None
-    max_matches: int | None
-
-
-def _plan(
-    entrants: "tuple[Entrant, ...]",
-    parties: "Parties",
-    seed: "Secret",
-    options: _PlanOptions,
-) -> "Plan":
-    """What these options ask for.
-
-    Raises:
-        ConfigError: for those that do not go together too.
-    """
-    from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, FixedPlan, plan_of
-    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
-
-    form, rounds, until_separated, max_matches = options
-    if until_separated is None:
-        most = MOST_IN_A_ROUND if max_matches is None else max_matches
-        return plan_of(form, len(entrants), parties, rounds, seed, most)
-    if rounds is not None:
-        raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
-
-    budget = BUDGET if max_matches is None else max_matches
-
-    def of_rounds(count: int) -> FixedPlan:
-        return plan_of(form, len(entrants), parties, count, seed, budget)
-
-    return UntilSeparated(entrants, until_separated, budget, of_rounds, parties)
-
-
-def _jobs(executor: ExecutorName, jobs: int | None, address: str | None) -> int:
-    """How many processes play on this machine.
-
-    Raises:
-        ConfigError: for options that do not go together.
-    """
-    from catch_arena.tournament.execution.executors import require_jobs
-
-    if address is not None and executor != "ray":
-        raise ConfigError(f"--address must come with --executor ray, got --executor {executor}")
-    if address is not None and jobs is not None:
-        raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
-    found = jobs_or_all(jobs)
-    require_jobs(found)
-    return found
-
-
-def _executor(name: ExecutorName, worker: "Worker", jobs: int, address: str | None) -> "Executor":
-    from catch_arena.tournament.execution.executors import local_executor
-
-    if name == "ray":
-        from catch_arena.tournament.execution.ray_executor import RayExecutor
-
-        return RayExecutor(worker, jobs, address)
-    return local_executor(worker, jobs)
-
-
 @main.command()
 def match(
     agents: Agents,
     *,
-    scenario: Scenario = "standard",
+    arena: Arena,
     seed: ArenaSeed = None,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
+    trust: Trust,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -320,7 +267,6 @@ def match(
         ),
     ] = None,
     force: Force = False,
-    settings: SettingOption = None,
 ) -> None:
     """Play one match, seated in the order given, and record it.
 
@@ -332,28 +278,22 @@ def match(
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
-    config = arena(scenario, settings)
+    config, limits = arena.config(), trust.limits()
     parties = Parties.of(config)
-    if output is not None:
-        output_file(output, *REPLAY, force=force)
-    allowed = limits_or_trust(limits, trusted=trusted)
-    entrants = enter_agents(agents, allowed)
-    require_enough(len(entrants), config, scenario)
+    target = output_file(output, *REPLAY, force=force, usual="match.replay")
+    entrants = enter_agents(agents, limits)
+    require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):
-        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {scenario}, got {len(entrants)}")
+        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}")
     drawn = arena_seed(seed)
-    target = given_or_free(output, "match.replay", force=force)
     steps = count()
-    with (
-        sandbox_for(allowed) as sandbox,
-        progress_bar("playing", late=True) as show,
-    ):
+    with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
         result = play_entrants(
             config,
             drawn,
             entrants,
             sandbox,
-            title=scenario,
+            title=arena.scenario,
             record=target,
             watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
         )

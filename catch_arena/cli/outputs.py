@@ -8,23 +8,12 @@ from typing import Annotated, Final
 import typer
 
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.files import prepare_folder, regular_file, unwritable
 
 Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
 
 REPLAY: Final = (".replay",)
 VIDEO: Final = (".mp4", ".webm", ".gif", ".webp")
-TABLE: Final = (".jsonl", ".csv", ".parquet")
-_MAKERS: Final = (
-    (REPLAY, "`catch-arena match`"),
-    (VIDEO, "`catch-arena render`"),
-    (TABLE, "`catch-arena export`"),
-    ((".png",), "`catch-arena sheet`"),
-    ((".html",), "`catch-arena report`"),
-    ((".json",), "--json of grade, suite or explain"),
-    ((".xml",), "--junit of grade or conformance"),
-    ((".mcap", ".db3"), "`catch-arena ros bag`"),
-)
-"""The endings that stand for a format, and what writes it."""
 _RESERVED: Final[list[Path]] = []
 """The files that the running command has reserved."""
 
@@ -46,31 +35,14 @@ def reservations() -> Iterator[None]:
 def require_ending(path: Path, *endings: str) -> None:
     """Require that a file's name ends as its format does.
 
-    Args:
-        path: the file to write.
-        endings: those of its format.
-
     Raises:
-        ConfigError: for any other ending; for that of another format of ours with what writes it.
+        ConfigError: for any other ending.
     """
     ending = path.suffix.lower()
-    if ending in endings:
-        return
-    *others, last = endings
-    wanted = f"{', '.join(others)} or {last}" if others else last
-    made = next((f": {maker} writes that" for known, maker in _MAKERS if ending in known), "")
-    raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}{made}")
-
-
-def require_folder_name(path: Path) -> None:
-    """Require that a folder's name does not end as a file's of ours.
-
-    Raises:
-        ConfigError: if it does, with what writes such a file.
-    """
-    for endings, maker in _MAKERS:
-        if path.suffix.lower() in endings:
-            raise ConfigError(f"{path}: must name a folder, got {path.suffix}: {maker} writes that")
+    if ending not in endings:
+        *others, last = endings
+        wanted = f"{', '.join(others)} or {last}" if others else last
+        raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
 
 
 def require_free(path: Path, *, force: bool) -> None:
@@ -79,42 +51,38 @@ def require_free(path: Path, *, force: bool) -> None:
     Raises:
         OutputError: if there is a file, and for what is no file.
     """
-    from catch_arena.files import regular_file
-
     if regular_file(path).exists() and not force:
         raise OutputError(f"{path}: is there already: give --force to replace it, or another name")
 
 
-def output_file(path: Path, *endings: str, force: bool) -> Path:
+def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") -> Path:
     """Reserve the path of a file: make its folder, and an empty file against other commands.
 
     Args:
-        path: the file to write.
-        endings: see `require_ending`.
+        path: the file to write; if None, the first free name of «name.end», «name-2.end», «name-3.end» and so on.
+        endings: those of its format.
         force: whether it may replace a file.
+        usual: «name.end».
 
     Raises:
-        ConfigError: for the ending of another format.
+        ConfigError: for a name that ends in none of the `endings`.
         OutputError: if it cannot be written, or is there already.
     """
-    from catch_arena.files import prepare_folder, regular_file, unwritable
-
+    if path is None:
+        return free_file(usual, force=force)
     require_ending(path, *endings)
     prepare_folder(path.parent)
-    target = regular_file(path)
     try:
-        target.touch(exist_ok=False)
+        _reserve(regular_file(path))
     except FileExistsError:
         require_free(path, force=force)
     except OSError as error:
         raise unwritable(path, error) from None
-    else:
-        _RESERVED.append(target)
     return path
 
 
 def output_video(path: Path, *, force: bool) -> None:
-    """Reserve the path of a video, as `output_file` does, under the name that it gets without its encoder too.
+    """Reserve the path of a video, under the name that it gets without its encoder too.
 
     Raises:
         ConfigError: for an ending that is none of a video's.
@@ -126,31 +94,28 @@ def output_video(path: Path, *, force: bool) -> None:
     output_file(output_path(path), *VIDEO, force=force)
 
 
-def given_or_free(given: Path | None, usual: str, *, force: bool) -> Path:
-    """Return the given path, or reserve the first free name of «name.end», «name-2.end», «name-3.end» and so on.
+def free_file(usual: str, *, force: bool) -> Path:
+    """Reserve the first free name of «name.end», «name-2.end», «name-3.end» and so on.
 
     Args:
-        given: the path that was asked for, which `output_file` has reserved.
         usual: «name.end».
         force: whether a file may be replaced, so that no other name is needed.
 
     Raises:
         OutputError: for a folder that cannot be written.
     """
-    from catch_arena.files import prepare_folder
-
-    if given is not None:
-        return given
-    usual_path = Path(usual)
-    prepare_folder(usual_path.parent)
-    free, number = usual_path.absolute(), 1
+    prepare_folder(Path.cwd())
+    free, number = Path(usual).absolute(), 1
     while not force:
         try:
-            free.touch(exist_ok=False)
+            _reserve(free)
+            break
         except FileExistsError:
             number += 1
-            free = free.with_stem(f"{usual_path.stem}-{number}")
-        else:
-            _RESERVED.append(free)
-            break
+            free = free.with_stem(f"{Path(usual).stem}-{number}")
     return free
+
+
+def _reserve(path: Path) -> None:
+    path.touch(exist_ok=False)
+    _RESERVED.append(path)

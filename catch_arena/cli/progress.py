@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from catch_arena.cli.terminal import own_console
 
@@ -16,57 +15,41 @@ _LATE_S: Final = 2.0
 
 
 @contextmanager
-def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[[int, int], None]]:
-    """How far it is, on stderr, to be called with (done, total).
+def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[..., None]]:
+    """Show on stderr how far some work is: yields what is to be called with (done, total), and with what is done
+    now if that changes.
 
     On a terminal it is a bar, which goes away in the end; elsewhere it is a line now and then.
 
     Args:
         what: is done.
-        total: how much there is to do, where that is known before.
+        total: how much there is to do, if that is known before.
         late: whether a terminal shows nothing of work that is over soon.
     """
     console = own_console(err=True)
-    if not console.is_terminal:
-        yield progress_lines(what, console)
-        return
-    begin = time.monotonic()
+    began = said = time.monotonic()
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     # Rich would print on stderr what goes to a file or a pipe meanwhile
-    bar = Progress(*bar_columns(), console=console, transient=True, redirect_stdout=sys.stdout.isatty())
+    bar = Progress(*columns, console=console, transient=True, redirect_stdout=sys.stdout.isatty())
     task = bar.add_task(what, total=total)
 
-    def show(done: int, total: int) -> None:
-        bar.update(task, completed=done, total=total)
-        if time.monotonic() - begin >= _LATE_S or not late:
-            bar.start()
+    def show(done: int, total: int, doing: str = what) -> None:
+        nonlocal said
+        now = time.monotonic()
+        if console.is_terminal:
+            bar.update(task, completed=done, total=total, description=doing)
+            if now - began >= _LATE_S:
+                bar.start()
+        elif now - said >= _LINE_EVERY_S:
+            said = now
+            left = (now - began) * (total - done) / max(done, 1)
+            line = f"{doing}: {done} of {total}, {now - began:.0f} s, some {left:.0f} s left"
+            console.print(line, soft_wrap=True)
 
     try:
-        if not late:
+        if console.is_terminal and not late:
             bar.start()
         yield show
     finally:
-        bar.stop()
-
-
-def progress_lines(
-    what: str, console: Console, clock: Callable[[], float] = time.monotonic
-) -> Callable[[int, int], None]:
-    """For logs and pipes: says how far it is, to be called with (done, total), in a line every few seconds."""
-    began = clock()
-    said = began
-
-    def show(done: int, total: int) -> None:
-        nonlocal said
-        now = clock()
-        if now - said >= _LINE_EVERY_S:
-            said = now
-            left = (now - began) * (total - done) / max(done, 1)
-            line = f"{what}: {done} of {total}, {now - began:.0f} s, some {left:.0f} s left"
-            console.print(line, highlight=False, soft_wrap=True)
-
-    return show
-
-
-def bar_columns() -> tuple[ProgressColumn, ...]:
-    """What stands beside and in a bar."""
-    return TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+        if console.is_terminal:
+            bar.stop()

@@ -1,14 +1,14 @@
 """`catch-arena verify`, `diff` and `explain`: what recorded matches prove, where two of them part, and why."""
 
-import json
 import textwrap
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.terminal import WIDE, columns, say
+from catch_arena.cli.app import main
+from catch_arena.cli.options import Recorded
+from catch_arena.cli.terminal import WIDE, own_console, say
 from catch_arena.errors import ConfigError, ReplayError
 
 _EXIT_DIFFERENT = 1
@@ -48,10 +48,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
 
 @main.command()
-def diff(
-    a: Annotated[Path, typer.Argument(metavar="A", help="A recorded match.")],
-    b: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
-) -> None:
+def diff(replays: Annotated[tuple[Path, Path], typer.Argument(metavar="A B", help="Two recorded matches.")]) -> None:
     """Say where two recorded matches differ: headers, actions, states, scores.
 
     The exit code is 0 if they are equal, 1 if they differ, 2 if one cannot be read.
@@ -59,12 +56,12 @@ def diff(
     from catch_arena.replay import Replay
     from catch_arena.replay.comparison import replay_differences
 
+    a, b = replays
     lines = replay_differences(Replay.load(a), Replay.load(b))
     if not lines:
         say("the replays are equal")
         return
-    say(f"A: {a}\nB: {b}")
-    for line in lines:
+    for line in (f"A: {a}", f"B: {b}", *lines):
         say(line)
     raise typer.Exit(_EXIT_DIFFERENT)
 
@@ -91,7 +88,6 @@ def explain(
             metavar="K", help="Explain step K, counted from 1: with steps of 0.1 s, step 124 begins at 12.3 s."
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, for programs.")] = False,
 ) -> None:
     """Explain the contests and refusals of a recorded match: the clause, the distances, the winner."""
     from catch_arena import explanation
@@ -109,9 +105,6 @@ def explain(
             result = explanation.explain(recorded, hunter, show)
     else:
         result = explanation.explain_step(recorded, step, hunter)
-    if as_json:
-        say(json.dumps(result.to_dict(), indent=1))
-        return
-    width = min(WIDE, columns())
+    width = min(WIDE, own_console().width)
     for paragraph in result.lines():
         say(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

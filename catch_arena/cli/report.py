@@ -35,23 +35,18 @@ def report(
             help="Serve the page on 127.0.0.1 instead, and update it while the tournament runs, until Ctrl-C.",
         ),
     ] = False,
-    port: Annotated[int | None, typer.Option(help="For --watch.", show_default="the first free one")] = None,
 ) -> None:
     """Write a report: one file with the standings, the figures behind them, and replays to watch."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
-    if port is not None and not watch:
-        raise ConfigError("--port must come with --watch")
     if watch:
-        if budget is not None or match:
-            raise ConfigError("--budget and --match must be left out with --watch, whose page plays every replay")
-        if output is not None:
-            raise ConfigError(f"--output must be left out with --watch, which serves the page, got {output}")
+        if budget is not None or match or output is not None:
+            raise ConfigError("--budget, --match and --output must be left out with --watch, which plays every replay")
         from catch_arena.report.watch import LiveReport, serve
 
         live = LiveReport(folder)
         live.state()  # what is wrong is said here, before anybody looks
-        with serve(live, port) as address:
+        with serve(live) as address:
             interrupts.wait(lambda: say(f"report: {address} (Ctrl-C ends)"))
         return
     from catch_arena.report import BUDGET, write_report

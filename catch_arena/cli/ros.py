@@ -8,23 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli import bus_options
-from catch_arena.cli.app import (
-    ArenaSeed,
-    LimitOption,
-    Program,
-    SettingOption,
-    Trusted,
-    arena,
-    enter_agents,
-    limits_or_trust,
-    main,
-)
+from catch_arena.cli.app import Program, main
+from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
+from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
-from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 from catch_arena.text import in_short, name_fault
 
 if TYPE_CHECKING:
@@ -51,7 +41,7 @@ EXERCISE = "exercise"
 """The scenario of `serve` if none is named."""
 
 
-@ros.command(cls=bus_options.NodeCommand)
+@ros.command(cls=NodeCommand)
 def serve(
     *,
     seat: Annotated[
@@ -77,21 +67,15 @@ def serve(
     speed: Annotated[
         float, typer.Option(help="Simulation speed: 1 is real time; at other speeds /clock has the simulated time.")
     ] = 1.0,
-    wait: Annotated[bool, typer.Option("--wait/--no-wait", help="Begin when every seat has its node.")] = True,
-    bus: bus_options.BusOption = None,
-    domain: bus_options.Domain = None,
-    url: bus_options.Url = None,
-    interfaces: bus_options.Package = INTERFACES,
-    turtlesim: bus_options.Turtlesim = TURTLESIM,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
+    bus: Bus,
+    trust: Trust,
     record: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Where to save the replay; /spawn, /kill and /reset do nothing then."),
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
-    ros_args: bus_options.RosArgs = None,
+    ros_args: RosArgs = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle.
 
@@ -101,7 +85,6 @@ def serve(
     from catch_arena.ros.nodes.serving import serve_match
     from catch_arena.seeding import arena_seed
 
-    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     seats = _seats(seat or [])
     config = _arena(scenario, settings, seats)
     if seats and max(seats) >= config.hunters:
@@ -112,28 +95,28 @@ def serve(
     config = config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
     nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
-    allowed = limits_or_trust(limits, trusted=trusted)
+    limits = trust.limits()
     if record is not None:
         output_file(record, *REPLAY, force=force)
     if scenario is None:
         say(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
-    types = given_bus.types()
-    entrants = dict(zip(specs, enter_agents(list(specs.values()), allowed), strict=True)) if specs else {}
+    types = bus.types()
+    entrants = dict(zip(specs, enter_agents(list(specs.values()), limits), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
     ]
     served = serve_match(
-        given_bus.joined("catch_arena"),
+        bus.joined("catch_arena"),
         config,
         arena_seed(seed),
         entrants,
-        allowed,
+        limits,
         names=names,
         people=[number for number, (word, _) in nodes.items() if word == HUMAN],
         interfaces=types,
         speed=speed,
-        wait=wait,
+        wait=True,
         record=record,
         title=scenario or EXERCISE,
         log=say,
@@ -147,7 +130,7 @@ def serve(
         say(f"replay: {record}")
 
 
-@ros.command(cls=bus_options.NodeCommand)
+@ros.command(cls=NodeCommand)
 def controller(
     agent: Annotated[
         str, typer.Argument(help="Who drives: a shipped name or a .py file, as in `catch-arena match`.")
@@ -162,15 +145,9 @@ def controller(
             show_default="/NAME/catch_turtle where it is served, else /catch_turtle",
         ),
     ] = None,
-    bus: bus_options.BusOption = None,
-    domain: bus_options.Domain = None,
-    url: bus_options.Url = None,
-    interfaces: bus_options.Package = INTERFACES,
-    turtlesim: bus_options.Turtlesim = TURTLESIM,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
-    settings: SettingOption = None,
-    ros_args: bus_options.RosArgs = None,
+    bus: Bus,
+    trust: Trust,
+    ros_args: RosArgs = None,
 ) -> None:
     """Drive a turtle with an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
@@ -183,21 +160,20 @@ def controller(
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 
-    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
-    allowed = limits_or_trust(limits, trusted=trusted)
+    limits = trust.limits()
     values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
     if values:
         agent = _CLOSEST if values[CLOSEST_FIRST] else _OLDEST
-    config = arena("capstone", settings)
+    config = arena("capstone", None)
     turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
-    types = given_bus.types()
-    entrants = enter_agents([agent], allowed)
+    types = bus.types()
+    entrants = enter_agents([agent], limits)
     with (
-        sandbox_for(allowed) as sandbox,
+        sandbox_for(limits) as sandbox,
         start_players(entrants, sandbox) as players,
-        given_bus.joined("turtle_controller") as joined,
+        bus.joined("turtle_controller") as joined,
     ):
         types = joined.interfaces(types)
         node = Controller(joined, players, config, turtle, types, service=service, log=say)
@@ -215,7 +191,7 @@ def controller(
             node.stop()
 
 
-@ros.command(cls=bus_options.NodeCommand)
+@ros.command(cls=NodeCommand)
 def spawner(
     *,
     turtle: Annotated[
@@ -227,13 +203,8 @@ def spawner(
         str, typer.Option(metavar="TEXT", help="How the names of the targets begin.")
     ] = "target_turtle_",
     reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
-    seed: ArenaSeed = None,
-    bus: bus_options.BusOption = None,
-    domain: bus_options.Domain = None,
-    url: bus_options.Url = None,
-    interfaces: bus_options.Package = INTERFACES,
-    turtlesim: bus_options.Turtlesim = TURTLESIM,
-    ros_args: bus_options.RosArgs = None,
+    bus: Bus,
+    ros_args: RosArgs = None,
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
 
@@ -245,7 +216,6 @@ def spawner(
     from catch_arena.ros.nodes.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
-    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
     turtles = tuple(checked_turtle("--turtle", name) for name in turtle or ("turtle1",))
     for name in turtles:
         if turtles.count(name) > 1:
@@ -254,9 +224,9 @@ def spawner(
     config = arena("capstone", [f"reach_m={reach}"]).replace(
         spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX]))
     )
-    types = given_bus.types()
-    with given_bus.joined("turtle_spawner") as joined:
-        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(seed), log=say)
+    types = bus.types()
+    with bus.joined("turtle_spawner") as joined:
+        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(None), log=say)
         rate = Rate(DT)
 
         def judge() -> None:
@@ -275,25 +245,16 @@ def spawner(
 
 
 @ros.command()
-def doctor(
-    *,
-    bus: bus_options.BusOption = None,
-    domain: bus_options.Domain = None,
-    url: bus_options.Url = None,
-    interfaces: bus_options.Package = INTERFACES,
-    turtlesim: bus_options.Turtlesim = TURTLESIM,
-) -> None:
+def doctor(*, bus: Bus) -> None:
     """Say what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
 
     The exit code is 1 if there is a problem, else 0. Start your node first, and no `ros serve`.
     """
     from catch_arena.ros.doctor import examine
-    from catch_arena.ros.middleware.opening import open_bus
 
-    given_bus = bus_options.BusOptions(bus, domain, url, interfaces, turtlesim)
-    joined = open_bus(bus, node="catch_arena_doctor", domain=domain, url=url, log=_warn)
+    joined = bus.opened("catch_arena_doctor")
     try:
-        facts, problems = examine(joined, given_bus.types())
+        facts, problems = examine(joined, bus.types())
     finally:
         joined.close()
     for line in (*facts, *(f"problem: {one}" for one in problems)):
@@ -314,10 +275,6 @@ def checked_turtle(what: str, name: str) -> str:
     return name
 
 
-def _warn(line: str) -> None:
-    say(line, err=True)
-
-
 def _print_ranking(served: "Served", config: ArenaConfig) -> None:
     """R6.1, R11.1: by hunter, or by team; then with what each of a team's hunters caught."""
     from catch_arena.cli.matches import print_ranking
@@ -335,7 +292,7 @@ def _print_ranking(served: "Served", config: ArenaConfig) -> None:
 
 
 def _seats(options: list[str]) -> dict[int, str]:
-    """Who drives which hunter."""
+    """Return who drives which hunter."""
     seats: dict[int, str] = {}
     for option in options:
         number, equals, who = option.partition("=")
@@ -351,7 +308,7 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 
 def _seat_fault(who: str) -> str | None:
-    """Why nobody is called so who could drive a hunter; None where somebody may be."""
+    """Return why this drives no hunter, or None if it does."""
     from catch_arena.tournament.agent_spec import resolve_spec
 
     word, named, name = who.partition(":")

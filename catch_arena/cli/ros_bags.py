@@ -7,14 +7,13 @@ from typing import Annotated, Literal
 
 import typer
 
-from catch_arena.cli.app import Recorded
-from catch_arena.cli.bus_options import Package, Turtlesim, interfaces_of
-from catch_arena.cli.outputs import Force, output_video, require_folder_name
+from catch_arena.cli.bus import Packages
+from catch_arena.cli.options import Recorded
+from catch_arena.cli.outputs import Force, output_video
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
-from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
-from catch_arena.errors import BusError, install_hint
-from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
+from catch_arena.cli.videos import Film, print_report
+from catch_arena.errors import BusError, ConfigError, install_hint
 
 
 @ros.command()
@@ -32,8 +31,7 @@ def bag(
         ),
     ] = None,
     storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="The file format in the bag.")] = "mcap",
-    interfaces: Package = INTERFACES,
-    turtlesim: Turtlesim = TURTLESIM,
+    packages: Packages,
     force: Force = False,
 ) -> None:
     """Write a recorded match as a bag, for ros2 bag play and Foxglove (`catch-arena docs ros2_bags`)."""
@@ -42,10 +40,11 @@ def bag(
     from catch_arena.replay import Replay
     from catch_arena.ros.bags.export import export_bag
 
-    types = interfaces_of(interfaces, turtlesim)
+    types = packages.types()
     recorded = Replay.load(replay)
-    folder = replay.with_suffix("") if output is None else output
-    require_folder_name(folder)
+    folder = output or replay.with_suffix("")
+    if folder.suffix.lower() in {".mcap", ".db3", ".replay"}:
+        raise ConfigError(f"{folder}: must name a folder, got {folder.suffix}")
     with progress_bar("writing", late=True) as show:
         messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
     say(f"bag: {folder} ({messages} messages)")
@@ -67,10 +66,7 @@ def import_(
     force: Force = False,
     listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and make no video.")] = False,
     reach: Annotated[float, typer.Option(metavar="M", help="The reach to judge by, in metres.")] = 0.3,
-    size: VideoSize = None,
-    fps: Fps = None,
-    layout: LayoutOption = "broadcast",
-    speed: Speed = 1.0,
+    film: Film,
 ) -> None:
     """Make a video of a recording of turtlesim, and say how our arbiter would have judged each catch."""
     _require_rosbags()
@@ -79,7 +75,8 @@ def import_(
     from catch_arena.ros.bags.rulings import judge_bag, summary
 
     whole = Path(os.path.realpath(bag))
-    target = whole.with_suffix(".mp4") if output is None else output
+    target = output or whole.with_suffix(".mp4")
+    drawn = film.arguments()
     if not listing:
         output_video(target, force=force)
     with progress_bar("reading", late=True) as show:
@@ -95,18 +92,7 @@ def import_(
     from catch_arena.ros.bags.video import render_bag
 
     with progress_bar("rendering") as show:
-        report = render_bag(
-            contents,
-            judged,
-            target,
-            reach_m=reach,
-            title=whole.stem,
-            size=None if size is None else width_and_height(size),
-            fps=fps,
-            layout=layout,
-            speed=speed,
-            progress=show,
-        )
+        report = render_bag(contents, judged, target, reach_m=reach, title=whole.stem, progress=show, **drawn)
     print_report(report)
 
 

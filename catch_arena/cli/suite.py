@@ -7,21 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import (
-    MAX_FORFEITS,
-    Agents,
-    Jobs,
-    LimitOption,
-    MaxForfeits,
-    Trusted,
-    enter_agents,
-    jobs_or_all,
-    limits_or_trust,
-    main,
-)
-from catch_arena.cli.fitted_table import FittedTable
+from catch_arena.cli.app import main
+from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import folded, own_console, say, shown
+from catch_arena.cli.terminal import own_console, plain_table, say, shown
 from catch_arena.errors import NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:
@@ -57,13 +46,9 @@ def suite(
             show_default="out/suite, or out/suite-quick",
         ),
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")
-    ] = False,
+    resume: Resume = False,
     jobs: Jobs = None,
-    trusted: Trusted = False,
-    limits: LimitOption = None,
-    max_forfeits: MaxForfeits = MAX_FORFEITS,
+    trust: Trust,
 ) -> None:
     """Measure agents in training and held-out scenarios.
 
@@ -78,17 +63,15 @@ def suite(
     from catch_arena.suite.measures import measure
     from catch_arena.suite.references import references
     from catch_arena.tournament.agent_spec import is_shipped
-    from catch_arena.tournament.execution.executors import require_jobs
     from catch_arena.tournament.isolation.playing import sandbox_for
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     out = out or Path("out/suite-quick" if quick else "out/suite")
     workers = jobs_or_all(jobs)
-    require_jobs(workers)
-    allowed = limits_or_trust(limits, trusted=trusted)
+    limits = trust.limits()
     if json is not None:
         output_file(json, ".json", force=force)
-    entered = enter_agents(agents, allowed)
+    entered = enter_agents(agents, limits)
     opponents = enter_opponents(SUITE)
     blocks = QUICK_BLOCKS if quick else SUITE.blocks
     evaluations = [
@@ -98,8 +81,8 @@ def suite(
             opponents,
             folder_of(out, agent),
             blocks,
-            None if is_shipped(agent.spec) else allowed,
-            max_forfeits,
+            None if is_shipped(agent.spec) else limits,
+            MAX_FORFEITS,
         )
         for agent in entered
     ]
@@ -107,7 +90,7 @@ def suite(
     if not resume:
         for one in evaluations:
             one.require_new()
-    with sandbox_for(allowed) as sandbox:
+    with sandbox_for(limits) as sandbox:
         for one in evaluations:
             for scenario, why in one.cannot_play(sandbox):
                 say(f"{one.agent.name} cannot play {scenario}, and forfeits there: {why}", err=True)
@@ -164,14 +147,11 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     for held_out, what in ((False, "training scenarios"), (True, "held-out scenarios")):
-        shown = FittedTable(
+        shown = plain_table(
             *("scenario", "score", "95 %", "wins", "95 %", "place", "first", "forf."),
             title=f"{measures.agent.name}, {what}",
-            title_justify="left",
             padding=(0, 1, 0, 0),
         )
-        for column in shown.columns[1:]:
-            column.justify = "right"
         for one in measures.scenarios:
             if one.held_out == held_out:
                 shown.add_row(
@@ -195,7 +175,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
         told = ", ".join(
             f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in parts
         )
-        say(folded(f"probability of improvement over {name}: {told}"))
+        say(f"probability of improvement over {name}: {told}")
 
 
 def _show_runs(measured: "Sequence[AgentMeasures]") -> None:

@@ -8,8 +8,7 @@ from typing import Final
 from rich.filesize import decimal
 from rich.table import Table
 
-from catch_arena.cli.fitted_table import FittedTable
-from catch_arena.cli.terminal import plain
+from catch_arena.cli.terminal import plain_table
 from catch_arena.policy import Side
 from catch_arena.tournament.execution.cost import Cost, match_counts, worst_delay
 from catch_arena.tournament.execution.worker import Worker
@@ -28,31 +27,27 @@ wins: ties shared"""
 
 
 def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
-    """Those of each side."""
+    """Return the standings of each side, with margins of 95 % confidence."""
     return [standings_table(table, side, titled=len(tables) > 1) for side, table in tables.items()]
 
 
 def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
-    """The standings of a side; margins are those of 95 % confidence."""
+    """Return the standings of a side, with margins of 95 % confidence."""
     hunts = side == "hunter"
     with_mates = any(line.lost_to_mates for line in table)
     forfeited = any(line.forfeits for line in table)
-    shown = FittedTable(
+    shown = plain_table(
         *("#", "agent", "grp", "played", "rating", "score" if hunts else "caught", "wins"),
         *["cont."] * hunts,
         *["mates"] * with_mates,
         *["forf."] * forfeited,
-        folded="agent",
-        named_by=2,
+        text="agent",
         padding=(0, 1, 0, 0),
         title={"hunter": "As hunters", "prey": "As prey"}[side] if titled else None,
-        title_justify="left",
         caption="".join(
             (_KEY if hunts else _PREY_KEY, _MATES_KEY * with_mates, "\nforf.: matches forfeited" * forfeited)
         ),
     )
-    for column in shown.columns:
-        column.justify = "left" if column.header == "agent" else "right"
     for line in table:
         cells = [
             str(line.place),
@@ -111,7 +106,7 @@ def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: i
         shown.add_row("replays", f"about {decimal(matches * cost.replay)}")
     shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
     for name, forfeit in cost.forfeits.items():
-        shown.add_row("", plain(f"{name} forfeited there: {forfeit}{leaves}"))
+        shown.add_row("", f"{name} forfeited there: {forfeit}{leaves}")
 
 
 def _span(least: int, most: int) -> str:

@@ -1,61 +1,85 @@
-"""`catch-arena render`, `mosaic`, `highlights` and `sheet`: recorded matches become videos and pictures."""
+"""`catch-arena render`, `mosaic` and `highlights`: recorded matches become videos."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
-from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.outputs import VIDEO, Force, given_or_free, output_file, output_video, require_ending
+from catch_arena.cli.app import main
+from catch_arena.cli.options import Recorded
+from catch_arena.cli.outputs import VIDEO, Force, output_file, output_video, require_ending
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
 if TYPE_CHECKING:
-    from catch_arena.explanation.highlights import Highlight, MatchEvents
+    from catch_arena.explanation.highlights import Highlight
     from catch_arena.render.video import RenderReport
 
 _MOST_IN_ONE = 64
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with replays.")]
 _VIDEO: Final = "The file to write, which ends in .mp4, .webm, .gif or .webp."
-Video = Annotated[Path, typer.Option("--output", "-o", help=_VIDEO)]
-VideoBeside = Annotated[
-    Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file beside the replay")
-]
-LayoutOption = Annotated[
-    Literal["broadcast", "arena"], typer.Option("--layout", help="With the scores, or the arena alone.")
-]
 Speed = Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")]
-VideoSize = Annotated[
-    str | None,
-    typer.Option(
-        metavar="WIDTHxHEIGHT", help="Size of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
-    ),
-]
-Fps = Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")]
 ViewOf = Annotated[
     str | None,
-    typer.Option(
-        "--view-of", metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="nobody's"
-    ),
+    typer.Option(metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="nobody's"),
 ]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The frames of a video."""
+
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WIDTHxHEIGHT", help="Size of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
+        ),
+    ] = None
+    fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of functions that draw.
+
+        Raises:
+            ConfigError: for a size of another form.
+        """
+        return {"size": width_and_height(self.size), "fps": self.fps}
+
+
+@dataclass(frozen=True)
+class Film(Picture):
+    """The frames of one match's video."""
+
+    layout: Annotated[Literal["broadcast", "arena"], typer.Option(help="With the scores, or the arena alone.")] = (
+        "broadcast"
+    )
+    speed: Speed = 1.0
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments of functions that draw.
+
+        Raises:
+            ConfigError: for a size of another form.
+        """
+        return {**super().arguments(), "layout": self.layout, "speed": self.speed}
 
 
 @main.command()
 def render(
     replay: Recorded,
     *,
-    output: VideoBeside = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file beside the replay")
+    ] = None,
     force: Force = False,
-    size: VideoSize = None,
-    fps: Fps = None,
-    layout: LayoutOption = "broadcast",
+    film: Film,
     start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
     end: Annotated[
         float | None, typer.Option("--to", metavar="SECONDS", help="Where to end.", show_default="the match's end")
     ] = None,
-    speed: Speed = 1.0,
     view_of: ViewOf = None,
 ) -> None:
     """Turn a recorded match, or a part of it, into a video."""
@@ -63,22 +87,11 @@ def render(
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
 
-    recorded = Replay.load(replay)
-    target = replay.with_suffix(".mp4") if output is None else output
+    recorded, drawn = Replay.load(replay), film.arguments()
+    target = output or replay.with_suffix(".mp4")
     output_video(target, force=force)
     with progress_bar("rendering") as show:
-        report = render_replay(
-            recorded,
-            target,
-            size=None if size is None else width_and_height(size),
-            fps=fps,
-            layout=layout,
-            start_s=start,
-            end_s=end,
-            speed=speed,
-            view_of=view_of,
-            progress=show,
-        )
+        report = render_replay(recorded, target, start_s=start, end_s=end, view_of=view_of, progress=show, **drawn)
     print_report(report)
 
 
@@ -86,17 +99,8 @@ def render(
 def mosaic(
     folder: Folder,
     *,
-    output: Video,
+    output: Annotated[Path, typer.Option("--output", "-o", help=_VIDEO)],
     force: Force = False,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WIDTHxHEIGHT",
-            help="Size of the picture, in pixels.",
-            show_default="as the cells need, up to 1280x1280",
-        ),
-    ] = None,
-    fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="30; GIF 25")] = None,
     speed: Speed = 1.0,
     count: Annotated[
         int | None,
@@ -115,7 +119,6 @@ def mosaic(
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
 
-    frame_size = None if size is None else width_and_height(size)
     require_ending(output, *VIDEO)
     paths = _replays_in(folder)
     found: dict[str, Replay] = {}
@@ -125,11 +128,11 @@ def mosaic(
         try:
             found[path.stem] = Replay.load(path)
         except ReplayError as error:
-            _print_skipped(error)
+            say(f"left out: {error}", err=True)
     _require_some(folder, len(found), len(paths))
     output_video(output, force=force)
     with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, view_of=view_of, progress=show)
+        report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
     print_report(report)
 
@@ -147,9 +150,7 @@ def highlights(
     listing: Annotated[
         bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
     ] = False,
-    size: VideoSize = None,
-    fps: Fps = None,
-    view_of: ViewOf = None,
+    picture: Picture,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and make a video of them.
 
@@ -160,7 +161,7 @@ def highlights(
     from catch_arena.explanation.highlights import select_highlights
     from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
 
-    frame_size = None if size is None else width_and_height(size)
+    drawn = picture.arguments()
     if output is not None:
         require_ending(output, *VIDEO)
         if not listing:
@@ -175,114 +176,65 @@ def highlights(
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
-    target = given_or_free(output, "highlights.mp4", force=force)
+    target = output or output_file(None, force=force, usual="highlights.mp4")
     with progress_bar("rendering") as show:
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
-        report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
+        report = render_highlights(recorded, target, progress=show, **drawn)
     print_report(report)
 
 
-@main.command()
-def sheet(
-    replay: Recorded,
-    *,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="The PNG file to write.",
-            show_default="sheet.png, or the first free like it",
-        ),
-    ] = None,
-    force: Force = False,
-    count: Annotated[
-        int, typer.Option(metavar="N", min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
-    ] = 12,
-    pick: Annotated[
-        Literal["even", "moments"], typer.Option(help="Evenly from beginning to end, or the moments worth seeing.")
-    ] = "even",
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WIDTHxHEIGHT",
-            help="Size of the whole sheet, in pixels.",
-            show_default="as the pictures need, up to 1600x1320",
-        ),
-    ] = None,
-    view_of: ViewOf = None,
-) -> None:
-    """Put pictures of a match side by side, with their times."""
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
-    from catch_arena.files import write_whole
-    from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
-    from catch_arena.replay import Replay
+def print_report(report: "RenderReport") -> None:
+    """Print where the video is."""
+    if report.notice:
+        say(report.notice, err=True)
+    say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
-    if output is not None:
-        require_ending(output, ".png")
-    frame_size = None if size is None else width_and_height(size)
-    recorded = Replay.load(replay)
-    if output is not None:
-        output_file(output, ".png", force=force)
-    with progress_bar("looking", late=True) as show:
-        if pick == "even":
-            instants = even_instants(recorded, count)
-        else:
-            selected = select_highlights(
-                {"": find_highlights(extract_events(recorded, show))}, count, clash=same_picture
-            )
-            instants = instants_of([highlight for _, highlight in selected])
-    if not instants:
-        raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
-    with progress_bar("drawing") as show:
-        picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
-    target = given_or_free(output, "sheet.png", force=force)
-    write_whole(target, picture)
-    pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
-    say(f"sheet: {target} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
+
+def width_and_height(text: str | None) -> tuple[int, int] | None:
+    """Return «1280x720» as two numbers, and None as None.
+
+    Raises:
+        ConfigError: for words of another form.
+    """
+    if text is None:
+        return None
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise ConfigError(f"size must be WIDTHxHEIGHT as in 1280x720, got {text!r}")
+    return int(width), int(height)
 
 
 def _fewer(got: int, asked: int | None, why: str) -> str:
-    """What is said where there is less than was asked for."""
+    """Return what is said if there is less than was asked for."""
     return f", not {asked}: {why}" if asked is not None and got < asked else ""
 
 
 def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
-    """What is worth seeing in a folder's matches; those that cannot be played are named and left out."""
+    """Return what is worth seeing in a folder's matches; those that cannot be played are named and left out."""
     from catch_arena.cli.progress import progress_bar
-    from catch_arena.explanation.highlights import find_highlights, win_rates, win_records
+    from catch_arena.explanation.highlights import extract_events, find_highlights, win_rates, win_records
+    from catch_arena.replay import Replay
 
     paths = _replays_in(folder)
     matches = {}
     with progress_bar("looking", late=True) as show:
         for done, path in enumerate(paths, start=1):
             try:
-                matches[path] = _events_of(path)
+                matches[path] = extract_events(Replay.load(path))
             except ReplayError as error:
-                _print_skipped(error)
+                named = "" if str(error).startswith(str(path)) else f"{path}: "
+                say(f"left out: {named}{error}", err=True)
             show(done, len(paths))
     _require_some(folder, len(matches), len(paths))
     known = win_records(matches.values())
     return {path: find_highlights(events, win_rates(known, events)) for path, events in matches.items()}
 
 
-def _events_of(path: Path) -> "MatchEvents":
-    from catch_arena.explanation.highlights import extract_events
-    from catch_arena.replay import Replay
-
-    replay = Replay.load(path)
-    try:
-        return extract_events(replay)
-    except ReplayError as error:
-        raise ReplayError(f"{path}: {error}") from None
-
-
 def _replays_in(folder: Path) -> list[Path]:
-    """The replays of a folder, by name.
+    """Return the replays of a folder, by name.
 
     Raises:
-        ReplayError: where there is none.
+        ReplayError: if there is none.
     """
     if not folder.is_dir():
         raise ReplayError(f"{folder}: is no folder")
@@ -295,26 +247,3 @@ def _replays_in(folder: Path) -> list[Path]:
 def _require_some(folder: Path, good: int, paths: int) -> None:
     if not good:
         raise ReplayError(f"{folder}: none of {paths} replays can be played")
-
-
-def _print_skipped(error: ReplayError) -> None:
-    say(f"left out: {error}", err=True)
-
-
-def print_report(report: "RenderReport") -> None:
-    """Where the video is."""
-    if report.notice:
-        say(report.notice, err=True)
-    say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
-
-
-def width_and_height(text: str) -> tuple[int, int]:
-    """«1280x720» as two numbers.
-
-    Raises:
-        ConfigError: for words of another form.
-    """
-    width, cross, height = text.lower().partition("x")
-    if not (cross and width.isdecimal() and height.isdecimal()):
-        raise ConfigError(f"size must be WIDTHxHEIGHT as in 1280x720, got {text!r}")
-    return int(width), int(height)

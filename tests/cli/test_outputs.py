@@ -46,8 +46,7 @@ WRITERS = {
     "mine.replay": ["match", "nearest", "idle", *QUICK, "-o", "mine.replay"],
     "v.mp4": ["render", "{r}", "-o", "v.mp4", *SMALL],
     "v.gif": ["render", "{r}", "-o", "v.gif", *SMALL],
-    "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--fps", "5"],
-    "s.png": ["sheet", "{r}", "--count", "2", "-o", "s.png"],
+    "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--speed", "8"],
     "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
     "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
@@ -72,7 +71,6 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, name
 
 UNNAMED = {
     "match.replay": ["match", "nearest", "idle", *QUICK],
-    "sheet.png": ["sheet", "{r}", "--count", "2"],
     "highlights.mp4": ["highlights", "{o}/../eventful", "--count", "1", *SMALL],
 }
 
@@ -125,7 +123,7 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
             assert any("--force" in parameter.opts for parameter in command.params), name
     assert writers == {
         *("conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
-        *("report", "ros import", "ros serve", "sheet", "suite", "tournament", "watch"),
+        *("report", "ros import", "ros serve", "suite", "tournament"),
     }
 
 
@@ -133,9 +131,9 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
 @pytest.mark.parametrize("empty", ["", "."])
 def test_an_empty_name_is_refused(played, tmp_path, name, empty):
     words = [empty if word == name else word for word in words_of(WRITERS[name], played)]
-    option = {"-o": "--output"}.get(before := words[words.index(empty) - 1], before)
     done = CliRunner().invoke(main, words)
-    assert (done.exit_code, done.output) == (2, f"error: {option} must name a file, got '' or '.'\n")
+    assert (done.exit_code, done.output.count("\n")) == (2, 1)
+    assert re.match(r"error: .*: the name must end in \..*, got no ending$", done.output)
     assert not list(tmp_path.iterdir())
 
 
@@ -241,22 +239,21 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (["match", "nearest", "idle", *QUICK, "-o", "m.mp4"], ".replay, got .mp4: `catch-arena render` writes that"),
+        (["match", "nearest", "idle", *QUICK, "-o", "m.mp4"], "must end in .replay, got .mp4"),
         (["match", "nearest", "idle", *QUICK, "-o", "m.mkv"], "must end in .replay, got .mkv"),
         (["match", "nearest", "idle", *QUICK, "-o", "m"], "must end in .replay, got no ending"),
-        (["watch", "nearest", "--record", "m.gif"], ".replay, got .gif: `catch-arena render` writes that"),
-        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png: `catch-arena sheet` writes that"),
-        (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html: `catch-arena report` writes that"),
-        (["highlights", "{o}/replays", "-o", "g.json"], ".json: --json of grade, suite or explain writes that"),
-        (["sheet", "{r}", "-o", "s.webm"], ".png, got .webm: `catch-arena render`"),
-        (["export", "{o}", "-o", "e.replay"], ".json, got .replay: `catch-arena match` writes that"),
-        (["report", "{o}", "-o", "r.CSV"], ".html, got .csv: `catch-arena export` writes that"),
-        (["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"], ".xml, got .json: --json of grade"),
+        (["play", "nearest", "--record", "m.gif"], ".replay, got .gif"),
+        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png"),
+        (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html"),
+        (["highlights", "{o}/replays", "-o", "g.json"], ".webp, got .json"),
+        (["export", "{o}", "-o", "e.replay"], ".json, got .replay"),
+        (["report", "{o}", "-o", "r.CSV"], ".html, got .csv"),
+        (["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"], ".xml, got .json"),
         (["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "g.toml"], "must end in .json, got .toml"),
-        (["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.json"], ".xml, got .json: "),
+        (["conformance", "catch_arena:arbitrate", "--only", "reach", "--junit", "c.json"], ".xml, got .json"),
     ],
 )
-def test_the_name_of_another_format_is_refused_with_the_command_that_writes_it(played, tmp_path, words, why):
+def test_the_name_of_another_format_is_refused(played, tmp_path, words, why):
     refused = CliRunner().invoke(main, words_of(words, played))
     assert (refused.exit_code, refused.stdout) == (2, "")
     assert len(refused.stderr.splitlines()) == 1

@@ -50,14 +50,14 @@ RUNS = {
     "check-agent": ["{}", *SHORT],
     "suite": ["{}", "--quick", "--jobs", "1"],
     "grade": ["{}", "--spec", "spec.toml"],
-    "play": ["{}", *SHORT, "--size", "320x320"],
-    "watch": ["{}", "nearest", *SHORT, "--size", "320x320"],
-    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--no-wait", "--speed", "10", "--domain", "93"],
+    "play": ["{}", *SHORT],
+    "watch": ["{}", "nearest", *SHORT],
+    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--speed", "10", "--domain", "93"],
 }
 """Each command that runs agents, and what it is given."""
 WITHOUT_AGENTS = {
     *("agents", "conformance", "diff", "docs", "explain", "export", "highlights", "mosaic", "render", "report"),
-    *("scenarios", "sheet", "verify"),
+    *("scenarios", "verify"),
 }
 ROS_AGENTS = ("serve", "controller")
 """The commands of `ros` that run agents; a controller needs a turtlesim."""
@@ -76,6 +76,7 @@ def run(monkeypatch, tmp_path):
     """Runs a command with the agent; whether the agent was in one of our own processes."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
+    monkeypatch.setattr("catch_arena.cli.live._SIZE", (320, 320))
     monkeypatch.setattr("catch_arena.suite.contents.SUITE", SMALL_SUITE)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")

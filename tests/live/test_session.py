@@ -7,18 +7,22 @@ from render.pictured import beliefs_of, note_beliefs
 from typer.testing import CliRunner
 
 from catch_arena import explain
-from catch_arena.cli import main
+from catch_arena.cli import live, main
 from catch_arena.live import match_window
 from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 from catch_arena.scenarios import SCENARIOS
 
-QUICK = ["--set", "time_limit_s=1", "--size", "320x320"]
+QUICK = ["--set", "time_limit_s=1"]
 
 
 def press(code: int, mod: int = 0):
     return pygame.event.Event(pygame.KEYDOWN, key=code, mod=mod, unicode="")
+
+
+SAVE = [press(pygame.K_s, pygame.KMOD_LCTRL)]
+"""Saves the replay as match.replay."""
 
 
 class Script:
@@ -53,6 +57,7 @@ def session(monkeypatch, tmp_path):
     """Runs a command with a script of keys."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
+    monkeypatch.setattr(live, "_SIZE", (320, 320))
     monkeypatch.chdir(tmp_path)
 
     def run(words, *looks):
@@ -133,9 +138,9 @@ def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(sess
 
 
 def test_agents_are_watched_in_teams_and_as_prey(session, tmp_path):
-    result = session(["watch", "nearest", "patrol", "--scenario", "herd", "--record", "seen.replay"], *nothing(150))
+    result = session(["watch", "nearest", "patrol", "--scenario", "herd"], *nothing(150), SAVE)
     assert result.exit_code == 0, result.output
-    replay = Replay.load(tmp_path / "seen.replay")
+    replay = Replay.load(tmp_path / "match.replay")
     assert len(replay.names) == 8
     assert replay.steps == 10
 
@@ -170,7 +175,7 @@ def test_ctrl_s_saves_what_was_played_so_far(session, tmp_path):
 def test_ctrl_s_replaces_nothing(session, tmp_path):
     """A match in a window cannot wait for an answer: the replay takes a name that is free."""
     (tmp_path / "match.replay").write_text("mine")
-    result = session(["watch", "nearest"], *nothing(20), [press(pygame.K_s, pygame.KMOD_LCTRL)])
+    result = session(["watch", "nearest"], *nothing(20), SAVE)
     assert result.exit_code == 0, result.output
     assert (tmp_path / "match.replay").read_text() == "mine"
     assert Replay.load(tmp_path / "match-2.replay").steps > 0
@@ -178,24 +183,24 @@ def test_ctrl_s_replaces_nothing(session, tmp_path):
 
 def test_a_record_that_is_there_is_replaced_with_force_only(session, tmp_path):
     (tmp_path / "r.replay").write_text("mine")
-    refused = session(["watch", "nearest", "--record", "r.replay"])
+    refused = session(["play", "--record", "r.replay"])
     assert (refused.exit_code, (tmp_path / "r.replay").read_text()) == (2, "mine")
-    assert session(["watch", "nearest", "--record", "r.replay", "--force"], *nothing(9)).exit_code == 0
+    assert session(["play", "--record", "r.replay", "--force"], pygame.K_UP, *nothing(9)).exit_code == 0
     assert Replay.load(tmp_path / "r.replay").steps > 0
 
 
 def test_r_begins_the_same_match_again(session, tmp_path):
-    result = session(["watch", "nearest", "--record", "r.replay"], *nothing(30), pygame.K_r, *nothing(8))
+    result = session(["watch", "nearest"], *nothing(30), pygame.K_r, *nothing(8), SAVE)
     assert result.exit_code == 0, result.output
-    assert Replay.load(tmp_path / "r.replay").steps < 4
+    assert Replay.load(tmp_path / "match.replay").steps < 4
 
 
 def test_speed_is_the_pace_of_the_window_and_changes_no_match(session, tmp_path):
-    words = ["watch", "nearest", "--seed", "3", "--record"]
+    words = ["watch", "nearest", "--seed", "3"]
     plus = pygame.event.Event(pygame.KEYDOWN, key=pygame.K_PLUS, mod=0, unicode="+")
-    session([*words, "fast.replay"], [plus] * 9, *nothing(40))
-    session([*words, "usual.replay"], *nothing(150))
-    fast, usual = Replay.load(tmp_path / "fast.replay"), Replay.load(tmp_path / "usual.replay")
+    session(words, [plus] * 9, *nothing(40), SAVE)
+    session(words, *nothing(150), SAVE)
+    fast, usual = Replay.load(tmp_path / "match.replay"), Replay.load(tmp_path / "match-2.replay")
     assert fast.steps == usual.steps == 10
     assert fast.digests == usual.digests
 
@@ -234,10 +239,10 @@ def test_v_shows_what_each_hunter_sees_ones_own_first_and_then_nobodys(session, 
 def test_v_shows_where_a_hunter_believes_the_others_to_be(session, monkeypatch, tmp_path):
     """R7.6: by the observation on which it acts in the step that is drawn."""
     drawn = note_beliefs(monkeypatch)
-    words = ["watch", "nearest", "patrol", "--set", "view_noise_m=0.5", "--record", str(tmp_path / "one.replay")]
-    result = session(words, *nothing(8), pygame.K_v, *nothing(150))
+    words = ["watch", "nearest", "patrol", "--set", "view_noise_m=0.5"]
+    result = session(words, *nothing(8), pygame.K_v, *nothing(150), SAVE)
     assert result.exit_code == 0, result.output
-    match = Replay.load(tmp_path / "one.replay")
+    match = Replay.load(tmp_path / "match.replay")
     believed, period = beliefs_of(match, 0), match.config.control_period_ms
     seen = [(time_ms, beliefs) for time_ms, beliefs in drawn if beliefs]
     assert len(seen) > 40
@@ -305,13 +310,13 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monke
         return any(text.startswith("hangs is out") for text in said)
 
     (tmp_path / "hangs.py").write_text(HANGS)
-    short = ["--limit", "init_s=120", "--limit", "step_ms=100", "--limit", "bank_s=0.1", "--record", "r.replay"]
-    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], out, *nothing(150))
+    short = ["--limit", "init_s=120", "--limit", "step_ms=100", "--limit", "bank_s=0.1"]
+    result = session(["watch", "hangs.py", "nearest", "--scenario", "duel", *short], out, *nothing(150), SAVE)
     assert result.exit_code == 0, result.output
     assert (
         "  2    0  hangs (hunter_0): FORFEIT_TIMEOUT in step 1: act took longer than step_ms (100 ms)" in result.stdout
     )
-    assert Replay.load(tmp_path / "r.replay").withdrawals == [(0, 0)]
+    assert Replay.load(tmp_path / "match.replay").withdrawals == [(0, 0)]
 
 
 def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, tmp_path, monkeypatch):
@@ -319,10 +324,10 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
     drawn = match_window.MatchWindow.wait
     monkeypatch.setattr(match_window.MatchWindow, "wait", lambda window: (waited.append(1), drawn(window)))
     (tmp_path / "slow.py").write_text(SLOW)
-    result = session(["watch", "slow.py", "idle", "--scenario", "duel", "--record", "r.replay"], over)
+    result = session(["watch", "slow.py", "idle", "--scenario", "duel"], over, SAVE)
     assert result.exit_code == 0, result.output
     assert "FORFEIT" not in result.output
-    assert Replay.load(tmp_path / "r.replay").steps == 10
+    assert Replay.load(tmp_path / "match.replay").steps == 10
     assert waited
 
 
@@ -335,7 +340,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
         (["play", "--against", "nearst"], "did you mean nearest"),
         (["play", "nearest", "patrol", "idle", "first"], "agents must be 3 at most"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),
-        (["watch", "nearest", "--record", "."], "--record must name a file, got '' or '.'"),
+        (["play", "nearest", "--record", "."], "the name must end in .replay, got no ending"),
     ],
 )
 def test_bad_words_are_one_line(session, words, said):

@@ -43,13 +43,14 @@ def _require_empty(domain):
 
 
 @contextmanager
-def started(script, *arguments):
+def started(script, *arguments, **variables):
     """A script of this folder, or `catch-arena` where it is None."""
     command = ["-m", "catch_arena"] if script is None else [HERE / script]
     environment = os.environ | {
         "PYTHONPATH": os.pathsep.join(str(HERE.parents[level]) for level in (0, 1)),
         "PYTHONUNBUFFERED": "1",
         "ROS_LOCALHOST_ONLY": "1",
+        **variables,
     }
     with subprocess.Popen(
         [sys.executable, *command, *map(str, arguments)],

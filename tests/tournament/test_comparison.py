@@ -65,7 +65,7 @@ def test_the_decision_does_not_depend_on_the_number_of_processes():
         (["idle", "nearest", "--elo1", "100"], 1, "idle is not stronger than nearest \\(H0\\)"),
         (["nearest", "contested", "--max-blocks", "2"], 3, "undecided after 2 blocks"),
         (
-            ["idle", "nearest", "-s", "standard", "--share0", "0.4", "--share1", "0.6", *["--against", "patrol"] * 3],
+            ["idle", "nearest", "-s", "standard", "--shares", "0.4", "0.6", *["--against", "patrol"] * 3],
             1,
             "H0",
         ),
@@ -88,8 +88,8 @@ def test_after_one_block_the_share_stands_alone_and_what_an_interval_needs():
 def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
     """Else a verdict would hide that there was no play."""
     bad = write_agent(tmp_path / "bad.py", "return 99")
-    result = CliRunner().invoke(main, ["compare", bad, "nearest", *QUICK, "--max-forfeits", "4"])
-    assert re.search(r"^bad forfeited: 4 times FORFEIT_ILLEGAL, \d+ times FORFEIT_OUT$", result.output, re.MULTILINE)
+    result = CliRunner().invoke(main, ["compare", bad, "nearest", *QUICK])
+    assert re.search(r"^bad forfeited: 10 times FORFEIT_ILLEGAL, \d+ times FORFEIT_OUT$", result.output, re.MULTILINE)
     assert result.exit_code == 1
     assert "verdict: bad is not stronger than nearest (H0)" in result.output
 
@@ -100,10 +100,8 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest"], "agents must be two, A and B, got 1"),
         (["nearest", "idle", "first"], "the field is named by --against"),
         (["nearest", "idle", "--elo0", "30"], "share0 < share1"),
-        (["nearest", "idle", "--share0", "0.5"], "--share0 and --share1 must be given together"),
-        (["nearest", "idle", "--share0", "0.5", "--share1", "1.5"], "got 0.5 and 1.5"),
+        (["nearest", "idle", "--shares", "0.5", "1.5"], "got 0.5 and 1.5"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
-        (["nearest", "idle", "--alpha", "0"], "alpha must lie in"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
         (

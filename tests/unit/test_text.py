@@ -7,10 +7,8 @@ from xml.etree import ElementTree as ET
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console
 
-from catch_arena.cli.fitted_table import FittedTable
-from catch_arena.cli.terminal import plain
+from catch_arena.cli import terminal
 from catch_arena.errors import reason
 from catch_arena.text import (
     LONGEST_LINE,
@@ -61,18 +59,14 @@ def test_every_sink_takes_it(text):
     assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
 
 
-@given(ANY)
+@given(st.just("[red]x[/red] :smile:") | ANY)
 def test_the_tables_of_the_terminal_show_it_as_it_stands(text):
-    table = FittedTable("name", folded="name")
-    table.add_row(text)
-    console = Console(file=io.StringIO(), width=10_000, force_terminal=True, color_system=None)
+    table = terminal.plain_table("name", text="name")
+    table.add_row(printable(text))
+    console = terminal.own_console()
+    console.file, console.width = io.StringIO(), 10_000
     console.print(table)
-    assert plain(text).plain in console.file.getvalue()
-    assert "\x1b" not in console.file.getvalue()
-
-
-def test_markup_is_none():
-    assert plain("[red]x[/red]").plain == "[red]x[/red]"
+    assert printable(text) in console.file.getvalue()
 
 
 @given(ANY)

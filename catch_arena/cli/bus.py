@@ -1,0 +1,175 @@
+"""Which ROS 2 bus, and which packages: the options of all commands that exchange messages with nodes."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+from typer.core import TyperCommand
+
+from catch_arena.cli.terminal import say
+from catch_arena.errors import ConfigError
+from catch_arena.ros.middleware.names import BRIDGE_URL, INTERFACES, TURTLESIM, Backend
+
+if TYPE_CHECKING:
+    from catch_arena.ros.middleware.bus import Bus as JoinedBus
+    from catch_arena.ros.middleware.interfaces import Interfaces
+    from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
+
+_ROS_ARGS: Final = "--ros-args"
+SERVICE: Final = "ros:"
+"""The beginning of a word that names a node's service: ros:/catch_turtle."""
+RosArgs = Annotated[
+    list[str] | None,
+    typer.Option(
+        _ROS_ARGS,
+        metavar="ARGS...",
+        help="The node's parameters, after all other options: -p NAME:=VALUE (`catch-arena docs ros2`).",
+    ),
+]
+"""Only of a NodeCommand."""
+
+
+Interface = Annotated[
+    str,
+    typer.Option(
+        "--interfaces",
+        metavar="PACKAGE",
+        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`). Over rclpy it is found "
+        "by itself.",
+    ),
+]
+BusOption = Annotated[
+    Backend | None,
+    typer.Option(
+        "--bus",
+        metavar="BUS",
+        help="rclpy needs ROS on this machine; cyclonedds needs none; rosbridge needs a rosbridge server where ROS "
+        "runs.",
+        show_default="the first of them that works here",
+    ),
+]
+Url = Annotated[
+    str | None,
+    typer.Option(metavar="URL", help="Where rosbridge's server listens; only with rosbridge.", show_default=BRIDGE_URL),
+]
+
+
+@dataclass(frozen=True)
+class Packages:
+    """The packages of the nodes' messages."""
+
+    interfaces: Interface = INTERFACES
+    turtlesim: Annotated[
+        str,
+        typer.Option(metavar="PACKAGE", help="The package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
+    ] = TURTLESIM
+
+    def types(self) -> "Interfaces":
+        """Return the types of these packages.
+
+        Raises:
+            ConfigError: for a name that no package can have.
+        """
+        from catch_arena.ros.middleware.interfaces import Interfaces
+        from catch_arena.ros.middleware.opening import checked_package
+
+        return Interfaces(
+            checked_package("--interfaces", self.interfaces), checked_package("--turtlesim", self.turtlesim)
+        )
+
+
+@dataclass(frozen=True)
+class Bus(Packages):
+    """The bus that is joined."""
+
+    bus: BusOption = None
+    domain: Annotated[
+        int | None,
+        typer.Option(
+            help="The DDS domain, from 0 to 232; not with rosbridge, whose server has its own.",
+            show_default="ROS_DOMAIN_ID, or 0",
+        ),
+    ] = None
+    url: Url = None
+
+    def opened(self, node: str) -> "JoinedBus":
+        """Join the bus, with a node of this name on it.
+
+        Raises:
+            BusError: if it cannot be reached.
+        """
+        from catch_arena.ros.middleware.opening import open_bus
+
+        return open_bus(self.bus, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True))
+
+    @contextmanager
+    def joined(self, node: str) -> "Iterator[JoinedBus]":
+        """Join the bus, say which it is, and leave it in the end.
+
+        Raises:
+            ConfigError: for a name that no package can have.
+            BusError: if it cannot be reached.
+        """
+        from catch_arena.ros.middleware.opening import described
+
+        types = self.types()
+        bus = self.opened(node)
+        try:
+            say(described(bus, self.domain, bus.interfaces(types)), err=True)
+            yield bus
+        finally:
+            bus.close()
+
+
+class NodeCommand(TyperCommand):
+    """A command that may be started as a node: all words after --ros-args are its values, up to a --."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the option's name before each of its words."""
+        behind, words = False, []
+        for word in args:
+            if word == _ROS_ARGS or (behind and word == "--"):
+                behind = word == _ROS_ARGS
+            else:
+                words.append(f"{_ROS_ARGS}={word}" if behind else word)
+        return super().parse_args(ctx, words)
+
+
+@dataclass(frozen=True)
+class NodeUnderTestOptions:
+    """The bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
+
+    interfaces: Interface = INTERFACES
+    bus: BusOption = None
+    url: Url = None
+
+    @contextmanager
+    def node(self, word: str) -> "Iterator[NodeUnderTest]":
+        """Join the bus on which a node serves `word`, with the arena about it.
+
+        Raises:
+            ConfigError: for a name that no service has.
+            BusError: if the bus cannot be reached.
+        """
+        from catch_arena.ros.middleware.opening import is_service
+        from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
+
+        service = word.removeprefix(SERVICE)
+        if not is_service(service):
+            raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
+        bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
+        types = bus.types()
+        with bus.joined("catch_arena") as joined:
+            yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))
+
+    def refuse(self) -> None:
+        """Require that no option of a bus was given, because none is joined.
+
+        Raises:
+            ConfigError: for one that was given.
+        """
+        for field in fields(self):
+            if getattr(self, field.name) != field.default:
+                raise ConfigError(f"--{field.name} must come with a service of a node, as ros:/catch_turtle")

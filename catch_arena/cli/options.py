@@ -1,0 +1,229 @@
+"""The options that several commands share, and what they stand for."""
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from catch_arena.cli.terminal import say
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import ConfigError
+from catch_arena.scenarios import scenario as scenario_of
+from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.secret import Secret
+
+if TYPE_CHECKING:
+    from catch_arena.tournament.entrants import Entrant, Inspection
+
+MAX_FORFEITS = 10
+
+Agents = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="AGENT...",
+        help="A shipped name (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, a "
+        "folder with such an agent.py, or cmd:COMMAND (`catch-arena docs isolation`).",
+    ),
+]
+Agent = Annotated[
+    str,
+    typer.Argument(
+        metavar="AGENT",
+        help="A shipped name, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
+    ),
+]
+Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
+Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
+SettingOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a setting (`catch-arena docs settings`), for example time_limit_s=30 or faults.kill_down=0.2; may "
+        "be repeated.",
+    ),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
+Seed = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SEED",
+        help="All random draws follow from it: 32 hexadecimal digits, as printed in the results, or a number, which "
+        "agents can guess.",
+        show_default="drawn",
+    ),
+]
+ArenaSeed = Annotated[
+    int | None,
+    typer.Option(
+        metavar="NUMBER", help="Seed of all random draws; agents can guess a small one.", show_default="drawn"
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Arena:
+    """The arena of a match."""
+
+    scenario: Scenario = "standard"
+    settings: SettingOption = None
+
+    def config(self) -> ArenaConfig:
+        """Return its configuration.
+
+        Raises:
+            ConfigError: for an unknown scenario or setting, and a value that it cannot have.
+        """
+        return arena(self.scenario, self.settings)
+
+
+@dataclass(frozen=True)
+class Trust:
+    """How agents that do not come with the package are run."""
+
+    trusted: Annotated[
+        bool,
+        typer.Option(
+            "--trusted",
+            help="Run all agents inside our own processes: faster, but without limits. Without this option, agents "
+            "that do not come with Catch Arena are isolated (`catch-arena docs isolation`).",
+        ),
+    ] = False
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=VALUE",
+            help="Change a limit of isolated agents, for example step_ms=200, or how they are isolated: "
+            "isolation=namespaces or isolation=processes (`catch-arena docs isolation`); may be repeated.",
+        ),
+    ] = None
+
+    def limits(self) -> AgentLimits | None:
+        """Return the limits of isolated agents, or None with --trusted.
+
+        Raises:
+            ConfigError: for an unknown limit, a level that this machine cannot hold, and --limit with --trusted.
+        """
+        from catch_arena.tournament.isolation.namespaces import level_here
+
+        if self.trusted:
+            if self.limit:
+                raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {self.limit[0]}")
+            return None
+        limits = AgentLimits.of(**dict(_pairs("--limit", self.limit)))
+        level_here(limits.isolation)
+        return limits
+
+
+def arena(name: str, settings: list[str] | None) -> ArenaConfig:
+    """Return the scenario with the changes of --set.
+
+    Raises:
+        ConfigError: for an unknown scenario or setting, and a value that it cannot have.
+    """
+    overrides: dict[str, Any] = {}
+    for key, value in _pairs("--set", settings):
+        if key == "control":
+            raise ConfigError("--set control=... must be left to the agents: each states its own control")
+        group, dot, part = key.partition(".")
+        if not dot:
+            overrides[key] = value
+        elif isinstance(parts := overrides.setdefault(group, {}), dict):
+            parts[part] = value
+        else:
+            raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
+    return scenario_of(name, **overrides)
+
+
+def jobs_or_all(jobs: int | None) -> int:
+    """Return --jobs, or a process for each core.
+
+    Raises:
+        ConfigError: for a number below 1.
+    """
+    from catch_arena.tournament.execution.executors import require_jobs, usable_cores
+
+    found = usable_cores() if jobs is None else jobs
+    require_jobs(found)
+    return found
+
+
+def secret_of(seed: str | None) -> Secret:
+    """Return the secret of --seed, or a fresh one.
+
+    Raises:
+        ConfigError: for digits or a number that are no seed.
+    """
+    return Secret.of(None) if seed is None else Secret.parse(seed)
+
+
+def say_seed(secret: Secret) -> None:
+    """Say in a line how others can repeat what was drawn."""
+    guessed = "" if secret.number is None else f" ({secret.number}, a number, which agents can guess)"
+    say(f"seed: {secret.digits}{guessed}")
+
+
+def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
+    """Say in one line how the entrants with these specs are isolated, if any of them is."""
+    from catch_arena.tournament.agent_spec import is_shipped
+    from catch_arena.tournament.isolation.namespaces import level_here, level_line
+
+    if limits is not None and not all(map(is_shipped, specs)):
+        say(level_line(level_here(limits.isolation)), err=True)
+
+
+def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
+    """Return the agents that these specs stand for, inspected where they will play. Warn of those that cannot play.
+
+    Args:
+        specs: as on the command line.
+        limits: limits of isolated agents, None if all are trusted.
+
+    Raises:
+        AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
+        NoContest: if an isolated agent cannot be started, for a reason on our side.
+    """
+    from catch_arena.cli.progress import progress_bar
+    from catch_arena.tournament.entrants import enter
+    from catch_arena.tournament.isolation.playing import inspector, sandbox_for
+
+    with sandbox_for(limits) as sandbox, progress_bar("looking at agents", late=True) as show:
+        inspect, seen = inspector(sandbox), count(1)
+
+        def look(spec: str) -> "Inspection":
+            show(next(seen), len(specs))
+            return inspect(spec)
+
+        entrants = enter(specs, look)
+    say_level(limits, [entrant.spec for entrant in entrants])
+    for entrant in entrants:
+        if entrant.fault is not None:
+            say(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
+    return entrants
+
+
+def say_who_needs_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> None:
+    """Say who has no prey of its own in an arena with prey, and what plays for it."""
+    from catch_arena.tournament.entrants import SHIPPED_PREY
+
+    if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
+        say(f"no Prey of their own, so that {SHIPPED_PREY} plays for them: {', '.join(without)}")
+
+
+def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
+    for change in changes or ():
+        key, equals, text = change.partition("=")
+        if not equals or not key:
+            raise ConfigError(f"{option} must be KEY=VALUE, got {change!r}")
+        try:
+            yield key, json.loads(text)
+        except ValueError:
+            if text.startswith(("[", "(", "{")) or text in {"None", "True", "False"}:
+                wanted = "a number, a word, true, false, null, or a list as [[0, 1], [2, 3]]"
+                raise ConfigError(f"{option} {key} must be {wanted}, got {text!r}") from None
+            yield key, text  # a bare word
