@@ -3,8 +3,8 @@ the results are.
 
 - app: the application, its errors, and the options that commands share.
 - The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare), suite,
-  live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights,
-  sheet), report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
+  live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights),
+  report, exports (export), conformance, listings (agents, scenarios), ros and ros_bags.
 - ros_nodes: what conformance and grade do with a node on a ROS 2 bus. bus_options: which bus that is.
 - arguments: secrets on the command line. usage_errors: errors of the command line in one line. outputs: files that are
   not replaced unless told to.

@@ -18,7 +18,6 @@ _MAKERS: Final = (
     (REPLAY, "`catch-arena match`"),
     (VIDEO, "`catch-arena render`"),
     (TABLE, "`catch-arena export`"),
-    ((".png",), "`catch-arena sheet`"),
     ((".html",), "`catch-arena report`"),
     ((".json",), "--json of grade, suite or explain"),
     ((".xml",), "--junit of grade or conformance"),
@@ -111,19 +110,6 @@ def output_file(path: Path, *endings: str, force: bool) -> Path:
     else:
         _RESERVED.append(target)
     return path
-
-
-def output_video(path: Path, *, force: bool) -> None:
-    """Reserve the path of a video, as `output_file` does, under the name that it gets without its encoder too.
-
-    Raises:
-        ConfigError: for an ending that is none of a video's.
-        OutputError: if it cannot be written, or is there already.
-    """
-    from catch_arena.render.encoders import output_path
-
-    require_ending(path, *VIDEO)
-    output_file(output_path(path), *VIDEO, force=force)
 
 
 def given_or_free(given: Path | None, usual: str, *, force: bool) -> Path:

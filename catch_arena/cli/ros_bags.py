@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.app import Recorded
 from catch_arena.cli.bus_options import Package, Turtlesim, interfaces_of
-from catch_arena.cli.outputs import Force, output_video, require_folder_name
+from catch_arena.cli.outputs import VIDEO, Force, output_file, require_folder_name
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import Fps, LayoutOption, Speed, VideoSize, print_report, width_and_height
@@ -81,7 +81,7 @@ def import_(
     whole = Path(os.path.realpath(bag))
     target = whole.with_suffix(".mp4") if output is None else output
     if not listing:
-        output_video(target, force=force)
+        output_file(target, *VIDEO, force=force)
     with progress_bar("reading", late=True) as show:
         contents = read_bag(bag, show)
     judged = judge_bag(contents, reach)

@@ -1,4 +1,4 @@
-"""`catch-arena render`, `mosaic`, `highlights` and `sheet`: recorded matches become videos and pictures."""
+"""`catch-arena render`, `mosaic` and `highlights`: recorded matches become videos."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from catch_arena.cli.app import Recorded, main
-from catch_arena.cli.outputs import VIDEO, Force, given_or_free, output_file, output_video, require_ending
+from catch_arena.cli.outputs import VIDEO, Force, given_or_free, output_file, require_ending
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -65,7 +65,7 @@ def render(
 
     recorded = Replay.load(replay)
     target = replay.with_suffix(".mp4") if output is None else output
-    output_video(target, force=force)
+    output_file(target, *VIDEO, force=force)
     with progress_bar("rendering") as show:
         report = render_replay(
             recorded,
@@ -127,7 +127,7 @@ def mosaic(
         except ReplayError as error:
             _print_skipped(error)
     _require_some(folder, len(found), len(paths))
-    output_video(output, force=force)
+    output_file(output, *VIDEO, force=force)
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, size=frame_size, fps=fps, speed=speed, view_of=view_of, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
@@ -164,7 +164,7 @@ def highlights(
     if output is not None:
         require_ending(output, *VIDEO)
         if not listing:
-            output_video(output, force=force)
+            output_file(output, *VIDEO, force=force)
     found = _highlights_in(folder)
     selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not selected:
@@ -180,67 +180,6 @@ def highlights(
         recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
         report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
     print_report(report)
-
-
-@main.command()
-def sheet(
-    replay: Recorded,
-    *,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="The PNG file to write.",
-            show_default="sheet.png, or the first free like it",
-        ),
-    ] = None,
-    force: Force = False,
-    count: Annotated[
-        int, typer.Option(metavar="N", min=1, max=100, help="How many pictures; fewer if the match has fewer moments.")
-    ] = 12,
-    pick: Annotated[
-        Literal["even", "moments"], typer.Option(help="Evenly from beginning to end, or the moments worth seeing.")
-    ] = "even",
-    size: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WIDTHxHEIGHT",
-            help="Size of the whole sheet, in pixels.",
-            show_default="as the pictures need, up to 1600x1320",
-        ),
-    ] = None,
-    view_of: ViewOf = None,
-) -> None:
-    """Put pictures of a match side by side, with their times."""
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
-    from catch_arena.files import write_whole
-    from catch_arena.render.contact_sheet import contact_sheet, even_instants, instants_of, same_picture
-    from catch_arena.replay import Replay
-
-    if output is not None:
-        require_ending(output, ".png")
-    frame_size = None if size is None else width_and_height(size)
-    recorded = Replay.load(replay)
-    if output is not None:
-        output_file(output, ".png", force=force)
-    with progress_bar("looking", late=True) as show:
-        if pick == "even":
-            instants = even_instants(recorded, count)
-        else:
-            selected = select_highlights(
-                {"": find_highlights(extract_events(recorded, show))}, count, clash=same_picture
-            )
-            instants = instants_of([highlight for _, highlight in selected])
-    if not instants:
-        raise ReplayError(f"{replay}: nothing worth seeing: no contest, no change of lead, ...; --pick even shows it")
-    with progress_bar("drawing") as show:
-        picture = contact_sheet(recorded, instants, size=frame_size, view_of=view_of, progress=show)
-    target = given_or_free(output, "sheet.png", force=force)
-    write_whole(target, picture)
-    pictures = f"{len(instants)} picture{'s' if len(instants) > 1 else ''}"
-    say(f"sheet: {target} ({pictures}{_fewer(len(instants), count, 'the match has no more moments')})")
 
 
 def _fewer(got: int, asked: int | None, why: str) -> str:
@@ -303,8 +242,6 @@ def _print_skipped(error: ReplayError) -> None:
 
 def print_report(report: "RenderReport") -> None:
     """Where the video is."""
-    if report.notice:
-        say(report.notice, err=True)
     say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 

@@ -181,14 +181,10 @@ def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, 
     return {name: one.won / one.played for name, one in others.items() if one.played >= LEAST_OTHER_MATCHES}
 
 
-def select_highlights(
-    found: Mapping[str, Sequence[Highlight]],
-    count: int,
-    clash: Callable[[Highlight, Highlight], bool] = Highlight.overlaps,
-) -> list[tuple[str, Highlight]]:
+def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> list[tuple[str, Highlight]]:
     """The most worth seeing, with where they are from, the best one last; fewer where there are no more.
 
-    No two of one match `clash`, and a kind that was taken k times already counts REPEAT_FACTOR ** k.
+    No two of one match overlap, and a kind that was taken k times already counts REPEAT_FACTOR ** k.
     """
     left = [(place, one) for place in sorted(found) for one in found[place]]
     chosen: list[tuple[str, Highlight]] = []
@@ -197,7 +193,7 @@ def select_highlights(
         place, one = max(left, key=lambda item: item[1].score * REPEAT_FACTOR ** taken[item[1].kind])
         chosen.append((place, one))
         taken[one.kind] += 1
-        left = [item for item in left if item[0] != place or not clash(item[1], one)]
+        left = [item for item in left if item[0] != place or not item[1].overlaps(one)]
     return chosen[::-1]
 
 

@@ -19,8 +19,16 @@ from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Color, Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
-from catch_arena.render.timing import Clip, ClipSequence
-from catch_arena.render.video import RenderReport, checked_views, frame_rate, frame_size, rendered_frames, write_video
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import (
+    RenderReport,
+    frame_rate,
+    frame_size,
+    frames_of,
+    observed_worlds,
+    viewed_seats,
+    write_video,
+)
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)
@@ -72,28 +80,22 @@ def render_highlights(
         raise ConfigError("clips must be one at least, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
-    frames = sum(slow_motion(one.highlight, fps).frames for one in highlights)
-    views = {}
-    if view_of is not None:
-        paths = dict.fromkeys(one.path for one in highlights)
-        views = checked_views(((str(found), Replay.load(found)) for found in paths), view_of)
+    frames = sum(len(slow_motion(one.highlight, fps)) for one in highlights)
+    paths = list(dict.fromkeys(one.path for one in highlights))
+    views = dict(zip(paths, viewed_seats(map(Replay.load, paths), view_of), strict=True))
     return write_video(path, _pictures(highlights, views, within, fps), within, fps, frames, progress)
 
 
-def slow_motion(highlight: Highlight, fps: int) -> ClipSequence:
-    """The highlight's frames, slow about its decisive instant."""
-    slow_ms = max(highlight.start_ms, highlight.decisive_ms - _SLOW_FROM_MS)
-    fast_ms = min(highlight.end_ms, highlight.decisive_ms + _SLOW_TO_MS)
-    clips = (
-        Clip(highlight.start_ms, slow_ms, fps),
-        Clip(slow_ms, fast_ms, fps, SLOW),
-        Clip(fast_ms, highlight.end_ms, fps),
-    )
-    return ClipSequence(tuple(clip for clip in clips if clip.start_ms < clip.end_ms))
+def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
+    """Return the instants of a highlight's frames [ms], each with whether time runs slowly: about the decisive one."""
+    start, end = highlight.start_ms, highlight.end_ms
+    slow_ms, fast_ms = max(start, highlight.decisive_ms - _SLOW_FROM_MS), min(end, highlight.decisive_ms + _SLOW_TO_MS)
+    parts = (Clip(start, slow_ms, fps), Clip(slow_ms, fast_ms, fps, SLOW), Clip(fast_ms, end, fps))
+    return [(time_ms, part.speed == SLOW) for part in parts for time_ms in part.times_ms if time_ms < part.end_ms]
 
 
 def _pictures(
-    highlights: Sequence[RecordedHighlight], views: Mapping[str, int | None], size: tuple[int, int], fps: int
+    highlights: Sequence[RecordedHighlight], views: Mapping[Path, int | None], size: tuple[int, int], fps: int
 ) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
@@ -103,15 +105,15 @@ def _pictures(
         replay = Replay.load(path)
         info = MatchInfo.of_replay(replay, replay.title or path.stem)
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
-        renderer.view_of = views.get(str(path))
-        timing = slow_motion(highlight, fps)
+        renderer.view_of = views[path]
+        times = slow_motion(highlight, fps)
+        pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
         where = f"{path.stem}   {number} of {len(highlights)}"
-        for frame_number, pixels in enumerate(rendered_frames(replay, renderer, timing)):
+        for done, (pixels, (_, slow)) in enumerate(zip(pictures, times, strict=True)):
             frame.pixels[: height - below] = pixels
-            slow = timing.clip_of(frame_number)[0].speed != 1
             frame.clear(caption, hud.CARD)
             frame.draw(caption_shapes(caption, highlight, where, slow=slow))
-            seen = min(1.0, (frame_number + 1) / (_FADE_S * fps), (timing.frames - frame_number) / (_FADE_S * fps))
+            seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
             yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
 
 

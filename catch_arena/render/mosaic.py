@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -19,12 +19,12 @@ from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
-    checked_views,
     duration_ms,
     frame_rate,
     frame_size,
     pace_of,
     rendered_frames,
+    viewed_seats,
     write_video,
 )
 from catch_arena.replay import Replay
@@ -130,7 +130,7 @@ def render_mosaic(
             f"size must give each of {len(replays)} arenas {LEAST_SIDE} pixels at least, "
             f"got {grid.side} in {within[0]} x {within[1]}"
         )
-    views = {} if view_of is None else checked_views(replays.items(), view_of)
+    views = viewed_seats(replays.values(), view_of)
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
     whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
     return write_video(path, _pictures(replays, views, grid, within, whole), within, fps, whole.frames, progress)
@@ -142,14 +142,14 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
 
 
 def _pictures(
-    replays: Mapping[str, Replay], views: Mapping[str, int | None], grid: Grid, size: tuple[int, int], whole: Clip
+    replays: Mapping[str, Replay], views: Sequence[int | None], grid: Grid, size: tuple[int, int], whole: Clip
 ) -> Iterator[Pixels]:
     sprites = SpriteCache()
     frame = Canvas.blank(*size, hud.PANEL, sprites)
     areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
     cells = [
-        _Cell(name, replay, views.get(name), frame, area, whole, sprites)
-        for area, (name, replay) in zip(areas, replays.items(), strict=True)
+        _Cell(name, replay, view_of, frame, area, whole, sprites)
+        for area, (name, replay), view_of in zip(areas, replays.items(), views, strict=True)
     ]
     for _ in range(whole.frames):
         for cell in cells:

@@ -36,8 +36,6 @@ def test_a_wrong_option_of_any_command_is_an_error_and_a_hint(words, columns):
         (["tournament", "a", "--rounds", "abc"], "--rounds must be a whole number, got 'abc'"),
         (["tournament", "a", "--jobs", "1.5"], "--jobs must be a whole number, got '1.5'"),
         (["render", "a", "--speed", "fast"], "--speed must be a number, got 'fast'"),
-        (["sheet", "a", "--count", "0"], "--count must be at least 1, got 0"),
-        (["sheet", "a", "--count", "101"], "--count must be at most 100, got 101"),
         (["diff", "a", "b", "c\x1b[2J"], r"got unexpected extra argument(s) (c\x1b[2J)"),
     ],
 )

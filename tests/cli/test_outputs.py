@@ -4,7 +4,6 @@ import os
 import pkgutil
 import re
 import stat
-import sys
 from pathlib import Path
 
 import pytest
@@ -47,7 +46,6 @@ WRITERS = {
     "v.mp4": ["render", "{r}", "-o", "v.mp4", *SMALL],
     "v.gif": ["render", "{r}", "-o", "v.gif", *SMALL],
     "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--fps", "5"],
-    "s.png": ["sheet", "{r}", "--count", "2", "-o", "s.png"],
     "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
     "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
@@ -72,7 +70,6 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, name
 
 UNNAMED = {
     "match.replay": ["match", "nearest", "idle", *QUICK],
-    "sheet.png": ["sheet", "{r}", "--count", "2"],
     "highlights.mp4": ["highlights", "{o}/../eventful", "--count", "1", *SMALL],
 }
 
@@ -91,14 +88,6 @@ def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, 
     assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
     assert Path(name).read_bytes() != b"mine"
     assert second.read_bytes() == written
-
-
-def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, monkeypatch):
-    """Without PyAV."""
-    monkeypatch.setitem(sys.modules, "av", None)
-    Path("v.gif.mp4").write_text("mine")
-    refused = CliRunner().invoke(main, words_of(WRITERS["v.gif"], played))
-    assert refused.stderr.startswith("error: v.gif.mp4: is there already: ")
 
 
 def commands_below(group, name=""):
@@ -125,7 +114,7 @@ def test_every_command_that_names_a_file_to_write_can_be_forced():
             assert any("--force" in parameter.opts for parameter in command.params), name
     assert writers == {
         *("conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
-        *("report", "ros import", "ros serve", "sheet", "suite", "tournament", "watch"),
+        *("report", "ros import", "ros serve", "suite", "tournament", "watch"),
     }
 
 
@@ -245,10 +234,9 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
         (["match", "nearest", "idle", *QUICK, "-o", "m.mkv"], "must end in .replay, got .mkv"),
         (["match", "nearest", "idle", *QUICK, "-o", "m"], "must end in .replay, got no ending"),
         (["watch", "nearest", "--record", "m.gif"], ".replay, got .gif: `catch-arena render` writes that"),
-        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png: `catch-arena sheet` writes that"),
+        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png"),
         (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html: `catch-arena report` writes that"),
         (["highlights", "{o}/replays", "-o", "g.json"], ".json: --json of grade, suite or explain writes that"),
-        (["sheet", "{r}", "-o", "s.webm"], ".png, got .webm: `catch-arena render`"),
         (["export", "{o}", "-o", "e.replay"], ".json, got .replay: `catch-arena match` writes that"),
         (["report", "{o}", "-o", "r.CSV"], ".html, got .csv: `catch-arena export` writes that"),
         (["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "g.json"], ".xml, got .json: --json of grade"),

@@ -57,7 +57,7 @@ RUNS = {
 """Each command that runs agents, and what it is given."""
 WITHOUT_AGENTS = {
     *("agents", "conformance", "diff", "docs", "explain", "export", "highlights", "mosaic", "render", "report"),
-    *("scenarios", "sheet", "verify"),
+    *("scenarios", "verify"),
 }
 ROS_AGENTS = ("serve", "controller")
 """The commands of `ros` that run agents; a controller needs a turtlesim."""

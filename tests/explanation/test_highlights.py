@@ -17,7 +17,6 @@ from catch_arena.explanation.highlights import (
     win_records,
 )
 from catch_arena.explanation.match_summary import explain
-from catch_arena.render.contact_sheet import same_picture
 from catch_arena.verdicts import Verdict
 
 
@@ -170,13 +169,6 @@ def test_as_many_as_asked_for_and_no_more():
     assert len(select_highlights(many, 3)) == 3
     assert len(select_highlights(many, 99)) == 8
     assert select_highlights({}, 3) == []
-
-
-def test_what_may_not_be_chosen_twice_can_be_said_otherwise():
-    """Pictures of a contact sheet clash only where they show the same."""
-    one = [at("lead", 5000, 0.9), at("streak", 5600, 0.8), at("contest", 5700, 0.7)]
-    chosen = select_highlights({"a": one}, 9, clash=same_picture)
-    assert [highlight.decisive_ms for _, highlight in chosen] == [5600, 5000]
 
 
 def test_the_events_of_a_real_match_are_what_was_played(play):

@@ -38,7 +38,6 @@ COMMANDS = {
     "trusted, watched": WATCHED,
     "match": ("match", "mine.py", "nearest", "-s", "duel"),
     "render": ("render", "m.replay", "--size", "320x320", "--fps", "20"),
-    "sheet": ("sheet", "m.replay"),
     "verify": ("verify", "m.replay"),
     "grade": ("grade", "mine.py", "--spec", "spec.toml", "--junit", "grades.xml"),
     "check-agent": ("check-agent", "mine.py", "--scenario", "duel"),
@@ -163,7 +162,7 @@ def test_any_command_is_interrupted_at_any_moment_and_leaves_nothing_half_done(n
     command.interrupt(pauses)
     line = line_of(command)
     left = {path.name for path in folder.iterdir()} - before
-    assert left <= {"match.replay", "m.mp4", "sheet.png", "grades.xml", "out", "o"}  # those that are whole
+    assert left <= {"match.replay", "m.mp4", "grades.xml", "out", "o"}  # those that are whole
     if words[0] != "tournament":
         assert line is None or line["kept"] is None
     elif line is not None and line["kept"] is None:

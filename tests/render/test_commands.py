@@ -1,4 +1,4 @@
-"""`catch-arena mosaic`, `highlights` and `sheet`: what they print, what they leave, and their exit codes."""
+"""`catch-arena mosaic` and `highlights`: what they print, what they leave, and their exit codes."""
 
 import re
 import signal
@@ -10,8 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
-from catch_arena.explanation.highlights import extract_events, find_highlights, select_highlights
-from catch_arena.render.contact_sheet import same_picture
 
 SMALL = ["--size", "480x320", "--fps", "10"]
 
@@ -58,28 +56,6 @@ def test_highlights_are_rendered(tmp_path):
     assert (tmp_path / "best.mp4").is_file()
 
 
-@pytest.mark.parametrize("pick", ["even", "moments"])
-def test_a_sheet_of_a_match(tmp_path, pick):
-    result = call("sheet", "replays/m0.replay", "--pick", pick, "--count", "4")
-    assert result.exit_code == 0, result.output
-    assert (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_sheet_has_as_many_pictures_as_were_asked_for_or_says_why_not(play):
-    """Moments that overlap as scenes of a video are pictures of their own, half a second apart."""
-    match = play("duel", time_limit_s=20.0, reach_m=1.0, initial_targets=8, spawn_frequency_hz=2.0)
-    match.save("busy.replay")
-    found = {"": find_highlights(extract_events(match))}
-    count = len(select_highlights(found, 100, clash=same_picture))
-    assert count > len(select_highlights(found, 100))
-    result = call("sheet", "busy.replay", "--pick", "moments", "--count", str(count))
-    assert result.stdout.endswith(f"sheet: sheet.png ({count} pictures)\n")
-    result = call("sheet", "busy.replay", "--pick", "moments", "--count", "99", "--force")
-    assert result.stdout.endswith(f"sheet: sheet.png ({count} pictures, not 99: the match has no more moments)\n")
-    result = call("sheet", "busy.replay", "--count", "1", "--force")
-    assert result.stdout.endswith("sheet: sheet.png (1 picture)\n")
-
-
 def test_fewer_highlights_than_asked_for_are_not_passed_over_in_silence():
     """On stderr, so that the list stays a list."""
     result = call("highlights", "replays", "--list", "--count", "99")
@@ -123,8 +99,6 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
         (["mosaic", "replays", "-o", "grid.avi"], "must end in"),
         (["mosaic", "replays", "-o", "grid.mp4", "--size", "9x9"], "size must be"),
         (["highlights", "replays", "-o", "best.txt"], "must end in"),
-        (["sheet", "replays/m0.replay", "-o", "sheet.jpg"], "must end in .png"),
-        (["sheet", "no.replay"], "cannot be read"),
         (["mosaic", "replays", "-o", "grid.mp4", "--view-of", "eve"], "unknown hunter 'eve'"),
         (["highlights", "replays", "-o", "best.mp4", "--count", "1", "--view-of", "ann"], "do not see everything"),
     ],

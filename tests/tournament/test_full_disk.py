@@ -88,7 +88,6 @@ def test_a_disk_that_is_really_full(catch_arena, small_disk):
         ["match", "nearest", "idle", *QUICK, "-o", "small/m.replay"],
         ["render", "m.replay", "-o", "small/m.mp4", "--size", "320x320", "--fps", "10"],
         ["render", "m.replay", "-o", "small/m.gif", "--size", "320x320", "--fps", "10"],
-        ["sheet", "m.replay", "-o", "small/m.png"],
         ["export", "small/o", "-o", "small/m.csv"],
         ["report", "small/o"],
         ["tournament", "small/mine.py", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--out", "small/p"],
