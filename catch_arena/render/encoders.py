@@ -32,7 +32,6 @@ class Format:
     """FFmpeg's name."""
     encoder: str
     """FFmpeg's name."""
-    codec: str
     size: tuple[int, int]
     fps: int
     most_fps: int = 240
@@ -48,7 +47,6 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
             "MP4",
             "mp4",
             "libx264",
-            "h264",
             (1280, 720),
             60,
             # flat areas need no finer search: a fifth faster, and no larger
@@ -59,20 +57,16 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
             "WebM",
             "webm",
             "libvpx-vp9",
-            "vp9",
             (1280, 720),
             60,
             options={"deadline": "realtime", "cpu-used": "7", "row-mt": "1", "crf": "34", "b": "0"},
         ),
         # browsers show a GIF's frames for at least 20 ms, and its times are hundredths of a second
-        ".gif": Format(
-            "GIF", "gif", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False
-        ),
+        ".gif": Format("GIF", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False),
         ".webp": Format(
             "animated WebP",
             "webp",
             "libwebp_anim",
-            "webp",
             (640, 360),
             30,
             most_fps=100,
@@ -112,7 +106,6 @@ class VideoFile:
     def __init__(self, path: Path, kind: Format, unfinished: Path, size: tuple[int, int], fps: int) -> None:
         self.path = path
         """Where it appears when it is complete."""
-        self.codec = kind.codec
         self._av = _pyav(kind)
         self._size = size
         self._written = 0

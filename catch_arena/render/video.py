@@ -1,7 +1,6 @@
 """A match as a video."""
 
 import os
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -34,11 +33,6 @@ class RenderReport:
     size: tuple[int, int]
     """(width, height) [pixels]; where a format needs even numbers, an odd one has become the next even one."""
     fps: int
-    codec: str
-    """"h264", "vp9", "gif" or "webp"."""
-    bytes: int
-    elapsed_s: float
-    """How long it took."""
 
 
 def render_replay(
@@ -93,16 +87,12 @@ def write_video(
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a video's frames, as many as were promised, as they come. What is raised is `render_replay`'s."""
-    began = time.perf_counter()
     with video_file(path, size, fps) as video:
         for done, pixels in enumerate(pictures, start=1):
             video.write(pixels)
             if progress is not None:
                 progress(done, frames)
-    spent = time.perf_counter() - began
-    return RenderReport(
-        video.path, frames, frames / fps, size, fps, video.codec, video.path.stat().st_size, elapsed_s=spent
-    )
+    return RenderReport(Path(path), frames, frames / fps, size, fps)
 
 
 def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
