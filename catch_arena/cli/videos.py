@@ -158,7 +158,7 @@ def highlights(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import select_highlights
-    from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
+    from catch_arena.render.highlight_video import render_highlights
 
     frame_size = None if size is None else width_and_height(size)
     if output is not None:
@@ -177,8 +177,7 @@ def highlights(
         return
     target = given_or_free(output, "highlights.mp4", force=force)
     with progress_bar("rendering") as show:
-        recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
-        report = render_highlights(recorded, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
+        report = render_highlights(selected, target, size=frame_size, fps=fps, view_of=view_of, progress=show)
     print_report(report)
 
 

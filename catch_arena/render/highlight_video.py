@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -48,16 +48,8 @@ HEADINGS: Final[dict[Kind, str]] = {
 }
 
 
-class RecordedHighlight(NamedTuple):
-    """A highlight, and where it is from."""
-
-    path: Path
-    """Of the replay, which is read when its turn comes."""
-    highlight: Highlight
-
-
 def render_highlights(
-    highlights: Sequence[RecordedHighlight],
+    highlights: Sequence[tuple[str, Highlight]],
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] | None = None,
@@ -67,8 +59,8 @@ def render_highlights(
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    The arguments are those of `video.render_replay`; where a match has no such view, nobody's is shown. No half-written
-    file is left.
+    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`; where a
+    match has no such view, nobody's is shown. No half-written file is left.
 
     Raises:
         ConfigError: for no highlights, and an ending, a size or fps that cannot be; for a hunter that has no view to
@@ -80,8 +72,8 @@ def render_highlights(
         raise ConfigError("clips must be one at least, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
-    frames = sum(len(slow_motion(one.highlight, fps)) for one in highlights)
-    paths = list(dict.fromkeys(one.path for one in highlights))
+    frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)
+    paths = list(dict.fromkeys(found for found, _ in highlights))
     views = dict(zip(paths, viewed_seats(map(Replay.load, paths), view_of), strict=True))
     return write_video(path, _pictures(highlights, views, within, fps), within, fps, frames, progress)
 
@@ -95,7 +87,7 @@ def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
 
 
 def _pictures(
-    highlights: Sequence[RecordedHighlight], views: Mapping[Path, int | None], size: tuple[int, int], fps: int
+    highlights: Sequence[tuple[str, Highlight]], views: Mapping[str, int | None], size: tuple[int, int], fps: int
 ) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
@@ -103,12 +95,12 @@ def _pictures(
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
-        info = MatchInfo.of_replay(replay, replay.title or path.stem)
+        info = MatchInfo.of_replay(replay, replay.title or Path(path).stem)
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
         renderer.view_of = views[path]
         times = slow_motion(highlight, fps)
         pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
-        where = f"{path.stem}   {number} of {len(highlights)}"
+        where = f"{Path(path).stem}   {number} of {len(highlights)}"
         for done, (pixels, (_, slow)) in enumerate(zip(pictures, times, strict=True)):
             frame.pixels[: height - below] = pixels
             frame.clear(caption, hud.CARD)

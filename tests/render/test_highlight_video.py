@@ -11,7 +11,6 @@ from catch_arena.explanation.highlights import KINDS, Highlight
 from catch_arena.render import hud
 from catch_arena.render.highlight_video import (
     HEADINGS,
-    RecordedHighlight,
     caption_shapes,
     render_highlights,
     slow_motion,
@@ -54,7 +53,7 @@ def test_the_video_has_every_frame_of_every_highlight(match, tmp_path):
     match.save(path)
     late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
     report = render_highlights(
-        [RecordedHighlight(path, HIGHLIGHT), RecordedHighlight(path, late)],
+        [(str(path), HIGHLIGHT), (str(path), late)],
         tmp_path / "best.mp4",
         size=(480, 320),
         fps=20,
@@ -74,7 +73,7 @@ def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
     for name, names in (("a", ("ann", "bob")), ("b", ("bob", "eve"))):
         match = play("duel", names=names, view_radius_m=2.0, time_limit_s=2.0)
         match.save(tmp_path / f"{name}.replay")
-        highlights.append(RecordedHighlight(tmp_path / f"{name}.replay", HIGHLIGHT))
+        highlights.append((str(tmp_path / f"{name}.replay"), HIGHLIGHT))
     plain, seen = (
         decoded(render_highlights(highlights, tmp_path / f"{who}.mp4", size=(480, 320), fps=5, view_of=who).path)
         for who in (None, "eve")
@@ -105,7 +104,7 @@ def test_a_video_of_five_matches_takes_no_more_memory_than_one_of_two(play, tmp_
             tracemalloc.stop()
 
     def video(matches: int):
-        return render_highlights([RecordedHighlight(path, early)] * matches, tmp_path / "v.mp4", size=(320, 320), fps=5)
+        return render_highlights([(str(path), early)] * matches, tmp_path / "v.mp4", size=(320, 320), fps=5)
 
     video(1)  # what is kept for all videos, fonts for instance, is there now
     one_match, _ = traced(lambda: Replay.load(path))
