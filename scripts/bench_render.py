@@ -98,7 +98,7 @@ def bench_env_render(scenario: str, args: Args) -> None:
 
 
 def bench_video(scenario: str, size: tuple[int, int], seconds: float, args: Args, ending: str = ".mp4") -> None:
-    """All of it: playing, drawing, encoding, counting."""
+    """All of it: playing, drawing, encoding."""
     replay = played(scenario, seconds)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"match{ending}")
@@ -144,7 +144,7 @@ def bench_moviepy(args: Args) -> None:
         ours, theirs = Path(folder, "ours.mp4"), Path(folder, "theirs.mp4")
 
         def encode() -> None:
-            with video_file(ours, (1280, 720), 60, len(frames)) as video:
+            with video_file(ours, (1280, 720), 60) as video:
                 for frame in frames:
                     video.write(cv2.cvtColor(frame, cv2.COLOR_RGB2RGBA))
 
@@ -229,10 +229,9 @@ def bench_plain_pygame(args: Args) -> None:
 
     def ours() -> None:
         renderer.reset()
-        for span in frame_spans(worlds, clip):
+        for span in frame_spans(worlds, clip.times_ms):
             renderer.enter(span.motion)
-            for frame in span.frames:
-                time_ms = clip.time_ms(frame)
+            for time_ms in span.times_ms:
                 renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
     plain = PlainPygame(MatchInfo.of(replay.config), 720, 680)
@@ -240,11 +239,10 @@ def bench_plain_pygame(args: Args) -> None:
     def theirs() -> None:
         annotations: list[Annotation] = []
         last = step_motion(worlds[0], worlds[0]).poses[0].hunters
-        for span in frame_spans(worlds, clip):
+        for span in frame_spans(worlds, clip.times_ms):
             now = span.motion
             annotations += annotations_of(now.before, now.after)
-            for frame in span.frames:
-                time_ms = clip.time_ms(frame)
+            for time_ms in span.times_ms:
                 poses = now.at(time_ms, span.next_tick)
                 described = scene.arena_shapes(
                     plain.viewport,
@@ -255,7 +253,7 @@ def bench_plain_pygame(args: Args) -> None:
                     annotations=visible_annotations(annotations, time_ms),
                     time_ms=time_ms,
                 )
-                plain.frame(poses.hunters, last, described, fade=frame % 12 == 0)
+                plain.frame(poses.hunters, last, described, fade=int(time_ms) % 200 < 16)
                 last = poses.hunters
 
     our_s, their_s = seconds_of(ours, args.repeats), seconds_of(theirs, args.repeats)

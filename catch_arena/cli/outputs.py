@@ -81,19 +81,6 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
     return path
 
 
-def output_video(path: Path, *, force: bool) -> None:
-    """Reserve the path of a video, under the name that it gets without its encoder too.
-
-    Raises:
-        ConfigError: for an ending that is none of a video's.
-        OutputError: if it cannot be written, or is there already.
-    """
-    from catch_arena.render.encoders import output_path
-
-    require_ending(path, *VIDEO)
-    output_file(output_path(path), *VIDEO, force=force)
-
-
 def free_file(usual: str, *, force: bool) -> Path:
     """Reserve the first free name of «name.end», «name-2.end», «name-3.end» and so on.
 

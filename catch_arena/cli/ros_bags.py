@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.bus import Packages
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import Force, output_video
+from catch_arena.cli.outputs import VIDEO, Force, output_file
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import say
 from catch_arena.cli.videos import Film, print_report
@@ -78,7 +78,7 @@ def import_(
     target = output or whole.with_suffix(".mp4")
     drawn = film.arguments()
     if not listing:
-        output_video(target, force=force)
+        output_file(target, *VIDEO, force=force)
     with progress_bar("reading", late=True) as show:
         contents = read_bag(bag, show)
     judged = judge_bag(contents, reach)

@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import VIDEO, Force, output_file, output_video, require_ending
+from catch_arena.cli.outputs import VIDEO, Force, output_file, require_ending
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -89,7 +89,7 @@ def render(
 
     recorded, drawn = Replay.load(replay), film.arguments()
     target = output or replay.with_suffix(".mp4")
-    output_video(target, force=force)
+    output_file(target, *VIDEO, force=force)
     with progress_bar("rendering") as show:
         report = render_replay(recorded, target, start_s=start, end_s=end, view_of=view_of, progress=show, **drawn)
     print_report(report)
@@ -130,7 +130,7 @@ def mosaic(
         except ReplayError as error:
             say(f"left out: {error}", err=True)
     _require_some(folder, len(found), len(paths))
-    output_video(output, force=force)
+    output_file(output, *VIDEO, force=force)
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
     say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
@@ -159,13 +159,13 @@ def highlights(
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import select_highlights
-    from catch_arena.render.highlight_video import RecordedHighlight, render_highlights
+    from catch_arena.render.highlight_video import render_highlights
 
     drawn = picture.arguments()
     if output is not None:
         require_ending(output, *VIDEO)
         if not listing:
-            output_video(output, force=force)
+            output_file(output, *VIDEO, force=force)
     found = _highlights_in(folder)
     selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
     if not selected:
@@ -178,15 +178,12 @@ def highlights(
         return
     target = output or output_file(None, force=force, usual="highlights.mp4")
     with progress_bar("rendering") as show:
-        recorded = [RecordedHighlight(Path(path), highlight) for path, highlight in selected]
-        report = render_highlights(recorded, target, progress=show, **drawn)
+        report = render_highlights(selected, target, progress=show, **drawn)
     print_report(report)
 
 
 def print_report(report: "RenderReport") -> None:
     """Print where the video is."""
-    if report.notice:
-        say(report.notice, err=True)
     say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 

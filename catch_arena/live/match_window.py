@@ -177,17 +177,11 @@ class MatchWindow:
             self._ahead_ms = 0.0
 
     def _end(self, world: World) -> None:
-        """The standings, until the user has seen them."""
-        agents = hud.standings_of(world)
-        table = [
-            (rank, agents[seats[0]]._replace(score=score))
-            for rank, score, seats in zip(self.ranks, self.scores, self._parties.seats, strict=True)
-        ]
-        table.sort(key=lambda line: (line[1].hunted, line[0], line[1].agent))
-        motion = self._motions[-1]
+        """Who has won, until the user has seen it; the standings are in the panel."""
+        title = overlays.verdict(self._info, self._parties, self.ranks, self.scores)
+        card = overlays.card_overlay(self._area, title, (), "R: again    Ctrl-S: save    Esc: end")
         while True:
-            result = overlays.result_overlay(self._area, self._info, table, "R: again    Ctrl-S: save    Esc: end")
-            self._draw(motion, world.time_ms, [*result, *self._note_shapes()])
+            self._draw(self._motions[-1], world.time_ms, [*card, *self._note_shapes()])
             self._events()
             self._clock.tick(_FPS)
 
@@ -291,7 +285,7 @@ class MatchWindow:
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
-        return overlays.keys_overlay(self._area, "Keys", rows, below)
+        return overlays.card_overlay(self._area, "Keys", rows, below)
 
     def _note_shapes(self) -> list[Shape]:
         return overlays.note_overlay(self._area, self._note) if time.monotonic() < self._note_until_s else []

@@ -11,7 +11,7 @@ import numpy as np
 
 from catch_arena.explanation.formatting import short_length
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import INK, WHITE, Color, Label, Ring, Shape, Stroke, mix
+from catch_arena.render.shapes import INK, WHITE, Label, Ring, Shape, Stroke, mix
 from catch_arena.render.viewport import GROUND, Viewport
 from catch_arena.replay.motion import Pose2D
 from catch_arena.verdicts import Ruling, Verdict
@@ -91,27 +91,16 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
             continue  # it is seen to be out, and may go on asking in every step (R1.7)
         position = targets.get(str(ruling.target))
         x, y = position or (hunter.x, hunter.y)
+        where = (before.time_ms, ruling.hunter, x, y)
         if ruling.verdict is Verdict.GRANTED:
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
-            annotation = Annotation(
-                "catch",
-                before.time_ms,
-                ruling.hunter,
-                x,
-                y,
-                "+1",
-                rivals,
-                ruling.distance_um,
-                played.get(str(ruling.target)),
-            )
+            prey = played.get(str(ruling.target))
+            annotations.append(Annotation("catch", *where, "+1", rivals, ruling.distance_um, prey))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
-            annotation = Annotation(
-                "lost", before.time_ms, ruling.hunter, x, y, "by lot" if by_lot else margin_text(behind)
-            )
+            annotations.append(Annotation("lost", *where, "by lot" if by_lot else margin_text(behind)))
         else:
-            annotation = Annotation("refused", before.time_ms, ruling.hunter, x, y, SHORT_REASONS[ruling.verdict])
-        annotations.append(annotation)
+            annotations.append(Annotation("refused", *where, SHORT_REASONS[ruling.verdict]))
     return tuple(annotations)
 
 
@@ -150,20 +139,19 @@ def annotation_shapes(
     shapes: list[Shape] = []
     for annotation in annotations:
         part = (time_ms - annotation.time_ms) / annotation.visible_ms
-        if annotation.kind == "catch":
-            seats = [annotation.seat, *(rival.seat for rival in annotation.rivals)] if annotation.rivals else []
-            thick = [1.0, *(0.8 if rival.asked else 0.35 for rival in annotation.rivals)]
-            for seat, much in zip(seats, thick, strict=False):
-                shapes.append(
-                    _line_to_target(viewport, annotation, info.color(seat), poses[seat], much * (1.0 - part), part)
-                )
-            shapes.append(_catch_ring(viewport, annotation, part))
+        lines: list[tuple[int, float]] = []  # of whom, and how wide
+        if annotation.rivals:
+            near = [(rival.seat, 0.8 if rival.asked else 0.35) for rival in annotation.rivals]
+            lines = [(annotation.seat, 1.0), *near]
         elif annotation.kind == "lost":
-            shapes.append(
-                _line_to_target(
-                    viewport, annotation, info.color(annotation.seat), poses[annotation.seat], 0.8 * (1.0 - part), part
-                )
-            )
+            lines = [(annotation.seat, 0.8)]
+        x, y = viewport.to_pixels(annotation.x, annotation.y)
+        for seat, much in lines:  # they thin out, since strokes are opaque
+            width = max(0.8, 0.08 * viewport.hunter_length * much * (1.0 - part))
+            color = mix(info.color(seat), GROUND, 0.8 * part)
+            shapes.append(Stroke(*viewport.to_pixels(*poses[seat][:2]), x, y, width, color))
+        if annotation.kind == "catch":
+            shapes.append(_catch_ring(viewport, x, y, part))
     size = max(10, round(0.34 * viewport.hunter_length))
     positions = [viewport.to_pixels(x, y) for x, y, _ in poses.values()]
     apart = spread_apart(positions, (1.1 if len(poses) <= 10 else 1.55) * size)
@@ -177,25 +165,10 @@ def _number(info: MatchInfo, agent: int, position: tuple[float, float], size: in
     return Label(*position, info.number(agent), size, color, 800, "center", outline=outline)
 
 
-def _catch_ring(viewport: Viewport, annotation: Annotation, part: float) -> Ring:
-    eased = 1.0 - (1.0 - part) ** 3
+def _catch_ring(viewport: Viewport, x: float, y: float, part: float) -> Ring:
     length = viewport.hunter_length
-    x, y = viewport.to_pixels(annotation.x, annotation.y)
-    radius = length * (0.3 + 0.75 * eased)
+    radius = length * (0.3 + 0.75 * (1.0 - (1.0 - part) ** 3))
     return Ring(x, y, radius, max(1.2, 0.11 * length * (1.0 - part)), WHITE, (1.0 - part) ** 1.5, glow=True)
-
-
-def _line_to_target(
-    viewport: Viewport, annotation: Annotation, color: Color, pose: Pose2D, much: float, part: float
-) -> Stroke:
-    """From somebody who was near to the target; it thins out, since strokes are opaque."""
-    width = max(0.8, 0.08 * viewport.hunter_length * much)
-    return Stroke(
-        *viewport.to_pixels(pose[0], pose[1]),
-        *viewport.to_pixels(annotation.x, annotation.y),
-        width,
-        mix(color, GROUND, 0.8 * part),
-    )
 
 
 _ROUNDS: Final = 8

@@ -40,20 +40,18 @@ class FeedItem:
 def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
     """What is worth a line: catches of prey or with somebody near, and refusals."""
     items = []
-    for annotation in annotations:
-        if annotation.kind == "refused":
-            items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
-            continue
-        if annotation.kind == "catch" and annotation.rivals and annotation.distance_um is not None:
-            rival = annotation.rivals[0]
-            behind = rival.distance_um - annotation.distance_um
+    for one in annotations:
+        if one.kind == "refused":
+            items.append(FeedItem(one.time_ms, one.seat, one.text))
+        if one.rivals and one.distance_um is not None:
+            rival = one.rivals[0]
+            behind = rival.distance_um - one.distance_um
             how = f"by {short_length(behind)}" if behind > 0 else "by lot"
-            if rival.asked:
-                items.append(FeedItem(annotation.time_ms, annotation.seat, "beat", rival.seat, how, contest=True))
-            elif behind > 0:
-                items.append(FeedItem(annotation.time_ms, annotation.seat, "ahead of", rival.seat, how))
-        if annotation.kind == "catch" and annotation.prey is not None:
-            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", annotation.prey, contest=True))
+            if rival.asked or behind > 0:
+                text = "beat" if rival.asked else "ahead of"
+                items.append(FeedItem(one.time_ms, one.seat, text, rival.seat, how, contest=rival.asked))
+        if one.prey is not None:
+            items.append(FeedItem(one.time_ms, one.seat, "caught", one.prey, contest=True))
     return items
 
 
@@ -92,14 +90,11 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
             x += 4.0 * size
         words = item.text if item.times == 1 else f"{item.text}  × {item.times}"
         color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
-        parts: tuple[int | str, ...] = (item.seat, words)
-        if item.other is not None:
-            parts = (*parts, item.other, *([item.after] if item.after else []))
-        for part in parts:
+        for part in (item.seat, words, item.other, item.after):
             if isinstance(part, int):
                 shapes += chip(x, middle, info, part, size)
                 x += chip_width(info, size) + 0.6 * size
-            else:
+            elif part:
                 room = area.left + area.width - 2.0 * pad - x
                 shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
                 x += text_width(part, size, weight) + 0.6 * size

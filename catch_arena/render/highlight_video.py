@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -19,8 +19,16 @@ from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Color, Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
-from catch_arena.render.timing import Clip, ClipSequence
-from catch_arena.render.video import RenderReport, checked_views, frame_rate, frame_size, rendered_frames, write_video
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import (
+    RenderReport,
+    frame_rate,
+    frame_size,
+    frames_of,
+    observed_worlds,
+    viewed_seats,
+    write_video,
+)
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)
@@ -40,16 +48,8 @@ HEADINGS: Final[dict[Kind, str]] = {
 }
 
 
-class RecordedHighlight(NamedTuple):
-    """A highlight, and where it is from."""
-
-    path: Path
-    """Of the replay, which is read when its turn comes."""
-    highlight: Highlight
-
-
 def render_highlights(
-    highlights: Sequence[RecordedHighlight],
+    highlights: Sequence[tuple[str, Highlight]],
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] | None = None,
@@ -59,8 +59,8 @@ def render_highlights(
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    The arguments are those of `video.render_replay`; where a match has no such view, nobody's is shown. No half-written
-    file is left.
+    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`; where a
+    match has no such view, nobody's is shown. No half-written file is left.
 
     Raises:
         ConfigError: for no highlights, and an ending, a size or fps that cannot be; for a hunter that has no view to
@@ -72,28 +72,22 @@ def render_highlights(
         raise ConfigError("clips must be one at least, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
-    frames = sum(slow_motion(one.highlight, fps).frames for one in highlights)
-    views = {}
-    if view_of is not None:
-        paths = dict.fromkeys(one.path for one in highlights)
-        views = checked_views(((str(found), Replay.load(found)) for found in paths), view_of)
+    frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)
+    paths = list(dict.fromkeys(found for found, _ in highlights))
+    views = dict(zip(paths, viewed_seats(map(Replay.load, paths), view_of), strict=True))
     return write_video(path, _pictures(highlights, views, within, fps), within, fps, frames, progress)
 
 
-def slow_motion(highlight: Highlight, fps: int) -> ClipSequence:
-    """The highlight's frames, slow about its decisive instant."""
-    slow_ms = max(highlight.start_ms, highlight.decisive_ms - _SLOW_FROM_MS)
-    fast_ms = min(highlight.end_ms, highlight.decisive_ms + _SLOW_TO_MS)
-    clips = (
-        Clip(highlight.start_ms, slow_ms, fps),
-        Clip(slow_ms, fast_ms, fps, SLOW),
-        Clip(fast_ms, highlight.end_ms, fps),
-    )
-    return ClipSequence(tuple(clip for clip in clips if clip.start_ms < clip.end_ms))
+def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
+    """Return the instants of a highlight's frames [ms], each with whether time runs slowly: about the decisive one."""
+    start, end = highlight.start_ms, highlight.end_ms
+    slow_ms, fast_ms = max(start, highlight.decisive_ms - _SLOW_FROM_MS), min(end, highlight.decisive_ms + _SLOW_TO_MS)
+    parts = (Clip(start, slow_ms, fps), Clip(slow_ms, fast_ms, fps, SLOW), Clip(fast_ms, end, fps))
+    return [(time_ms, part.speed == SLOW) for part in parts for time_ms in part.times_ms if time_ms < part.end_ms]
 
 
 def _pictures(
-    highlights: Sequence[RecordedHighlight], views: Mapping[str, int | None], size: tuple[int, int], fps: int
+    highlights: Sequence[tuple[str, Highlight]], views: Mapping[str, int | None], size: tuple[int, int], fps: int
 ) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
@@ -101,17 +95,17 @@ def _pictures(
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
-        info = MatchInfo.of_replay(replay, replay.title or path.stem)
+        info = MatchInfo.of_replay(replay, replay.title or Path(path).stem)
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
-        renderer.view_of = views.get(str(path))
-        timing = slow_motion(highlight, fps)
-        where = f"{path.stem}   {number} of {len(highlights)}"
-        for frame_number, pixels in enumerate(rendered_frames(replay, renderer, timing)):
+        renderer.view_of = views[path]
+        times = slow_motion(highlight, fps)
+        pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
+        where = f"{Path(path).stem}   {number} of {len(highlights)}"
+        for done, (pixels, (_, slow)) in enumerate(zip(pictures, times, strict=True)):
             frame.pixels[: height - below] = pixels
-            slow = timing.clip_of(frame_number)[0].speed != 1
             frame.clear(caption, hud.CARD)
             frame.draw(caption_shapes(caption, highlight, where, slow=slow))
-            seen = min(1.0, (frame_number + 1) / (_FADE_S * fps), (timing.frames - frame_number) / (_FADE_S * fps))
+            seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
             yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
 
 

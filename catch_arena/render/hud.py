@@ -258,59 +258,43 @@ def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, f
     ]
 
 
-def team_chip_shapes(
-    area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]
-) -> list[Shape]:
-    """Every team's score on its colour, and its name, without names where there is no room for all; then as much of the
-    prey as there is room for.
+def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]) -> list[Shape]:
+    """The scores in the line over the arena: every agent's by seat, or those of teams and then of prey.
+
+    Without names where there is no room for all; of agents only the best, where there is no room even then.
     """
     size = font_size(0.58 * area.height, 12)
-    small, middle = font_size(0.8 * size, 10), area.top + area.height / 2.0
-    digits = max(2, *(len(str(score)) for score in scores))
-    wide = (0.66 * digits + 0.6) * size
-    names = [0.3 * size + text_width(printable(contender.name), small, 600) for contender in info.contenders]
-    room = area.width - 0.5 * size
-    if sum(names) + len(names) * (wide + 0.9 * size) > room:
-        names = [0.0] * len(names)
-    shapes: list[Shape] = []
+    small, middle, room = font_size(0.8 * size, 10), area.top + area.height / 2.0, area.width - 0.5 * size
     x = area.left + 0.5 * size
-    for contender, score, name in zip(info.contenders, scores, names, strict=True):
-        if x + wide > area.left + room:
-            break
-        shapes += [
-            Box(x, middle - 0.62 * size, wide, 1.24 * size, contender.color, 0.3 * size),
-            Label(x + wide / 2.0, middle, str(score), size, readable_on(contender.color), 800, "center"),
-        ]
-        if name:
-            shapes.append(Label(x + wide + 0.3 * size, middle, contender.name, small, legible(contender.color), 600))
-        x += wide + name + 0.9 * size
-    for one in standings:
-        step = chip_width(info, size) + (0.9 + 0.66 * len(str(one.score))) * size
-        if one.hunted and x + step <= area.left + room:
-            shapes += chip(x, middle, info, one.agent, size, faded=one.faded)
-            beside = x + chip_width(info, size) + 0.3 * size
-            shapes.append(Label(beside, middle, str(one.score), size, BRIGHT, 700))
-            x += step
-    return shapes
-
-
-def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[AgentScore]) -> list[Shape]:
-    """Every agent's chip, name and score: by seat, without names or only the best where there is no room for all."""
-    size = font_size(0.58 * area.height, 12)
-    middle = area.top + area.height / 2.0
-    digits = max(len(str(one.score)) for one in standings)
-    step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
-    room = area.width - 0.5 * size
-    small = font_size(0.8 * size, 10)
-    names = [0.3 * size + text_width(printable(name), small, 600) for name in info.names]
-    coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
-    if sum(names) + len(names) * (step + coming) > room:
-        names = [0.0] * len(names)
-    fits = max(1, int(room // step))
-    shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
     shapes: list[Shape] = []
-    x = area.left + 0.5 * size
+    shown: Sequence[AgentScore]
+    if info.has_teams:
+        wide = (0.66 * max(2, *(len(str(score)) for score in scores)) + 0.6) * size
+        names = _name_widths([one.name for one in info.contenders], size, wide + 0.9 * size, room)
+        for contender, score, name in zip(info.contenders, scores, names, strict=True):
+            if x + wide > area.left + room:
+                break
+            shapes += [
+                Box(x, middle - 0.62 * size, wide, 1.24 * size, contender.color, 0.3 * size),
+                Label(x + wide / 2.0, middle, str(score), size, readable_on(contender.color), 800, "center"),
+            ]
+            if name:
+                label = Label(x + wide + 0.3 * size, middle, contender.name, small, legible(contender.color), 600)
+                shapes.append(label)
+            x += wide + name + 0.9 * size
+        names, digits = [0.0] * len(info.names), 0
+        shown = [one for one in standings if one.hunted]
+    else:
+        digits = max(len(str(one.score)) for one in standings)
+        step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
+        coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
+        names = _name_widths(info.names, size, step + coming, room)
+        fits = max(1, int(room // step))
+        shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
     for one in shown:
+        step = chip_width(info, size) + (0.9 + 0.66 * max(digits, len(str(one.score)))) * size
+        if info.has_teams and x + step > area.left + room:
+            break
         shapes += chip(x, middle, info, one.agent, size, faded=one.faded)
         beside = x + chip_width(info, size) + 0.3 * size
         if names[one.agent]:
@@ -318,6 +302,12 @@ def chip_shapes(area: Rect, info: MatchInfo, standings: Sequence[AgentScore]) ->
         shapes.append(Label(beside + names[one.agent], middle, str(one.score), size, BRIGHT, 700))
         x += step + names[one.agent]
     return shapes
+
+
+def _name_widths(names: Sequence[str], size: int, step: float, room: float) -> list[float]:
+    """How much room each name takes besides its step; none where there is no room for all."""
+    widths = [0.3 * size + text_width(printable(name), font_size(0.8 * size, 10), 600) for name in names]
+    return widths if sum(widths) + len(widths) * step <= room else [0.0] * len(widths)
 
 
 @lru_cache(maxsize=256)

@@ -120,15 +120,12 @@ def _hunter_colors(config: ArenaConfig) -> list[Color]:
     colors = [WHITE] * config.hunters
     for team, seats in enumerate(config.teams):
         for member, seat in enumerate(seats):
-            colors[seat] = mix(_team_color(team), *_MEMBER_SHADES[member % len(_MEMBER_SHADES)])
+            colors[seat] = mix(_color(_team_number(team)), *_MEMBER_SHADES[member % len(_MEMBER_SHADES)])
     return colors
 
 
-def _team_color(team: int) -> Color:
-    return _color(_in_team_order(team))
-
-
-def _in_team_order(team: int) -> int:
+def _team_number(team: int) -> int:
+    """Which of the colours a team has."""
     rounds, place = divmod(team, len(_TEAM_COLORS))
     return rounds * len(_TEAM_COLORS) + _TEAM_COLORS[place]
 
@@ -139,8 +136,7 @@ def _color(number: int) -> Color:
 
 
 def _color_name(number: int) -> str:
-    shade, _, _ = _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)]
-    return shade + _COLOR_NAMES[number % len(HUNTER_COLORS)]
+    return _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)][0] + _COLOR_NAMES[number % len(HUNTER_COLORS)]
 
 
 def _contenders(config: ArenaConfig, names: Sequence[str]) -> tuple[Contender, ...]:
@@ -148,10 +144,8 @@ def _contenders(config: ArenaConfig, names: Sequence[str]) -> tuple[Contender, .
     if config.teams is None:
         return tuple(Contender(name, _color(seat), (seat,)) for seat, name in enumerate(names))
     agents = [{names[seat] for seat in seats} for seats in config.teams]
-    alone = [len(team) == 1 and agents.count(team) == 1 for team in agents]
-    return tuple(
-        Contender(
-            next(iter(agents[team])) if alone[team] else _color_name(_in_team_order(team)), _team_color(team), seats
-        )
-        for team, seats in enumerate(config.teams)
-    )
+    contenders = []
+    for team, seats in enumerate(config.teams):
+        number, alone = _team_number(team), len(agents[team]) == 1 and agents.count(agents[team]) == 1
+        contenders.append(Contender(names[seats[0]] if alone else _color_name(number), _color(number), seats))
+    return tuple(contenders)

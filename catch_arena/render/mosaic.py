@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -14,17 +14,17 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas
 from catch_arena.render.renderer import MatchRenderer
-from catch_arena.render.shapes import Label, Shape
+from catch_arena.render.shapes import Label
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
-    checked_views,
     duration_ms,
     frame_rate,
     frame_size,
     pace_of,
     rendered_frames,
+    viewed_seats,
     write_video,
 )
 from catch_arena.replay import Replay
@@ -130,7 +130,7 @@ def render_mosaic(
             f"size must give each of {len(replays)} arenas {LEAST_SIDE} pixels at least, "
             f"got {grid.side} in {within[0]} x {within[1]}"
         )
-    views = {} if view_of is None else checked_views(replays.items(), view_of)
+    views = viewed_seats(replays.values(), view_of)
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
     whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
     return write_video(path, _pictures(replays, views, grid, within, whole), within, fps, whole.frames, progress)
@@ -142,15 +142,20 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
 
 
 def _pictures(
-    replays: Mapping[str, Replay], views: Mapping[str, int | None], grid: Grid, size: tuple[int, int], whole: Clip
+    replays: Mapping[str, Replay], views: Sequence[int | None], grid: Grid, size: tuple[int, int], whole: Clip
 ) -> Iterator[Pixels]:
     sprites = SpriteCache()
     frame = Canvas.blank(*size, hud.PANEL, sprites)
     areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
-    cells = [
-        _Cell(name, replay, views.get(name), frame, area, whole, sprites)
-        for area, (name, replay) in zip(areas, replays.items(), strict=True)
-    ]
+    cells = []
+    for area, (name, replay), view_of in zip(areas, replays.items(), views, strict=True):
+        label = round(_LABEL * area.width)
+        picture = area._replace(height=area.height - label)
+        renderer = MatchRenderer(MatchInfo.of_replay(replay), picture[2:], "arena", sprites=sprites)
+        renderer.view_of = view_of
+        clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
+        below = area._replace(top=area.top + area.height - label, height=label)
+        cells.append(_Cell(name, renderer, rendered_frames(replay, renderer, clip), frame, picture, below))
     for _ in range(whole.frames):
         for cell in cells:
             cell.advance()
@@ -158,29 +163,19 @@ def _pictures(
 
 
 class _Cell:
-    """One match in its part of the picture."""
+    """One match in its part of the picture, and below it which match it is and who leads."""
 
     def __init__(
         self,
         name: str,
-        replay: Replay,
-        view_of: int | None,
+        renderer: MatchRenderer,
+        frames: Iterator[Pixels],
         frame: Canvas,
-        area: hud.Rect,
-        whole: Clip,
-        sprites: SpriteCache,
+        picture: hud.Rect,
+        label: hud.Rect,
     ) -> None:
-        side = area.width
-        self._name = name
-        self._info = MatchInfo.of_replay(replay)
-        self._label = area._replace(top=area.top + area.height - round(_LABEL * side), height=round(_LABEL * side))
-        self._frame = frame
-        picture = area._replace(height=area.height - self._label.height)
-        self._picture = frame.part(picture)
-        self._renderer = MatchRenderer(self._info, (picture.width, picture.height), "arena", sprites=sprites)
-        self._renderer.view_of = view_of
-        clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
-        self._frames = rendered_frames(replay, self._renderer, clip)
+        self._name, self._renderer, self._frames = name, renderer, frames
+        self._frame, self._picture, self._label = frame, frame.part(picture), label
         self._running = True
         self._write(None)
         self._leader: int | None = None
@@ -194,14 +189,14 @@ class _Cell:
         except ReplayError:
             self._end("does not play as recorded", None)
             return
+        leader, contenders = self._renderer.leader, self._renderer.info.contenders
         if pixels is None:
-            winner = self._renderer.leader
-            self._end("a tie" if winner is None else f"{self._info.contenders[winner].name} wins", winner)
+            self._end("a tie" if leader is None else f"{contenders[leader].name} wins", leader)
             return
         self._picture.pixels[:] = pixels
-        if self._renderer.leader != self._leader:
-            self._leader = self._renderer.leader
-            self._write(self._leader)
+        if leader != self._leader:
+            self._leader = leader
+            self._write(leader)
 
     def _end(self, text: str, contender: int | None) -> None:
         """The last picture, darker, and the result on it."""
@@ -210,21 +205,17 @@ class _Cell:
         height, width = arena.pixels.shape[:2]
         arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
         size = hud.font_size(0.085 * width, 11)
-        color = hud.BRIGHT if contender is None else hud.legible(self._info.contenders[contender].color)
+        color = hud.BRIGHT if contender is None else hud.legible(self._renderer.info.contenders[contender].color)
         middle = (0.5 * width, 0.5 * height)
         arena.draw([Label(*middle, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
 
     def _write(self, leader: int | None) -> None:
-        """What stands below: which match it is, and who leads."""
         area = self._label
         size = hud.font_size(0.58 * area.height, 9)
         middle = area.top + 0.5 * area.height
-        shapes: list[Shape] = [
-            Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)
-        ]
-        if leader is not None:
-            contender, right = self._info.contenders[leader], area.left + area.width - 2
-            color = hud.legible(contender.color)
-            shapes.append(Label(right, middle, contender.name, size, color, 700, "right", max_width=0.44 * area.width))
         self._frame.clear(area, hud.PANEL)
-        self._frame.draw(shapes)
+        self._frame.draw([Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)])
+        if leader is not None:
+            contender, right = self._renderer.info.contenders[leader], area.left + area.width - 2
+            color, room = hud.legible(contender.color), 0.44 * area.width
+            self._frame.draw([Label(right, middle, contender.name, size, color, 700, "right", max_width=room)])

@@ -8,10 +8,7 @@ from catch_arena.errors import ConfigError, install_hint
 
 __all__ = ["cv2", "pygame"]
 
-_HUSH = "PYGAME_HIDE_SUPPORT_PROMPT"
-
-_was_set = _HUSH in os.environ
-os.environ.setdefault(_HUSH, "1")
+os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 try:
     import cv2
     import pygame
@@ -19,6 +16,3 @@ except ImportError as error:
     if error.name not in ("cv2", "pygame"):  # one is there, and broken
         raise
     raise ConfigError(f"pictures need OpenCV and pygame: {install_hint('render')}") from None
-finally:
-    if not _was_set:  # child processes find the environment as it was
-        del os.environ[_HUSH]

@@ -1,7 +1,7 @@
 """A match as pictures: frames one after the other for videos, one at a time for `env.render()`, and as PNG."""
 
 import base64
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final, get_args
 
 import numpy as np
@@ -23,7 +23,7 @@ from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
 from catch_arena.render.viewport import Viewport
-from catch_arena.replay.motion import Pose2D, Poses, StepMotion, poses_of, step_motion
+from catch_arena.replay.motion import Poses, StepMotion, poses_of, step_motion
 from catch_arena.world import World
 
 SMALLEST: Final = 320
@@ -104,7 +104,8 @@ class MatchRenderer:
         self._motion: StepMotion | None = None
         self._poses = Poses((), {})
         self._moved_ms = time_ms
-        self._shown: dict[str, object] = {}
+        self._shown: dict[hud.Rect, object] = {}
+        self._cursor = 0
 
     def observe(self, step: int, observations: NDArray[np.float32]) -> None:
         """What hunters observe when so many steps have been played, (H, D): with noise the view that is shown has it.
@@ -192,68 +193,55 @@ class MatchRenderer:
         self._moved_ms = until_ms
 
     def _move_to(self, poses: Poses) -> None:
+        """Everybody leaves a trail; that of prey is like a hunter's."""
         for number, end in poses.targets.items():
             start = self._poses.targets.get(number, end)
-            if start[:2] != end[:2]:
-                self._trail_of_target(number, start, end)
+            if start[:2] == end[:2]:
+                continue
+            if number in self._players:
+                self._ground.trail(self.info.color(self._players[number]), start, end)
+            else:
+                self._ground.target_trail(start, end)
         for seat, (start, end) in enumerate(zip(self._poses.hunters, poses.hunters, strict=True)):
             if start[:2] != end[:2]:
                 self._ground.trail(self.info.color(seat), start, end)
         self._poses = poses
 
-    def _trail_of_target(self, number: int, start: Pose2D, end: Pose2D) -> None:
-        """Prey leaves a trail as hunters do."""
-        if number in self._players:
-            self._ground.trail(self.info.color(self._players[number]), start, end)
-        else:
-            self._ground.target_trail(start, end)
-
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
-        """The panel's parts, each only when it would look different; the clock stands still after the end."""
+        """The parts around the arena; the clock stands still after the end."""
         plan, info, unit = self._plan, self.info, self._plan.unit
         clock = hud.clock(played_ms)
         if not plan.standings.width:
-            chips, right = hud.split_strip(plan.header, clock)
-            if self._changed("chips", (chips, self._standings)):
-                self._redraw(chips, self._chips(chips))
-            if self._changed("clock", clock):
-                self._redraw(right, hud.strip_clock_shapes(right, clock))
+            left, right = hud.split_strip(plan.header, clock)
+            self._update(left, self._standings, lambda: hud.chip_shapes(left, info, self._scores, self._standings))
+            self._update(right, clock, lambda: hud.strip_clock_shapes(right, clock))
             return
-        if self._changed("header", clock):
-            self._redraw(plan.header, hud.header_shapes(plan.header, info, self._seed, clock, unit))
-        if plan.teams.width and self._changed("teams", self._scores):
-            self._redraw(plan.teams, team_scores_shapes(plan.teams, info, self._scores, unit))
-        lines = self._standings_animation.lines(time_ms)
-        if self._changed("standings", (lines, self.view_of)):
-            self._redraw(plan.standings, standings_shapes(plan.standings, info, lines, unit, self.view_of))
-        if plan.feed.width and self._changed("events", self._feed.items):
-            self._redraw(plan.feed, feed_shapes(plan.feed, info, self._feed.items, unit))
+        self._update(plan.header, clock, lambda: hud.header_shapes(plan.header, info, self._seed, clock, unit))
+        self._update(plan.teams, self._scores, lambda: team_scores_shapes(plan.teams, info, self._scores, unit))
+        lines, view_of = self._standings_animation.lines(time_ms), self.view_of
+        self._update(
+            plan.standings, (lines, view_of), lambda: standings_shapes(plan.standings, info, lines, unit, view_of)
+        )
+        self._update(plan.feed, self._feed.items, lambda: feed_shapes(plan.feed, info, self._feed.items, unit))
         area, history = plan.timeline, self._timeline
-        cursor = round(timeline.cursor_x(area, history, time_ms, unit))
         card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
-        if self._changed("history", history.catches):
-            self._redraw(area, timeline.timeline_shapes(area, info, history, unit))
+        anew = self._update(area, history.catches, lambda: timeline.timeline_shapes(area, info, history, unit))
+        if anew:
             self._history = card.copy()
-            self._shown.pop("present", None)
-        if self._changed("present", cursor):
+        cursor = round(timeline.cursor_x(area, history, time_ms, unit))
+        if anew or cursor != self._cursor:
+            self._cursor = cursor
             card[:] = self._history
             self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))
 
-    def _chips(self, area: hud.Rect) -> list[Shape]:
-        """The scores over the arena."""
-        if self.info.has_teams:
-            return hud.team_chip_shapes(area, self.info, self._scores, self._standings)
-        return hud.chip_shapes(area, self.info, self._standings)
-
-    def _changed(self, part: str, state: object) -> bool:
-        if part in self._shown and self._shown[part] == state:
+    def _update(self, area: hud.Rect, state: object, shapes: Callable[[], list[Shape]]) -> bool:
+        """Draw a part anew if it would look different; return whether it was."""
+        if not area.width or (area in self._shown and self._shown[area] == state):
             return False
-        self._shown[part] = state
-        return True
-
-    def _redraw(self, area: hud.Rect, shapes: list[Shape]) -> None:
+        self._shown[area] = state
         self._frame.clear(area, hud.PANEL)
-        self._frame.draw(shapes)
+        self._frame.draw(shapes())
+        return True
 
 
 class ArenaPainter:

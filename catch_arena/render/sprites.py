@@ -18,9 +18,6 @@ PHASES: Final = 2
 LIGHT: Final = (0.55, 0.83)
 """Where shadows fall, x and y on the screen: the light does not turn with the turtle."""
 CACHE_BYTES: Final = 96 << 20
-"""Of turtles and rings, which come again."""
-MOST_TEXTS: Final = 512
-"""As many as a picture of 64 hunters shows. A clock's never come again: without a limit they grow with the video."""
 
 
 class Sprite(NamedTuple):
@@ -31,37 +28,28 @@ class Sprite(NamedTuple):
     origin_y: int
 
 
-class _LruCache:
-    """What was made, by key; what was not asked for longest makes room when all weighs too much."""
+class SpriteCache:
+    """Sprites by what they show; those that were not used for longest make room when all weigh too much."""
 
-    def __init__(self, most: int, weigh: Callable[[Any], int]) -> None:
-        self._most, self._weigh = most, weigh
+    def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
+        self._most_bytes = most_bytes
         self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-        self.weight = 0
+        self.bytes = 0
 
     def __len__(self) -> int:
         return len(self._kept)
 
-    def get(self, key: Hashable, make: Callable[[], Any]) -> Any:
+    def _get(self, key: Hashable, make: Callable[[], Any]) -> Any:
         found = self._kept.get(key)
         if found is not None:
             self._kept.move_to_end(key)
             return found
-        made = make()
-        self._kept[key] = made
-        self.weight += self._weigh(made)
-        while self.weight > self._most and len(self._kept) > 1:
+        made = self._kept[key] = make()
+        self.bytes += _bytes_of(made)
+        while self.bytes > self._most_bytes and len(self._kept) > 1:
             _, dropped = self._kept.popitem(last=False)
-            self.weight -= self._weigh(dropped)
+            self.bytes -= _bytes_of(dropped)
         return made
-
-
-class SpriteCache:
-    """Sprites by what they show; those that were not used for longest make room when there are too many."""
-
-    def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
-        self._figures = _LruCache(most_bytes, _bytes_of)
-        self._texts = _LruCache(MOST_TEXTS, lambda _: 1)
 
     def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
         """A turtle's sprite, and the whole pixels at which its origin belongs."""
@@ -72,25 +60,25 @@ class SpriteCache:
         key = ("turtle", length, angle, phase_x, phase_y, shape.color, shape.faded, shape.contrast)
 
         def make() -> Sprite:
-            inks = self._figures.get(
+            inks = self._get(
                 ("inks", length, angle, phase_x, phase_y),
                 lambda: _turtle_inks(length, 2.0 * math.pi * angle / turns, phase_x / PHASES, phase_y / PHASES),
             )
             return _tinted(inks, shape)
 
-        return self._figures.get(key, make), x, y
+        return self._get(key, make), x, y
 
     def ring(self, shape: Ring) -> tuple[Sprite, int, int]:
-        """A ring's sprite, likewise."""
+        """A ring's sprite, and where its origin belongs."""
         x, y, phase_x, phase_y = _phase(shape.x, shape.y)
         radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
         opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
         key = ("ring", radius, width, shape.color, opacity, veil, shape.glow, shape.pieces, phase_x, phase_y)
         rounded = replace(shape, radius=radius, width=width, opacity=opacity, veil=veil)
-        return self._figures.get(key, lambda: _ring(rounded, phase_x, phase_y)), x, y
+        return self._get(key, lambda: _ring(rounded, phase_x, phase_y)), x, y
 
     def label(self, shape: Label) -> tuple[Sprite, int, int]:
-        """A text's sprite, likewise; only outlined ones move, and stand at half pixels."""
+        """A text's sprite, and where its origin belongs; only outlined ones move, and stand at half pixels."""
         shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
         width = text.text_width(shown, shape.size, shape.weight)
         left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
@@ -101,7 +89,7 @@ class SpriteCache:
             x, y, phase_x, phase_y = _phase(left, baseline)
         opacity = round(shape.opacity * 8) / 8
         key = ("label", shown, shape.size, shape.weight, shape.color, shape.outline, opacity, phase_x, phase_y)
-        return self._texts.get(key, lambda: _label(shape, shown, opacity, phase_x, phase_y)), x, y
+        return self._get(key, lambda: _label(shape, shown, opacity, phase_x, phase_y)), x, y
 
 
 def _bytes_of(made: Any) -> int:

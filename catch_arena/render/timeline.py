@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Final, NamedTuple
+from typing import Final
 
 from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import MatchInfo
@@ -66,68 +66,131 @@ def over_average(scores: Sequence[int]) -> list[float]:
     return [score - average for score in scores]
 
 
-class _Chart(NamedTuple):
-    """Where everything stands in the card."""
+class _Chart:
+    """A timeline in its card: where everything stands, from few numbers."""
 
-    text: int
-    small: int
-    head: float
-    """The middle of the title."""
-    left: float
-    width: float
-    lane_top: float
-    lanes: int
-    pitch: float
-    lane: float
-    top: float
-    base: float
-    foot: float
-    """The middle of the axis' labels."""
+    def __init__(self, area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> None:
+        self.area, self.info, self.timeline, self.unit = area, info, timeline, unit
+        self.text, self.small = font_size(14 * unit, 10), font_size(12 * unit, 9)
+        self.colors = [legible(contender.color) for contender in info.contenders]
+        self.alone = len(info.contenders) == 1
+        self.left, self.width = _span(area, unit)
+        self.step = self.width / COLUMNS
+        self.head = area.top + max(0.95 * self.text, min(0.11 * area.height, 22 * unit))
+        """The middle of the title."""
+        self.foot = area.top + area.height - max(0.85 * self.small, min(0.08 * area.height, 18 * unit))
+        """The middle of the axis' labels."""
+        self.lane_top = self.head + 0.95 * self.text
+        self.base = self.foot - 1.15 * self.small
+        room = self.base - self.lane_top
+        self.lanes = len(info.contenders) if room / 2.0 >= 1.25 * self.small * len(info.contenders) else 1
+        self.pitch = min(18.0 * unit, 0.5 * room / self.lanes)
+        self.lane = max(4.0, min(11.0 * unit, 0.7 * self.pitch))
+        self.top = self.lane_top + (self.lanes - 1) * self.pitch + self.lane + max(4.0, 0.05 * area.height)
+        self.has_lines = self.base - self.top >= 8
+        values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
+        most, least = max(2.0, *values), 0.0 if self.alone else min(-2.0, *values)
+        self.pixels = (self.base - self.top) / (most - least)
+        """A catch ahead of the average."""
+        self.zero = self.base + least * self.pixels
 
-    def x(self, time_ms: float, timeline: Timeline) -> float:
+    def x(self, time_ms: float) -> float:
         """Where an instant is."""
-        return self.left + self.width * min(1.0, time_ms / max(1, timeline.duration_ms))
+        return self.left + self.width * min(1.0, time_ms / max(1, self.timeline.duration_ms))
+
+    def y(self, value: float) -> float:
+        """Where a line stands that is so far ahead."""
+        return self.zero - value * self.pixels
+
+    def lane_shapes(self) -> list[Shape]:
+        """Who caught when: a lane for each contender, or one for all."""
+        shapes: list[Shape] = []
+        for row in range(self.lanes):
+            top = self.lane_top + row * self.pitch
+            shapes.append(Box(self.left, top, self.width, self.lane, TRACK, self.lane / 2))
+            if self.lanes > 1:
+                name = "" if self.info.has_teams else str(row)  # a team's colour tells it
+                position = (self.left - 0.5 * self.small, top + self.lane / 2)
+                shapes.append(Label(*position, name, self.small, self.colors[row], 700, "right"))
+        tick = max(self.step, min(3.0 * self.unit, 3.0), 1.5)
+        for part, catchers in enumerate(self.timeline.catchers):
+            for contender in sorted(catchers):
+                top = self.lane_top + (contender * self.pitch if self.lanes > 1 else 0.0)
+                x = self.left + (part + 0.5) * self.step - tick / 2
+                shapes.append(Box(x, top, tick, self.lane, self.colors[contender]))
+        return shapes
+
+    def title_shapes(self) -> list[Shape]:
+        """What is shown, who leads, and the number of catches."""
+        left, right = self.area.left + 16 * self.unit, self.left + self.width
+        many = "1 catch" if self.timeline.catches == 1 else f"{self.timeline.catches} catches"
+        leader, by = lead(self.timeline.scores[-1]) if self.timeline.scores else (-1, 0)
+        title = "Catches" if self.alone else "Catches and lead"
+        room = right - left - text_width(many, self.text, 500) - self.text
+        shapes: list[Shape] = [
+            Label(left, self.head, title, self.text, DIM, 500, max_width=room),
+            Label(right, self.head, many, self.text, DIM, 500, "right"),
+        ]
+        said = f"  +{by}"
+        used = text_width(title, self.text, 500) + self.text
+        name_room = room - used - text_width(said, self.text, 700)
+        if leader >= 0 and not self.alone and name_room > 3 * self.text:
+            name, color = self.info.contenders[leader].name, self.colors[leader]
+            width = text_width(truncated(name, self.text, 700, name_room), self.text, 700)
+            shapes += [
+                Label(left + used, self.head, name, self.text, color, 700, max_width=name_room),
+                Label(left + used + width, self.head, said, self.text, color, 700),
+            ]
+        return shapes
+
+    def history_shapes(self) -> list[Shape]:
+        """How far each was ahead of the average, up to the last catch."""
+        color = mix(CARD, DIM, 0.4)
+        shapes: list[Shape] = [Stroke(self.left, self.zero, self.left + self.width, self.zero, 1.0, color)]
+        scores = self.timeline.scores
+        if not scores:
+            return shapes
+        changes = [0, *(k for k in range(1, len(scores)) if scores[k] != scores[k - 1])]
+        heights = [[self.y(value) for value in over_average(scores[column])] for column in changes]
+        for start, end in pairwise(changes):
+            shapes += self.lead_area(scores[start], self.left + start * self.step, self.left + end * self.step)
+        for contender, color, thick in self.line_styles():
+            points = [(self.left, heights[0][contender])]
+            for start, column in zip(changes[1:], heights[1:], strict=True):
+                x = self.left + start * self.step
+                points += [(x, points[-1][1]), (x, column[contender])]
+            shapes.append(Path(tuple(points), thick, color))
+        return shapes
+
+    def lead_area(self, scores: Sequence[int], left: float, right: float) -> list[Shape]:
+        """The area under the leader's line, down to the second's."""
+        leader, by = lead(scores)
+        left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
+        if leader < 0 or right <= left:
+            return []
+        top = self.y(over_average(scores)[leader])
+        return [Box(left, top, right - left, by * self.pixels, mix(self.colors[leader], CARD, 0.7))]
+
+    def line_styles(self) -> list[tuple[int, Color, float]]:
+        """The lines from the lowest to the topmost: contender, colour, width."""
+        scores = self.timeline.scores[-1]
+        order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
+        faint, bright = order[:-_BRIGHT_LINES], order[-_BRIGHT_LINES:]
+        return [(one, mix(self.colors[one], CARD, 0.65), max(1.0, 1.2 * self.unit)) for one in faint] + [
+            (one, self.colors[one], max(1.0, 2.2 * self.unit)) for one in bright
+        ]
 
 
-def _chart(area: Rect, contenders: int, unit: float) -> _Chart:
-    text, small = font_size(14 * unit, 10), font_size(12 * unit, 9)
-    pad = 16 * unit
-    axis = 2.6 * small
-    head = area.top + max(0.95 * text, min(0.11 * area.height, 22 * unit))
-    foot = area.top + area.height - max(0.85 * small, min(0.08 * area.height, 18 * unit))
-    lane_top = head + 0.95 * text
-    base = foot - 1.15 * small
-    lanes = contenders if (base - lane_top) / 2.0 >= 1.25 * small * contenders else 1
-    pitch = min(18.0 * unit, 0.5 * (base - lane_top) / lanes)
-    lane = max(4.0, min(11.0 * unit, 0.7 * pitch))
-    top = lane_top + (lanes - 1) * pitch + lane + max(4.0, 0.05 * area.height)
-    left = area.left + pad + axis
-    width = area.width - 2 * pad - axis
-    return _Chart(text, small, head, left, width, lane_top, lanes, pitch, lane, top, base, foot)
+def _span(area: Rect, unit: float) -> tuple[float, float]:
+    """The left end of the match's time in the card, and its width."""
+    axis = 2.6 * font_size(12 * unit, 9)
+    return area.left + 16 * unit + axis, area.width - 32 * unit - axis
 
 
 def cursor_x(area: Rect, timeline: Timeline, time_ms: float, unit: float) -> float:
     """Where the present is on the timeline [pixels]."""
-    return _chart(area, 1, unit).x(time_ms, timeline)
-
-
-class _Scale(NamedTuple):
-    """The chart's heights, from the scores so far."""
-
-    zero: float
-    pixels: float
-    """A catch ahead of the average."""
-
-    def y(self, value: float) -> float:
-        """Where a line stands that is so far ahead [pixels]."""
-        return self.zero - value * self.pixels
-
-
-def _scale(chart: _Chart, timeline: Timeline, alone: bool) -> _Scale:
-    values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
-    most, least = max(2.0, *values), 0.0 if alone else min(-2.0, *values)
-    pixels = (chart.base - chart.top) / (most - least)
-    return _Scale(chart.base + least * pixels, pixels)
+    left, width = _span(area, unit)
+    return left + width * min(1.0, time_ms / max(1, timeline.duration_ms))
 
 
 def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
@@ -135,126 +198,32 @@ def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float
 
     The topmost line is the leader's, and the area under it, down to the second, is the lead.
     """
-    chart = _chart(area, len(info.contenders), unit)
-    shapes: list[Shape] = [Box(*area, CARD, 12 * unit), *_title(area, chart, info, timeline, unit)]
-    step = chart.width / COLUMNS
-    for row in range(chart.lanes):
-        row_top = chart.lane_top + row * chart.pitch
-        shapes.append(Box(chart.left, row_top, chart.width, chart.lane, TRACK, chart.lane / 2))
-        if chart.lanes > 1:
-            position = (chart.left - 0.5 * chart.small, row_top + chart.lane / 2)
-            color = legible(info.contenders[row].color)
-            shapes.append(Label(*position, _lane_name(info, row), chart.small, color, 700, "right"))
-    tick = max(step, min(3.0 * unit, 3.0), 1.5)
-    for part, catchers in enumerate(timeline.catchers):
-        for contender in sorted(catchers):
-            row_top = chart.lane_top + (contender * chart.pitch if chart.lanes > 1 else 0.0)
-            x = chart.left + (part + 0.5) * step - tick / 2
-            shapes.append(Box(x, row_top, tick, chart.lane, legible(info.contenders[contender].color)))
-    if chart.base - chart.top >= 8:
-        shapes += _score_lines(chart, info, timeline, unit)
+    chart = _Chart(area, info, timeline, unit)
+    shapes: list[Shape] = [Box(*area, CARD, 12 * unit), *chart.title_shapes(), *chart.lane_shapes()]
+    if chart.has_lines:
+        shapes += chart.history_shapes()
     for at_s in tick_seconds(timeline.duration_ms / 1000.0, chart.width / (5.2 * chart.small)):
-        x = min(chart.x(1000.0 * at_s, timeline), chart.left + chart.width - 1.2 * chart.small)
+        x = min(chart.x(1000.0 * at_s), chart.left + chart.width - 1.2 * chart.small)
         shapes.append(Label(x, chart.foot, axis_time(at_s), chart.small, DIM, 500, "center"))
     return shapes
 
 
-def _lane_name(info: MatchInfo, contender: int) -> str:
-    """A hunter's number; a team's colour tells it."""
-    return "" if info.has_teams else str(contender)
-
-
-def _title(area: Rect, chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
-    left, right = area.left + 16 * unit, chart.left + chart.width
-    many = "1 catch" if timeline.catches == 1 else f"{timeline.catches} catches"
-    leader, by = lead(timeline.scores[-1]) if timeline.scores else (-1, 0)
-    alone = len(info.contenders) == 1
-    title = "Catches" if alone else "Catches and lead"
-    room = right - left - text_width(many, chart.text, 500) - chart.text
-    shapes: list[Shape] = [
-        Label(left, chart.head, title, chart.text, DIM, 500, max_width=room),
-        Label(right, chart.head, many, chart.text, DIM, 500, "right"),
-    ]
-    if leader >= 0 and not alone:
-        left += text_width(title, chart.text, 500) + chart.text
-        room -= text_width(title, chart.text, 500) + chart.text
-        said = f"  +{by}"
-        name_room = room - text_width(said, chart.text, 700)
-        if name_room > 3 * chart.text:
-            name = info.contenders[leader].name
-            width = text_width(truncated(name, chart.text, 700, name_room), chart.text, 700)
-            color = legible(info.contenders[leader].color)
-            shapes += [
-                Label(left, chart.head, name, chart.text, color, 700, max_width=name_room),
-                Label(left + width, chart.head, said, chart.text, color, 700),
-            ]
-    return shapes
-
-
-def _score_lines(chart: _Chart, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
-    scale = _scale(chart, timeline, len(info.contenders) == 1)
-    shapes: list[Shape] = [_zero_line(chart, scale)]
-    if not timeline.scores:
-        return shapes
-    step = chart.width / COLUMNS
-    changes = [0, *(k for k in range(1, len(timeline.scores)) if timeline.scores[k] != timeline.scores[k - 1])]
-    heights = [[scale.y(value) for value in over_average(timeline.scores[column])] for column in changes]
-    for start, end in pairwise(changes):
-        shapes += _lead_area(info, timeline.scores[start], scale, chart.left + start * step, chart.left + end * step)
-    for contender, color, thick in _line_styles(info, timeline.scores[-1], unit):
-        points = [(chart.left, heights[0][contender])]
-        for start, column in zip(changes[1:], heights[1:], strict=True):
-            x = chart.left + start * step
-            points += [(x, points[-1][1]), (x, column[contender])]
-        shapes.append(Path(tuple(points), thick, color))
-    return shapes
-
-
-def _lead_area(info: MatchInfo, scores: Sequence[int], scale: _Scale, left: float, right: float) -> list[Shape]:
-    leader, by = lead(scores)
-    left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
-    if leader < 0 or right <= left:
-        return []
-    top = scale.y(over_average(scores)[leader])
-    return [Box(left, top, right - left, by * scale.pixels, mix(legible(info.contenders[leader].color), CARD, 0.7))]
-
-
-def _zero_line(chart: _Chart, scale: _Scale) -> Stroke:
-    return Stroke(chart.left, scale.zero, chart.left + chart.width, scale.zero, 1.0, mix(CARD, DIM, 0.4))
-
-
-def _line_styles(info: MatchInfo, scores: Sequence[int], unit: float) -> list[tuple[int, Color, float]]:
-    """The lines from the lowest to the topmost: contender, colour, width."""
-    order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
-    faint = order[: max(0, len(order) - _BRIGHT_LINES)]
-    return [
-        (contender, mix(legible(info.contenders[contender].color), CARD, 0.65), max(1.0, 1.2 * unit))
-        if contender in faint
-        else (contender, legible(info.contenders[contender].color), max(1.0, 2.2 * unit))
-        for contender in order
-    ]
-
-
 def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
     """What is now: the lines reach to the present, which is a line across, and end in dots."""
-    chart = _chart(area, len(info.contenders), unit)
-    x = chart.x(time_ms, timeline)
-    shapes: list[Shape] = []
-    if chart.base - chart.top >= 8 and timeline.scores:
-        scale = _scale(chart, timeline, len(info.contenders) == 1)
-        start = chart.left + timeline.last_change * chart.width / COLUMNS
-        values = over_average(timeline.scores[-1])
-        shapes += _lead_area(info, timeline.scores[-1], scale, start, x)
-        lines = _line_styles(info, timeline.scores[-1], unit)
-        for contender, color, thick in lines:
-            y = scale.y(values[contender])
-            shapes.append(Stroke(min(start, x), y, x, y, thick, color))
-        shapes.append(Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE))
-        dot = max(3.0, 7.0 * unit)
-        for contender, color, _ in lines[-_BRIGHT_LINES:]:
-            shapes.append(Box(x - dot / 2, scale.y(values[contender]) - dot / 2, dot, dot, color, dot / 2))
-        return shapes
-    return [Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE)]
+    chart = _Chart(area, info, timeline, unit)
+    x = chart.x(time_ms)
+    present = Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE)
+    if not (chart.has_lines and timeline.scores):
+        return [present]
+    start = chart.left + timeline.last_change * chart.step
+    heights = [chart.y(value) for value in over_average(timeline.scores[-1])]
+    lines, dot = chart.line_styles(), max(3.0, 7.0 * unit)
+    shapes = chart.lead_area(timeline.scores[-1], start, x)
+    shapes += [Stroke(min(start, x), heights[one], x, heights[one], thick, color) for one, color, thick in lines]
+    shapes.append(present)
+    for one, color, _ in lines[-_BRIGHT_LINES:]:
+        shapes.append(Box(x - dot / 2, heights[one] - dot / 2, dot, dot, color, dot / 2))
+    return shapes
 
 
 def tick_seconds(duration_s: float, most: float) -> list[float]:

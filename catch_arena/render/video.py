@@ -1,8 +1,7 @@
 """A match as a video."""
 
 import os
-import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -15,7 +14,7 @@ from catch_arena.render import hud
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer, checked_size
-from catch_arena.render.timing import Clip, FrameTiming, frame_spans
+from catch_arena.render.timing import Clip, frame_spans
 from catch_arena.replay import Replay
 from catch_arena.world import World
 
@@ -28,21 +27,12 @@ class RenderReport:
     """What was written."""
 
     path: Path
-    """With .mp4 added to its name where the encoder that was asked for is missing."""
     frames: int
-    """Counted in the finished file."""
     seconds: float
     """The video's length."""
     size: tuple[int, int]
     """(width, height) [pixels]; where a format needs even numbers, an odd one has become the next even one."""
     fps: int
-    codec: str
-    """"h264", "vp9", "gif", "webp", or "mpeg4" where PyAV is missing."""
-    bytes: int
-    elapsed_s: float
-    """How long it took."""
-    notice: str = ""
-    """One line for the user, if there is something to say."""
 
 
 def render_replay(
@@ -74,7 +64,7 @@ def render_replay(
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for a setting that cannot be.
+        ConfigError: for a setting that cannot be, and without PyAV or an encoder in its FFmpeg.
         OutputError: where the file cannot be written.
         ReplayError: where the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written
             file is left, and what stood under the name before stands there still.
@@ -84,16 +74,8 @@ def render_replay(
     within = frame_size(kind, size)
     clip = clip_of(replay, kind, fps, start_s, end_s, speed)
     renderer = renderer_for(replay, within, layout)
-    if view_of is not None:
-        renderer.view_of = checked_view(replay, view_of)
-    return write_video(
-        path,
-        rendered_frames(replay, renderer, clip),
-        within,
-        clip.fps,
-        clip.frames,
-        progress,
-    )
+    (renderer.view_of,) = viewed_seats([replay], view_of)
+    return write_video(path, rendered_frames(replay, renderer, clip), within, clip.fps, clip.frames, progress)
 
 
 def write_video(
@@ -105,23 +87,12 @@ def write_video(
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a video's frames, as many as were promised, as they come. What is raised is `render_replay`'s."""
-    began = time.perf_counter()
-    with video_file(path, size, fps, frames, progress) as video:
+    with video_file(path, size, fps) as video:
         for done, pixels in enumerate(pictures, start=1):
             video.write(pixels)
             if progress is not None:
                 progress(done, frames)
-    return RenderReport(
-        path=video.path,
-        frames=frames,
-        seconds=frames / fps,
-        size=size,
-        fps=fps,
-        codec=video.codec,
-        bytes=video.path.stat().st_size,
-        elapsed_s=time.perf_counter() - began,
-        notice=video.notice,
-    )
+    return RenderReport(Path(path), frames, frames / fps, size, fps)
 
 
 def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
@@ -139,12 +110,26 @@ def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> M
     return MatchRenderer(MatchInfo.of_replay(replay), size, layout, replay.seed)
 
 
-def checked_view(replay: Replay, hunter: int | str) -> int:
-    """The seat of a hunter whose view can be shown.
+def viewed_seats(replays: Iterable[Replay], hunter: int | str | None) -> list[int | None]:
+    """Return the seat of a hunter in each match whose view of it can be shown, and None in each other match.
 
     Raises:
-        ConfigError: for an unknown hunter, or where hunters see everything as it is.
+        ConfigError: if no match has such a hunter, or in none of them hunters see less than everything.
     """
+    seats: list[int | None] = []
+    fault: ConfigError | None = None
+    for replay in replays:
+        try:
+            seats.append(None if hunter is None else _viewed_seat(replay, hunter))
+        except ConfigError as error:
+            seats.append(None)
+            fault = fault or error
+    if fault is not None and not any(seat is not None for seat in seats):
+        raise fault
+    return seats
+
+
+def _viewed_seat(replay: Replay, hunter: int | str) -> int:
     seat = find_seat(replay, hunter)
     if not replay.config.limits_views:
         raise ConfigError(
@@ -154,51 +139,32 @@ def checked_view(replay: Replay, hunter: int | str) -> int:
     return seat
 
 
-def checked_views(replays: Iterable[tuple[str, Replay]], hunter: int | str) -> dict[str, int | None]:
-    """The seat of a hunter in each of several matches, by their names; None where it has no view to show.
-
-    Raises:
-        ConfigError: as of `checked_view`, where it has none in any of them.
-    """
-    found: dict[str, int | None] = {}
-    fault: ConfigError | None = None
-    for name, replay in replays:
-        try:
-            found[name] = checked_view(replay, hunter)
-        except ConfigError as error:
-            found[name], fault = None, fault or error
-    if fault is not None and all(seat is None for seat in found.values()):
-        raise fault
-    return found
-
-
 def duration_ms(replay: Replay) -> int:
     """How long the match took."""
     return replay.steps * replay.config.control_period_ms
 
 
-def rendered_frames(replay: Replay, renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
+def rendered_frames(replay: Replay, renderer: MatchRenderer, clip: Clip) -> Iterator[Pixels]:
     """The frames of a recorded match; see `frames_of`."""
-    return frames_of(_observed_worlds(replay, renderer), renderer, timing)
+    return frames_of(observed_worlds(replay, renderer), renderer, clip.times_ms)
 
 
-def _observed_worlds(replay: Replay, renderer: MatchRenderer) -> Iterator[World]:
-    """As `Replay.worlds`; the renderer is told what hunters observe in each."""
+def observed_worlds(replay: Replay, renderer: MatchRenderer) -> Iterator[World]:
+    """As `Replay.worlds`; the renderer gets the observations of the hunters in each."""
     for engine in replay.checked_engines():
         world = engine.world()
         renderer.observe(world.step, engine.observations[0])
         yield world
 
 
-def frames_of(worlds: Iterable[World], renderer: MatchRenderer, timing: FrameTiming) -> Iterator[Pixels]:
-    """The frames, one after the other, in the renderer's own buffer: the next one overwrites it.
+def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequence[float]) -> Iterator[Pixels]:
+    """The frames at these instants, in the renderer's own buffer: the next one overwrites it.
 
     Steps before the first frame are played too, so that their trails and catches are there.
     """
-    for span in frame_spans(worlds, timing):
+    for span in frame_spans(worlds, times_ms):
         renderer.enter(span.motion)
-        for frame in span.frames:
-            time_ms = timing.time_ms(frame)
+        for time_ms in span.times_ms:
             yield renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
 
 

@@ -1,7 +1,5 @@
 """Where in a picture the arena's square lies, how large things are in it, and the colours of all but the hunters."""
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 from catch_arena.render.shapes import Color
@@ -22,51 +20,26 @@ MARGIN: Final = 0.03
 """Room outside the walls, as a part of the side: a turtle at a wall is seen whole."""
 
 
-@dataclass(frozen=True)
 class Viewport:
-    """Where the arena's square lies in a picture of so many pixels: as large as fits, in the middle, with a margin."""
+    """Where the arena's square lies in a picture of so many pixels: as large as fits, in the middle, with a margin.
 
-    width: int
-    height: int
-    side_m: float
+    Lengths and widths are in pixels.
+    """
 
-    @cached_property
-    def scale(self) -> float:
+    def __init__(self, width: int, height: int, side_m: float) -> None:
+        self.width, self.height, self.side_m = width, height, side_m
+        shorter = min(width, height)
+        self.scale = shorter / (side_m * (1.0 + 2.0 * MARGIN))
         """Pixels per metre."""
-        return min(self.width, self.height) / (self.side_m * (1.0 + 2.0 * MARGIN))
+        half = side_m * self.scale / 2.0
+        self._left, self._bottom = width / 2.0 - half, height / 2.0 + half
+        self.hunter_length = max(HUNTER_LENGTH_M * self.scale, 20.0, shorter / 26.0)
+        """True to HUNTER_LENGTH_M until that would be too small to see."""
+        self.target_length = self.hunter_length * TARGET_LENGTH_M / HUNTER_LENGTH_M
+        self.prey_length = self.hunter_length * PREY_LENGTH_M / HUNTER_LENGTH_M
+        self.trail_width = max(1.6, 0.1 * self.hunter_length)
+        self.target_trail_width = max(1.2, 0.06 * self.hunter_length)
 
     def to_pixels(self, x: float, y: float) -> tuple[float, float]:
         """A point of the world [m] in pixels."""
-        left, bottom = self._corner
-        return left + x * self.scale, bottom - y * self.scale
-
-    @cached_property
-    def _corner(self) -> tuple[float, float]:
-        half = self.side_m * self.scale / 2.0
-        return self.width / 2.0 - half, self.height / 2.0 + half
-
-    @cached_property
-    def hunter_length(self) -> float:
-        """Pixels: true to HUNTER_LENGTH_M until that would be too small to see."""
-        least = max(20.0, min(self.width, self.height) / 26.0)
-        return max(HUNTER_LENGTH_M * self.scale, least)
-
-    @cached_property
-    def target_length(self) -> float:
-        """Pixels."""
-        return self.hunter_length * TARGET_LENGTH_M / HUNTER_LENGTH_M
-
-    @cached_property
-    def prey_length(self) -> float:
-        """Pixels."""
-        return self.hunter_length * PREY_LENGTH_M / HUNTER_LENGTH_M
-
-    @cached_property
-    def trail_width(self) -> float:
-        """Pixels."""
-        return max(1.6, 0.1 * self.hunter_length)
-
-    @cached_property
-    def target_trail_width(self) -> float:
-        """Pixels."""
-        return max(1.2, 0.06 * self.hunter_length)
+        return self._left + x * self.scale, self._bottom - y * self.scale

@@ -105,19 +105,9 @@ class ReportData:
         ]
 
     @property
-    def outcomes(self) -> Outcomes:
-        """The matches as arrays, as the hunters'."""
-        return self.sides[0].outcomes
-
-    @property
     def standings(self) -> list[Standing]:
         """Of the hunters, the best first."""
         return self.sides[0].standings
-
-    @property
-    def encounters(self) -> dict[tuple[str, str], Encounter]:
-        """Of the hunters, each against each, by their names."""
-        return self.sides[0].encounters
 
     @cached_property
     def recorded(self) -> frozenset[str]:

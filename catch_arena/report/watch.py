@@ -3,7 +3,7 @@
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -147,7 +147,19 @@ def serve(report: LiveReport, port: int | None = None) -> Iterator[str]:
     Raises:
         OutputError: where the port, or all of them, are taken.
     """
-    server = _listening(report, range(PORT, PORT + _PORTS) if port is None else (port,))
+    reason = ""
+    ports = range(PORT, PORT + _PORTS) if port is None else range(port, port + 1)
+    for tried in ports:
+        try:
+            server = _Server(tried, report)
+            break
+        except OSError as error:
+            reason = error.strerror or str(error)
+        except OverflowError:
+            raise OutputError(f"port must be from 0 to 65535, got {port}") from None
+    else:
+        taken = f"{ports[0]} to {ports[-1]}" if port is None else port
+        raise OutputError(f"port {taken} of {HOST}: cannot be used: {reason}")
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
     try:
@@ -156,15 +168,3 @@ def serve(report: LiveReport, port: int | None = None) -> Iterator[str]:
         server.shutdown()
         server.server_close()
         thread.join()
-
-
-def _listening(report: LiveReport, ports: Sequence[int]) -> _Server:
-    for port in ports:
-        try:
-            return _Server(port, report)
-        except OSError as error:
-            reason = error.strerror or error
-        except OverflowError:
-            raise OutputError(f"port must be from 0 to 65535, got {port}") from None
-    taken = str(ports[0]) if len(ports) == 1 else f"{ports[0]} to {ports[-1]}"
-    raise OutputError(f"port {taken} of {HOST}: cannot be used: {reason}")

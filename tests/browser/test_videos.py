@@ -104,7 +104,7 @@ def test_colours_are_right_within_three_levels(page, serve, tmp_path, ending):
     for place, color in enumerate(colors):
         row, column = divmod(place, 7)
         picture[side * row : side * (row + 1), side * column : side * (column + 1), :3] = color
-    with video_file(tmp_path / f"patches{ending}", (side * 7, side * 2), 25, 25) as video:
+    with video_file(tmp_path / f"patches{ending}", (side * 7, side * 2), 25) as video:
         for _ in range(25):
             video.write(picture)
     tag = "video muted" if ending in MOVIES else "img"

@@ -4,7 +4,6 @@ import os
 import pkgutil
 import re
 import stat
-import sys
 from pathlib import Path
 
 import pytest
@@ -89,14 +88,6 @@ def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, 
     assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
     assert Path(name).read_bytes() != b"mine"
     assert second.read_bytes() == written
-
-
-def test_a_video_whose_name_gets_another_ending_replaces_nothing_either(played, monkeypatch):
-    """Without PyAV."""
-    monkeypatch.setitem(sys.modules, "av", None)
-    Path("v.gif.mp4").write_text("mine")
-    refused = CliRunner().invoke(main, words_of(WRITERS["v.gif"], played))
-    assert refused.stderr.startswith("error: v.gif.mp4: is there already: ")
 
 
 def commands_below(group, name=""):

@@ -6,11 +6,11 @@ import pytest
 
 from catch_arena.config import ArenaConfig
 from catch_arena.live import overlays
-from catch_arena.render.hud import AgentScore
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import Viewport
+from catch_arena.tournament.parties import Parties
 
 AREAS = [(320, 240), (720, 720), (2160, 2160)]
 INFO = MatchInfo.of(ArenaConfig(), ("you", "nearest", "patrol", "a name that is longer than any card is wide " * 3))
@@ -28,7 +28,7 @@ def within(shapes, area) -> bool:
 @pytest.mark.parametrize("area", AREAS)
 def test_every_key_is_on_the_card(area):
     rows = (*overlays.DRIVING, *overlays.WINDOW)
-    shapes = overlays.keys_overlay(area, "Keys", rows, "any key begins")
+    shapes = overlays.card_overlay(area, "Keys", rows, "any key begins")
     texts = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert {meaning for _, meaning in rows} <= set(texts)
     assert {"W", "A", "S", "D", "space", "P", "N", ".", "R", "Ctrl-S", "H", "Esc"} <= set(texts)
@@ -38,19 +38,20 @@ def test_every_key_is_on_the_card(area):
 
 
 @pytest.mark.parametrize("area", AREAS)
-def test_the_result_is_told_by_rank(area):
-    table = [(1, AgentScore(2, 9)), (2, AgentScore(0, 7)), (2, AgentScore(3, 7)), (4, AgentScore(1, 0))]
-    shapes = overlays.result_overlay(area, INFO, table, "Esc: end")
-    texts = [shape.text for shape in shapes if isinstance(shape, Label)]
-    assert texts[0] == "patrol wins"
-    assert texts[1:5] == ["1", "2", "patrol", "9"]  # rank, number, name, catches
+def test_a_card_without_keys_has_room_for_its_words(area):
+    shapes = overlays.card_overlay(area, "patrol wins", (), "Esc: end")
+    assert [shape.text for shape in shapes if isinstance(shape, Label)] == ["patrol wins", "Esc: end"]
     assert within(shapes, area)
 
 
-def test_a_shared_first_rank_and_ones_own_win():
-    tie = [(1, AgentScore(0, 7)), (1, AgentScore(1, 7))]
-    assert overlays.result_overlay((720, 720), INFO, tie, "")[1].text == "2 share the first rank"
-    assert overlays.result_overlay((720, 720), INFO, [(1, AgentScore(0, 7))], "")[1].text == "You win"
+def verdict(info, ranks, scores) -> str:
+    return overlays.verdict(info, Parties.of(info.config), ranks, scores)
+
+
+def test_the_winner_is_named_a_first_rank_may_be_shared_and_ones_own_win_is_told():
+    assert verdict(INFO, (4, 2, 1, 2), (0, 7, 9, 7)) == "patrol wins"
+    assert verdict(INFO, (1, 1, 3, 3), (7, 7, 0, 0)) == "2 share the first rank"
+    assert verdict(INFO, (1, 2, 3, 4), (7, 2, 1, 0)) == "You win"
 
 
 @pytest.mark.parametrize("area", AREAS)
@@ -68,10 +69,7 @@ def test_the_pointer_and_its_word_stay_in_the_picture(area, x, y):
 
 def test_a_team_wins_together_and_prey_is_told_how_often_it_was_caught():
     info = MatchInfo.of(ArenaConfig(teams=((0, 1), (2, 3)), prey=1), ("you", "nearest", "patrol", "patrol", "flee"))
-    table = [(1, AgentScore(0, 9)), (2, AgentScore(2, 7)), (1, AgentScore(4, 3, hunted=True))]
-    texts = [one.text for one in overlays.result_overlay((720, 720), info, table, "") if isinstance(one, Label)]
-    assert texts[0] == "Your team wins"
-    assert texts[9:14] == ["1", "P0", "flee", "caught", "3"]
+    assert verdict(info, (1, 2, 1), (9, 7, 3)) == "Your team wins"
+    assert verdict(info, (2, 1, 1), (7, 9, 3)) == "patrol wins"
     info = MatchInfo.of(ArenaConfig(prey=1), ("a", "b", "c", "d", "you"))
-    table = [(1, AgentScore(0, 9)), (1, AgentScore(4, 1, hunted=True))]
-    assert overlays.result_overlay((720, 720), info, table, "")[1].text == "You were caught 1 time"
+    assert verdict(info, (1, 2, 3, 4, 1), (9, 3, 2, 1, 1)) == "You were caught 1 time"

@@ -10,8 +10,8 @@ from render.videos import SMALL
 from catch_arena.layout import columns
 from catch_arena.render.blurred_view import Belief, BlurredView
 from catch_arena.render.shapes import Ring, Stroke
-from catch_arena.render.timing import Clip, Snapshots
-from catch_arena.render.video import rendered_frames, renderer_for
+from catch_arena.render.timing import Clip
+from catch_arena.render.video import frames_of, observed_worlds, renderer_for
 from catch_arena.render.viewport import Viewport
 
 HARDLY = 1e-5
@@ -88,16 +88,16 @@ def test_a_ring_is_where_it_is_believed_to_be_and_a_line_leads_to_where_it_is():
         assert math.hypot(line.x0 - ring.x, line.y0 - ring.y) == pytest.approx(ring.radius)
 
 
-@pytest.mark.parametrize("timing", [Clip(300, 1200, 30), Snapshots((0.0, 450.0, 1900.0, 2000.0))])
-def test_each_picture_has_what_was_observed_when_its_step_began(play, monkeypatch, timing):
+@pytest.mark.parametrize("times", [Clip(300, 1200, 30).times_ms, [0.0, 450.0, 1900.0, 2000.0]])
+def test_each_picture_has_what_was_observed_when_its_step_began(play, monkeypatch, times):
     """The hunter acts on that, until the next step begins."""
     match = play("evasive", view_noise_m=0.5, time_limit_s=2.0)
     steps = beliefs_of(match, 1)
     drawn = note_beliefs(monkeypatch)
     renderer = renderer_for(match, SMALL["size"], "arena")
     renderer.view_of = 1
-    list(rendered_frames(match, renderer, timing))
-    assert len(drawn) == timing.frames
+    list(frames_of(observed_worlds(match, renderer), renderer, times))
+    assert len(drawn) == len(times)
     for time_ms, beliefs in drawn:
         step = min(int(time_ms // match.config.control_period_ms), match.steps - 1)
         assert beliefs == steps[step]

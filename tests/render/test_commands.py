@@ -99,7 +99,6 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
         (["mosaic", "replays", "-o", "grid.avi"], "must end in"),
         (["render", "replays/m0.replay", "-o", "m.mp4", "--size", "9x9"], "size must be"),
         (["highlights", "replays", "-o", "best.txt"], "must end in"),
-        (["render", "no.replay"], "cannot be read"),
         (["mosaic", "replays", "-o", "grid.mp4", "--view-of", "eve"], "unknown hunter 'eve'"),
     ],
 )

@@ -51,7 +51,7 @@ def test_the_line_over_the_arena_fits(size, hunters):
     plan = hud.arrange(size, "arena", hunters)
     chips, clock = hud.split_strip(plan.header, "59.9")
     standings = [hud.AgentScore(seat, 11 * seat) for seat in range(hunters)]
-    shapes = hud.chip_shapes(chips, an_info(hunters), standings)
+    shapes = hud.chip_shapes(chips, an_info(hunters), (), standings)
     assert_inside(shapes, chips)
     assert_texts_apart(shapes)
     assert_inside(hud.strip_clock_shapes(clock, "59.9"), clock)
@@ -83,7 +83,9 @@ def test_every_hunters_colour_is_lightened_until_it_can_be_read_on_a_card(seat):
 @pytest.mark.parametrize(("width", "named"), [(1920, True), (720, True), (400, False)])
 def test_the_line_over_the_arena_has_all_names_or_none(width, named):
     info = MatchInfo.of(ArenaConfig(hunters=4), ["nearest", "patrol", "contested", "first"])
-    shapes = hud.chip_shapes(hud.Rect(0, 0, width, 40), info, [hud.AgentScore(seat, 10 + seat) for seat in range(4)])
+    shapes = hud.chip_shapes(
+        hud.Rect(0, 0, width, 40), info, (), [hud.AgentScore(seat, 10 + seat) for seat in range(4)]
+    )
     shown = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert [name in shown for name in info.names] == [named] * 4
     assert all(str(10 + seat) in shown for seat in range(4))

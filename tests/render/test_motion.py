@@ -65,9 +65,9 @@ def test_targets_glide_from_frame_to_frame(moving):
     fps = 60
     last = {}
     fastest = 0.0
-    for span in frame_spans(moving.worlds(), Clip(0, 6000, fps)):
-        for frame in span.frames:
-            targets = span.motion.at(1000.0 * frame / fps, span.next_tick).targets
+    for span in frame_spans(moving.worlds(), Clip(0, 6000, fps).times_ms):
+        for time_ms in span.times_ms:
+            targets = span.motion.at(time_ms, span.next_tick).targets
             for number in last.keys() & targets:
                 fastest = max(fastest, math.dist(last[number][:2], targets[number][:2]))
             last = targets
@@ -104,21 +104,19 @@ def test_every_frame_belongs_to_one_step_and_lies_in_it(play, fps, period, speed
     replay = play("duel", control_period_ms=period, max_cycles=6)
     clip = Clip(0, 6 * period, fps, speed)
     shown = []
-    for span in frame_spans(replay.worlds(), clip):
-        for frame in span.frames:
-            time_ms = 1000 * speed * frame / fps
-            assert clip.time_ms(frame) == pytest.approx(float(time_ms))
-            assert span.motion.before.time_ms <= time_ms < span.motion.after.time_ms or frame == 0
-            shown.append(frame)
-    assert shown == list(range(clip.frames))
+    for span in frame_spans(replay.worlds(), clip.times_ms):
+        for time_ms in span.times_ms:
+            assert span.motion.before.time_ms <= time_ms < span.motion.after.time_ms or time_ms == 0
+            shown.append(time_ms)
+    assert shown == clip.times_ms == [pytest.approx(1000 * float(speed) * k / fps) for k in range(clip.frames)]
 
 
 def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is_played(match):
     clip = Clip(1250, 2000, 60)
-    read = list(frame_spans(match.worlds(), clip))
-    frames = [(span.motion, frame) for span in read for frame in span.frames]
-    assert [frame for _, frame in frames] == list(range(45))
-    assert clip.time_ms(0) == 1250.0
+    read = list(frame_spans(match.worlds(), clip.times_ms))
+    frames = [(span.motion, time_ms) for span in read for time_ms in span.times_ms]
+    assert len(frames) == 45
+    assert frames[0][1] == 1250.0
     assert frames[0][0].before.time_ms == 1200
     assert read[0].motion.before.time_ms == 0  # what came before is told, without frames
     assert read[-1].motion.after.time_ms == 2000
@@ -139,7 +137,7 @@ def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is
 def test_a_video_is_as_long_as_its_part_of_the_match(start, end, fps, speed, frames):
     clip = Clip(start, end, fps, Fraction(speed))
     assert clip.frames == frames
-    assert clip.time_ms(clip.frames - 1) <= end
+    assert clip.times_ms[-1] <= end
 
 
 def test_the_ticks_between_two_instants_are_each_told_once(worlds):
@@ -155,9 +153,9 @@ def test_motion_is_smooth_across_step_boundaries(match):
     limit = match.config.max_speed_mps / fps * 1.02
     last = None
     fastest = 0.0
-    for span in frame_spans(match.worlds(), Clip(0, 3000, fps)):
-        for frame in span.frames:
-            poses = span.motion.at(1000.0 * frame / fps, span.next_tick).hunters
+    for span in frame_spans(match.worlds(), Clip(0, 3000, fps).times_ms):
+        for time_ms in span.times_ms:
+            poses = span.motion.at(time_ms, span.next_tick).hunters
             if last is not None:
                 fastest = max(fastest, *(math.dist(a[:2], b[:2]) for a, b in zip(last, poses, strict=True)))
             last = poses
@@ -185,11 +183,11 @@ def test_only_two_steps_ahead_are_read(match):
             read += 1
             yield world
 
-    for index, _ in enumerate(frame_spans(counted(), Clip(0, 3000, 60))):
+    for index, _ in enumerate(frame_spans(counted(), Clip(0, 3000, 60).times_ms)):
         assert read <= index + 3
 
 
 def test_a_match_without_steps_is_one_picture(worlds):
-    (span,) = frame_spans(worlds[:1], Clip(0, 0, 60))
-    assert list(span.frames) == [0]
+    (span,) = frame_spans(worlds[:1], [0.0])
+    assert span.times_ms == [0.0]
     assert span.motion.at(0.0) == poses_of(worlds[0])

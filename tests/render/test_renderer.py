@@ -126,10 +126,9 @@ def test_a_film_of_moving_targets_shows_them_where_they_are(moving):
     renderer = renderer_for(moving, (400, 400), "arena")
     clip = Clip(3000, 4000, 60)
     shown = trails = 0
-    for span in frame_spans(moving.worlds(), clip):
+    for span in frame_spans(moving.worlds(), clip.times_ms):
         renderer.enter(span.motion)
-        for frame in span.frames:
-            time_ms = clip.time_ms(frame)
+        for time_ms in span.times_ms:
             poses = span.motion.at(time_ms, span.next_tick)
             pixels = renderer.draw(time_ms, poses)[renderer.arena.top :].astype(int)
             viewport = Viewport(*renderer.arena[2:], moving.config.side_m)
@@ -157,7 +156,7 @@ def test_a_view_is_drawn_where_it_is_asked_for_and_changes_nothing_else(play):
         renderer.view_of = view_of
         (pixels,) = (pixels.copy() for pixels in rendered_frames(replay, renderer, Clip(1500, 1500, 60)))
         drawn.append(pixels[renderer.arena.top :, :, :3].astype(int))
-    (span,) = (span for span in frame_spans(replay.worlds(), Clip(1500, 1500, 60)) if len(span.frames))
+    (span,) = (span for span in frame_spans(replay.worlds(), [1500.0]) if span.times_ms)
     viewport = Viewport(*renderer.arena[2:], replay.config.side_m)
     x, y = viewport.to_pixels(*span.motion.at(1500.0).hunters[0][:2])
     rows, columns = np.nonzero(np.abs(drawn[1] - drawn[0]).sum(axis=2))

@@ -155,7 +155,7 @@ def test_the_line_over_the_arena_has_the_teams_scores_and_then_prey(size):
     strip, _ = hud.split_strip(hud.arrange(size, "arena", 6, 2).header, "59.9")
     standings = [hud.AgentScore(seat, 9) for seat in range(4)]
     standings += [hud.AgentScore(agent, 3, hunted=True) for agent in (4, 5)]
-    shapes = hud.team_chip_shapes(strip, info, (41, 42), standings)
+    shapes = hud.chip_shapes(strip, info, (41, 42), standings)
     assert_inside(shapes, strip)
     assert_texts_apart(shapes)
     texts = [label.text for label in kinds(shapes, Label)]

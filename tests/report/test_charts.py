@@ -89,7 +89,7 @@ def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(dat
 
 
 def test_score_bars_have_the_area_of_all_matches(data):
-    found = distributions(data)
+    found = distributions(data.sides[0])
     assert [row["line"] for row in found["rows"]] == data.standings
     areas = [
         sum(-float(part.split("v")[1].split("h")[0]) for part in row["path"].split("M")[1:]) for row in found["rows"]
@@ -99,7 +99,7 @@ def test_score_bars_have_the_area_of_all_matches(data):
 
 
 def test_the_seats_of_a_tournament_share_all_wins(data):
-    found = seat_results(data)
+    found = seat_results(data.sides[0])
     assert sum(seat.wins.mean for seat in found) == pytest.approx(1.0)
     assert all(seat.wins.low < 0.25 < seat.wins.high for seat in found)
 

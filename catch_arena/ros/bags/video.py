@@ -62,8 +62,7 @@ def render_bag(
     names = tuple(bag.hunters)
     config = scenario("standard", hunters=len(names), reach_m=reach_m)
     renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, layout)
-    worlds = bag_worlds(bag, judged)
-    frames = frames_of(worlds, renderer, clip)
+    frames = frames_of(bag_worlds(bag, judged), renderer, clip.times_ms)
     return write_video(path, frames, within, clip.fps, clip.frames, progress)
 
 
