@@ -1,143 +1,44 @@
-"""Write the tables in docs/ that are made from code; a test checks that they are up to date."""
+"""Write the tables in docs/ that are made from code: each stands between two marks, and the first one names it.
+
+A test checks that they are up to date.
+"""
 
 import argparse
 import ast
-import dataclasses
 import inspect
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields, is_dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import SELF_COLUMNS, Column, columns, prey_columns, state_columns
+from catch_arena.layout import Column, columns, prey_columns, state_columns
 from catch_arena.policy import Limits, PreyLimits
 from catch_arena.scenarios import scenario
 
 DOCS = Path(__file__).parent.parent / "docs"
-
-HEAD = """# What an agent sees
-
-Made from `catch_arena/layout.py` by `make docs`; do not edit. The clauses are R7.1 to R7.6, and R12.4 for prey.
-
-An observation is one float32 vector. `catch_arena.View(observation, mask, limits)` gives it names. Numbers are SI
-units in the hunter's own frame (forward, left), except its own
-position, which is in the world's. The bounds are those of the observation space; `(o - low) / (high - low)` brings
-every column into [0, 1].
-
-The mask of the legal actions is `infos[agent]["action_mask"]`. With `mask_in_observation=True` an observation is
-`{"observation": vector, "action_mask": mask}`, as PettingZoo's examples and Tianshou expect.
-`action_space(agent).sample` takes either mask.
-
-Below is the scenario `standard`: 4 hunters, 8 targets and 3 rivals in view. The columns of `target_2` to `target_8`
-and of `rival_2` and `rival_3` repeat those of the first.
-"""
-
-
-MOVING = """Each target has three columns more there, and where there is prey (R7.4); of `target_1`:
-"""
-
-TEAMS = """Each rival has one column more where there are teams (R7.4). In `pairs`, of `rival_1`:
-"""
-
-PREY = """Prey has a vector of its own, in its own frame (R12.4). It sees all round, everywhere, and without noise: at
-most eight hunters and eight other prey, the nearest first. While it is out everything is zero except `time_left` and
-`times_caught`. In `herd`, where 4 hunters chase 4 prey:
-"""
-
-PARTIAL = """A scenario may limit what hunters see to a radius and a cone (R7.5), and blur it (R7.6). The columns stay:
-what is not seen has no rank, and `forward` and `left` have wider bounds where they are blurred. `view.limits` says
-what holds.
-"""
-
-STATE = """`state()` is one float32 vector in the world frame: the time left, then every hunter by seat, then
-`max_targets` places for targets in spawning order.
-"""
-
-STATE_OF_MOVING = """
-Where targets move, or there is prey, a target has three columns more. In `wander`:
-"""
-
-STATE_OF_PREY = """
-Where there is prey, each prey follows, by index. In `herd`:
-"""
-
-
-SETTINGS_HEAD = """# Settings
-
-Made from `catch_arena/config.py` by `make docs`; do not edit.
-
-An arena is a scenario, and what is changed of it. These are the settings that can be changed, by
-[the rulebook's](rulebook.md) chapters, with the defaults of the scenario `standard`. `catch-arena scenarios` shows what
-is special in the others.
-
-```sh
-catch-arena match nearest first --set hunters=2 --set time_limit_s=30 --set faults.kill_down=0.2
-```
-
-```python
-config = catch_arena.scenario("standard", hunters=2, time_limit_s=30, faults={"kill_down": 0.2})
-```
-
-What stands for each hunter is a list there, in the order of seats: `--set reach_m=[0.3,0.5]`, or `reach_m=(0.3, 0.5)`.
-`null` is Python's None, `true` and `false` are its True and False. Commands do not take `control`: each agent states
-its own.
-"""
+PAGES = ("agents.md", "observation.md", "settings.md")
+TABLE = re.compile(r"(<!-- made by `make docs`: (.+?) -->\n\n).*?(?=\n\n<!-- end -->)", re.DOTALL)
 UNITS = {"m": "m", "mps": "m/s", "radps": "rad/s", "hz": "1/s", "ms": "ms", "s": "s", "deg": "degrees"}
 """By the last part of a setting's name."""
 
 
-def table(rows: tuple[Column, ...], *, skip_repeats: tuple[str, ...], first: int = 0) -> str:
-    """The columns as a Markdown table; `first` is the first one's index."""
+def with_tables(page: str) -> str:
+    """Return a page with all its tables made anew."""
+    return TABLE.sub(lambda found: found[1] + TABLES[found[2]](), page)
+
+
+def column_table(columns: Sequence[Column], begins: str = "", repeats: str = "") -> str:
+    """Return columns as a Markdown table: those whose names begin so, without those that a pattern finds."""
     lines = ["| index | name | unit | low | high | meaning |", "|---:|---|---|---:|---:|---|"]
-    for index, row in enumerate(rows, start=first):
-        if not row.name.startswith(skip_repeats):
+    for index, row in enumerate(columns):
+        if row.name.startswith(begins) and not (repeats and re.match(repeats, row.name)):
             lines.append(f"| {index} | {row.name} | {row.unit} | {row.low:.5g} | {row.high:.5g} | {row.meaning} |")
     return "\n".join(lines)
-
-
-def observation_page() -> str:
-    """docs/observation.md."""
-    config = scenario("standard")
-    others = tuple(f"{what}_{i}." for what in ("target", "rival") for i in range(2, 10))
-    seats = (*(f"hunter_{i}." for i in range(1, 10)), *(f"target_{i}." for i in range(2, 17)), "target_1")
-    wander = scenario("wander")
-    of_moving_target = tuple(column for column in columns(wander) if column.name.startswith("target_1."))
-    of_moving_place = [column for column in state_columns(wander) if column.name.startswith("target_1.")]
-    pairs = columns(scenario("pairs"))
-    of_team_rival = [column for column in pairs if column.name.startswith("rival_1.")]
-    herd = scenario("herd")
-    of_prey = [column for column in state_columns(herd) if column.name.startswith("prey_0.")]
-    return "\n".join(
-        (
-            HEAD,
-            table(columns(config), skip_repeats=others),
-            "\n## Where targets move\n",
-            MOVING,
-            table(of_moving_target, skip_repeats=(), first=len(SELF_COLUMNS)),
-            "\n## Where there are teams\n",
-            TEAMS,
-            table(tuple(of_team_rival), skip_repeats=(), first=pairs.index(of_team_rival[0])),
-            "\n## What prey sees\n",
-            PREY,
-            table(
-                prey_columns(herd),
-                skip_repeats=tuple(f"{kind}_{i}." for kind in ("hunter", "prey") for i in range(2, 9)),
-            ),
-            "\n## What is not seen\n",
-            PARTIAL.rstrip(),
-            "\n## The global view\n",
-            STATE,
-            table(state_columns(config), skip_repeats=tuple(s for s in seats if s != "target_1")),
-            STATE_OF_MOVING,
-            table(tuple(of_moving_place), skip_repeats=(), first=state_columns(wander).index(of_moving_place[0])),
-            STATE_OF_PREY,
-            table(tuple(of_prey), skip_repeats=(), first=state_columns(herd).index(of_prey[0])),
-            "",
-        )
-    )
 
 
 def words_below(owner: type) -> dict[str, str]:
@@ -166,15 +67,6 @@ def limits_table(kind: type[Limits | PreyLimits]) -> str:
     return "\n".join(lines)
 
 
-def agents_page(page: str) -> str:
-    """docs/agents.md with its tables of limits as they should be."""
-    begin, end = "<!-- made from catch_arena/policy.py by `make docs` -->\n\n", "\n\n<!-- end -->"
-    before, *parts = page.split(begin)
-    tables = map(limits_table, (Limits, PreyLimits))
-    made = (f"{begin}{table}{end}{part.partition(end)[2]}" for table, part in zip(tables, parts, strict=True))
-    return before + "".join(made)
-
-
 class Setting(NamedTuple):
     """One setting as a row of docs/settings.md."""
 
@@ -198,11 +90,11 @@ def settings() -> Iterator[Setting]:
     """Every setting, those of groups too. One that names no clause stands with the one before it."""
     chapter = 2  # of the first one, `hunters`: where they start
     kinds = get_type_hints(ArenaConfig)
-    for field in dataclasses.fields(ArenaConfig):
+    for field in fields(ArenaConfig):
         kind: Any = kinds[field.name]
-        if dataclasses.is_dataclass(kind):
+        if is_dataclass(kind):
             clause = (kind.__doc__ or "").partition(":")[0]
-            for part in dataclasses.fields(kind):
+            for part in fields(kind):
                 meaning, unit = split_unit(words_for(kind, part.name))
                 default = shown(getattr(kind(), part.name))
                 yield Setting(
@@ -241,28 +133,38 @@ def shown(default: object) -> str:
     return "`" + text.strip('"') + "`"
 
 
-def settings_page() -> str:
-    """docs/settings.md."""
+def settings_tables() -> str:
+    """Return a heading and a table for each chapter of the rulebook that has settings."""
     titles = dict(re.findall(r"^## Chapter (\d+): (.+)$", (DOCS / "rulebook.md").read_text(), re.MULTILINE))
     rows = list(settings())
-    parts = [SETTINGS_HEAD]
+    parts = []
     for chapter in sorted({row.chapter for row in rows}):
-        parts.append(f"## {titles[str(chapter)]} (chapter {chapter})\n")
-        parts += ["| setting | unit | default | meaning |", "|---|---|---|---|"]
-        parts += [
+        lines = [f"## {titles[str(chapter)]} (chapter {chapter})", "", "| setting | unit | default | meaning |"]
+        lines += ["|---|---|---|---|"]
+        lines += [
             f"| `{row.name}` | {row.unit} | {row.default} | {row.meaning} |" for row in rows if row.chapter == chapter
         ]
-        parts.append("")
-    return "\n".join(parts)
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts)
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "view.limits": partial(limits_table, Limits),
+    "view.limits of prey": partial(limits_table, PreyLimits),
+    "standard": lambda: column_table(columns(scenario("standard")), repeats=r"(target|rival)_([2-9]|1\d)\."),
+    "a moving target": lambda: column_table(columns(scenario("wander")), "target_1."),
+    "a rival in teams": lambda: column_table(columns(scenario("pairs")), "rival_1."),
+    "prey": lambda: column_table(prey_columns(scenario("herd")), repeats=r"(hunter|prey)_[2-9]\."),
+    "state": lambda: column_table(state_columns(scenario("standard")), repeats=r"(hunter_[1-9]|target_([2-9]|1\d))\."),
+    "state of a moving target": lambda: column_table(state_columns(scenario("wander")), "target_1."),
+    "state of prey": lambda: column_table(state_columns(scenario("herd")), "prey_0."),
+    "settings": settings_tables,
+}
 
 
 if __name__ == "__main__":
     argparse.ArgumentParser(description=__doc__).parse_args()
-    agents = DOCS / "agents.md"
-    for path, text in (
-        (DOCS / "observation.md", observation_page()),
-        (DOCS / "settings.md", settings_page()),
-        (agents, agents_page(agents.read_text())),
-    ):
-        path.write_text(text)
+    for name in PAGES:
+        path = DOCS / name
+        path.write_text(with_tables(path.read_text()))
         print(path.relative_to(DOCS.parent))

@@ -1,54 +1,75 @@
-"""Catch Arena's own interfaces: the env of one arena, and the batch in many sizes.
+"""What is measured of Catch Arena.
 
 By public names only: `--against` measures older versions with this file.
 """
 
 import mmap
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
 import tracemalloc
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from inspect import signature
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium import spaces
-from measure import Subject, Work
+from subject import Row, Subject
 
 import catch_arena
 
-ENV, BATCH, HUNTERS, TARGETS, RESET = "one arena", "batches", "more hunters", "more targets", "reset"
-REFERENCES = 3
-"""How many of ours stand beside the peers: the first subjects of all."""
+ONE_ARENA, BATCH, LARGE = "one arena, target control", "batch of 1,024", "batch of 16,384"
+"""What stands beside the peers."""
 _AGES, _NEIGHBOURS = 32, 32
-"""How many different ones a large batch has, and how many different arenas of each."""
+"""Ages in a large batch, and different arenas of each."""
 _FULL = {"initial_targets": 16, "spawn_frequency_hz": 10.0}
 """Targets enough that the arena stays full."""
-USUAL = "4 hunters, 16 targets"
-"""The arena beside which others are put in the tables of growing cost."""
+_FIRST_STEP = (
+    "import catch_arena as c; assert c.__file__.startswith({root!r}), c.__file__; "
+    "env = c.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
+)
+_AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
 
 
-def arena_name(control: str) -> str:
-    """Of the env under that control."""
-    return f"Catch Arena, one arena, {control} control"
-
-
-def batch_name(control: str) -> str:
-    """Of batches under that control."""
-    return f"Catch Arena, batch, {control} control"
-
-
-def hunters_name(hunters: int) -> str:
-    """Of batches with so many hunters in each arena."""
-    return f"{hunters} hunters, 16 targets"
-
-
-def _work(config: catch_arena.ArenaConfig, seen: spaces.Space) -> Work:
-    return Work(seen.shape[0], f"{config.control_period_ms / 16:g}", arbiter=True)
+def rows(*, quick: bool) -> dict[str, Row]:
+    """Return all rows by name; `quick` has tiny sizes."""
+    few, small, large, at_once = (2, 3, 33, 128) if quick else (32, 1024, 16384, 65536)
+    step, arena = "ns an agent-step", "us a step"
+    return {
+        "batch of 32": Row("batch", step, partial(batch, few)),
+        BATCH: Row("batch", step, partial(batch, small)),
+        LARGE: Row("batch", step, partial(batch, large)),
+        f"{LARGE}, two threads": Row("threads", step, partial(batch, large, threads=2)),
+        f"{LARGE}, velocity control": Row("controls", step, partial(batch, large, control="velocity")),
+        f"{LARGE}, full control": Row("controls", step, partial(batch, large, control="full")),
+        **{f"{n} hunters": Row("hunters", step, partial(by_hunters, n, at_once // n)) for n in (4, 16, 64)},
+        **{f"{n} targets": Row("targets", step, partial(by_targets, n, at_once // 4)) for n in (4, 16, 64)},
+        ONE_ARENA: Row("one-arena", arena, partial(one_arena, "target")),
+        f"{ONE_ARENA}, masks read": Row("one-arena", arena, partial(one_arena, "target", masks_read=True)),
+        "one arena, velocity control": Row("one-arena", arena, partial(one_arena, "velocity")),
+        "one arena, full control": Row("one-arena", arena, partial(one_arena, "full")),
+        "LearnerBatch, nearest": Row("learners", step, partial(learners, few if quick else 256, "nearest")),
+        "LearnerBatch, patrol": Row("learners", step, partial(learners, few if quick else 256, "patrol")),
+        "reset of one arena": Row("resets", "us a reset", reset),
+        "reset of a batch of 16,384": Row("resets", "us a reset", partial(reset, large)),
+        "env.render()": Row("render", "ms a frame", render),
+        "video of 10 s, 1280 x 720": Row("render", "CPU-s", video),
+        "tournament, trusted": Row("isolation", "CPU-s", partial(tournament, "--trusted")),
+        **{
+            f"tournament, {level}": Row("isolation", "CPU-s", partial(tournament, f"--limit=isolation={level}"))
+            for level in ("processes", "namespaces")
+        },
+        "first step, warm": Row("warm", "CPU-s", first_step),
+        "first step, cold": Row("cold", "CPU-s", partial(first_step, cold=True)),
+        "memory": Row("memory", "bytes an arena", partial(memory, large)),
+    }
 
 
 def one_arena(control: str, *, masks_read: bool = False) -> Subject:
-    """The PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities; infos
-    are made only where somebody reads them.
-    """
+    """Make the PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities."""
     env = catch_arena.parallel_env("standard", control=control)
     env.reset(seed=1)
     velocity = np.array((0.8, 0.3), dtype=np.float32)
@@ -63,16 +84,13 @@ def one_arena(control: str, *, masks_read: bool = False) -> Subject:
         if not env.agents:
             env.reset()
 
-    name = arena_name(control) + (", masks read" if masks_read else "")
-    return Subject(
-        ENV, name, step, env.config.hunters, _work(env.config, env.observation_space(env.possible_agents[0]))
-    )
+    return Subject(step, len(actions), floats=env.observation_space(env.possible_agents[0]).shape[0])
 
 
-def _played(
+def batch(
     envs: int, threads: int = 1, control: str = "target", *, ranks_differ: bool = False, **overrides: object
-) -> tuple[Callable[[], object], int, Work]:
-    """A batch's step with fixed actions, its number of hunters, and what a step is."""
+) -> Subject:
+    """Make a batch of the standard scenario with fixed actions."""
     config = catch_arena.scenario("standard", control=control, **overrides)
     arena = catch_arena.VectorArena(config, envs, num_threads=threads)
     _, infos = arena.reset(1)
@@ -85,12 +103,15 @@ def _played(
         actions = ({"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control],)
     if envs >= _AGES * _NEIGHBOURS:  # a smaller one plays whole episodes in a turn
         spread(arena, actions)
-    return lambda: arena.step(*actions), config.hunters, _work(config, arena.observation_space())
+    floats = arena.observation_space().shape[0]
+    return Subject(lambda: arena.step(*actions), config.hunters, envs, floats, threads=threads)
 
 
 def spread(arena: catch_arena.VectorArena, actions: Sequence[Any]) -> None:
-    """Have the arenas at all ages of an episode, and neighbours at the same one: late in an episode a step costs more
-    than early, so a turn that is shorter than an episode would depend on where it begins, and on how many came before.
+    """Put the arenas at all ages of an episode, and neighbours at the same one.
+
+    Late in an episode a step costs more than early. Without this a turn that is shorter than an episode would depend on
+    where it begins.
     """
     few = catch_arena.VectorArena(arena.config, _NEIGHBOURS)
     few.reset(1)
@@ -110,82 +131,121 @@ def _few(actions: Any) -> Any:
     return None if actions is None else actions[:_NEIGHBOURS]
 
 
-def batch(envs: int, threads: int = 1, control: str = "target") -> Subject:
-    """The standard scenario, arena by arena in one array."""
-    step, hunters, work = _played(envs, threads, control)
-    return Subject(BATCH, batch_name(control), step, hunters, work, envs=envs, threads=threads)
-
-
 def by_hunters(hunters: int, envs: int) -> Subject:
-    """Few or many hunters; callers keep the number in the whole batch, and so the memory that a step moves.
+    """Make a batch with few or many hunters; the number in the whole batch, and so the memory, stays the same.
 
-    Each has a rank of its own to chase. If all chased the nearest, they would soon stand in one place: then the arbiter
-    and the order of rivals at equal distances would be measured, and nothing else.
+    Each chases a rank of its own. If all chased the nearest, they would soon stand in one place, and only the arbiter
+    and the order of rivals at equal distances would be measured.
     """
-    step, _, work = _played(envs, ranks_differ=True, hunters=hunters, **_FULL)
-    return Subject(HUNTERS, hunters_name(hunters), step, hunters, work, envs=envs)
+    return batch(envs, ranks_differ=True, hunters=hunters, **_FULL)
 
 
 def by_targets(targets: int, envs: int) -> Subject:
-    """4 hunters, few or many targets."""
-    step, hunters, work = _played(envs, **{**_FULL, "max_targets": targets, "initial_targets": targets})
-    return Subject(TARGETS, f"4 hunters, {targets} targets", step, hunters, work, envs=envs)
+    """Make a batch of 4 hunters, and few or many targets."""
+    return batch(envs, **{**_FULL, "max_targets": targets, "initial_targets": targets})
 
 
-def resets(envs: int) -> Iterator[Subject]:
-    """What a reset of one arena costs, alone and in a batch."""
-    env = catch_arena.parallel_env("standard")
-    env.reset(seed=1)
+def learners(envs: int, opponents: str) -> Subject:
+    """Make the batch of one learner in each arena and three opponents; all four are agents of a step."""
+    from catch_arena.training import LearnerBatch
+
+    arena = LearnerBatch("standard", envs, opponents=opponents, normalise=True)
+    arena.reset(1)
+    hold = np.ones(arena.num_rows, dtype=np.int64)
+    return Subject(lambda: arena.step(hold), arena.config.hunters, envs)
+
+
+def reset(envs: int = 0) -> Subject:
+    """Make a batch that is reset all the time, or one env."""
+    if not envs:
+        return Subject(catch_arena.parallel_env("standard").reset)
     arena = catch_arena.VectorArena("standard", envs)
-    work = _work(arena.config, arena.observation_space())
-    yield Subject(RESET, "Catch Arena, one arena, reset", env.reset, 4, work)
-    yield Subject(RESET, "Catch Arena, batch, reset", lambda: arena.reset(1), 4, work, envs=envs)
+    return Subject(lambda: arena.reset(1), envs=envs)
 
 
-def reference(*, quick: bool) -> list[Subject]:
-    """Those that stand beside the peers."""
-    return [one_arena("target"), *(batch(envs) for envs in _sizes(quick=quick)[-3:-1])]
+def render() -> Subject:
+    """Make an env that draws each step into an array."""
+    env = catch_arena.parallel_env("standard", render_mode="rgb_array")
+    env.reset(seed=1)
+    actions = dict.fromkeys(env.possible_agents, 1)
+
+    def step() -> None:
+        env.step(actions)
+        env.render()
+        if not env.agents:
+            env.reset()
+
+    return Subject(step)
 
 
-def _sizes(*, quick: bool) -> tuple[int, ...]:
-    return (1, 33, 40) if quick else (1, 32, 1024, 16384, 65536)
+def video() -> Subject:
+    """Make a process that renders a match of 10 s, at 60 frames a second."""
+    folder = tempfile.TemporaryDirectory()
+    replay = Path(folder.name, "match.replay")
+    _process(
+        "-m",
+        "catch_arena",
+        "match",
+        "nearest",
+        "first",
+        "--scenario=duel",
+        "--set=time_limit_s=10",
+        "--seed=1",
+        "-o",
+        str(replay),
+    )()
+    step = _process("-m", "catch_arena", "render", str(replay), "--size=1280x720", "--fps=60", "-o", "match.mp4")
+    return Subject(lambda: (folder, step()))  # the folder lives as long as the step
 
 
-def all_others(*, quick: bool) -> list[Subject]:
-    """Every other figure of ours."""
-    sizes = _sizes(quick=quick)
-    usual = sizes[-2]
-    at_once = 64 if quick else 65536
-    return [
-        one_arena("target", masks_read=True),
-        *(one_arena(control) for control in ("velocity", "full")),
-        *(batch(envs) for envs in sizes if envs not in sizes[-3:-1]),
-        *(batch(envs, threads=2) for envs in sizes),
-        *(batch(usual, control=control) for control in ("velocity", "full")),
-        *(by_hunters(hunters, at_once // hunters) for hunters in (2, 4, 8, 16, 32, 64)),
-        *(by_targets(targets, at_once // 4) for targets in (4, 8, 16, 32, 64)),
-        *resets(usual),
-    ]
+def first_step(*, cold: bool = False) -> Subject:
+    """Make a process that ends after the first step of one arena; `cold` has nothing compiled before."""
+    code = _FIRST_STEP.format(root=str(Path(catch_arena.__file__).parents[1]))
+    return Subject(_process("-c", code, cold=cold))
 
 
-def bytes_per_arena(*, quick: bool) -> dict[int, float]:
-    """What batches hold in memory for each arena, by their size."""
-    return {envs: bytes_of_an_arena(envs) for envs in _sizes(quick=quick)}
+def tournament(isolation: str) -> Subject:
+    """Make a tournament of four scripted agents, each given as a file, from its command to its end."""
+    folder = Path(catch_arena.__file__).parents[1] / "agents"
+    files = [str(folder / f"{name}.py") for name in _AGENTS]
+    words = ("-m", "catch_arena", "tournament", *files, isolation, "--rounds=6", "--seed=1", "--jobs=1")
+    return Subject(_process(*words))
+
+
+def _process(*words: str, cold: bool = False) -> Callable[[], object]:
+    def step() -> None:
+        folder = tempfile.mkdtemp()
+        try:
+            environment = {**os.environ, "NUMBA_CACHE_DIR": folder} if cold else os.environ
+            done = subprocess.run(
+                [sys.executable, *words], cwd=folder, env=environment, check=False, capture_output=True, text=True
+            )
+            if done.returncode:
+                raise RuntimeError((done.stderr.strip().splitlines() or ["it failed without a word"])[-1])
+        finally:
+            shutil.rmtree(folder)
+
+    return step
 
 
 class _Pages(mmap.mmap):
-    """Memory that is asked of the system itself, as large batches do, and of which tracemalloc hears nothing."""
+    """Memory that a large batch asks of the system itself, which tracemalloc does not count."""
 
     taken = 0
-    """[bytes], by all of them."""
+    """Bytes, of all of them."""
 
     def __new__(cls, fileno: int, length: int, *arguments: Any, **options: Any) -> "_Pages":
         cls.taken += length
         return super().__new__(cls, fileno, length, *arguments, **options)
 
 
+def memory(envs: int) -> Subject:
+    """Make the measurement of the bytes that a batch of that size holds for each arena."""
+    return Subject(lambda: None, value=partial(bytes_of_an_arena, envs))
+
+
 def bytes_of_an_arena(envs: int) -> float:
-    """What a batch of that size holds in memory for each arena; without what is loaded once, for all batches."""
+    """Return the bytes that a batch of that size holds for each arena, without what all batches share."""
     catch_arena.VectorArena("standard", 2).reset(1)
     usual, _Pages.taken = mmap.mmap, 0
     mmap.mmap = _Pages  # type: ignore[misc]

@@ -1,26 +1,49 @@
 """Environments of the same kind from other projects, each stepped in the way that its authors recommend.
 
-Every peer gets fixed actions, so that nobody's policy is measured, and begins a new episode where one ends. What is not
-installed, or fails, is named as skipped.
+Every peer gets fixed actions, so that no policy is measured, and begins a new episode where one ends.
 """
 
-import contextlib
-import io
-from collections.abc import Callable, Iterator
+import ctypes
+import os
+import subprocess
+import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from measure import Subject, Work
-from puffer import Driver
-from wanted import BESIDE_PUFFERLIB
+from subject import Row, Subject
 
-PEERS = "peers"
-MPE2 = "mpe2 simple_tag_v3"
-PUFFERLIB = "PufferLib target"
-_EPISODE = 600
+HEADER = Path("pufferlib", "ocean", "target", "target.h")
+"""PufferLib's environment `target`, in its source package."""
+_FLAGS = ("-O3", "-march=native", "-fwrapv", "-shared", "-fPIC")
+"""For this very processor, as our own code is compiled."""
+_UNDRAWN = ("-fvisibility=hidden", "-ffunction-sections", "-Wl,--gc-sections")
+"""Leave out the functions that draw, and with them raylib, of which only the header has to be there."""
+_FLOATS = 16
+"""Numbers that an agent sees in each of the simple_tags."""
 
 
-def _parallel(name: str, env: object, floats: int, ticks: str) -> Subject:
-    """Any PettingZoo parallel env whose agents all take the same fixed action."""
+def rows(*, quick: bool, pufferlib: Path | None) -> dict[str, Row]:
+    """Return all peers by name; `pufferlib` is PufferLib's unpacked source package."""
+    small, large, scan = (4, 8, 2) if quick else (1024, 16384, 16)
+    made: dict[str, Callable[[], Subject]] = {
+        "mpe2 simple_tag_v3": mpe2_simple_tag,
+        "VMAS simple_tag": partial(vmas_simple_tag, 1),
+        "VMAS simple_tag, 1,024 at once": partial(vmas_simple_tag, small),
+        "VMAS simple_tag, 16,384 at once": partial(vmas_simple_tag, large),
+        "JaxMARL simple_tag, 1,024 at once": partial(jaxmarl_simple_tag, small, scan),
+        "JaxMARL simple_tag, 16,384 at once": partial(jaxmarl_simple_tag, large, scan),
+        "PufferLib target, 14 goals, 1,024 at once": partial(pufferlib_target, pufferlib, small, 14, scan),
+        "PufferLib target, 30 goals, 1,024 at once": partial(pufferlib_target, pufferlib, small, 30, scan),
+    }
+    return {name: Row("peers", "ns an agent-step", make) for name, make in made.items()}
+
+
+def mpe2_simple_tag() -> Subject:
+    """Make the original particle world: 3 pursuers and 1 evader."""
+    from mpe2 import simple_tag_v3
+
+    env = simple_tag_v3.parallel_env(max_cycles=600)
     env.reset(seed=1)
     actions = dict.fromkeys(env.agents, 1)
 
@@ -29,151 +52,78 @@ def _parallel(name: str, env: object, floats: int, ticks: str) -> Subject:
         if not env.agents:
             env.reset()
 
-    return Subject(PEERS, name, step, len(actions), Work(floats, ticks, arbiter=False))
+    return Subject(step, len(actions), floats=_FLOATS)
 
 
-def mpe2_simple_tag(sizes: "Sizes") -> Iterator[Subject]:
-    """3 pursuers and 1 evader; the original particle world."""
-    del sizes
-    from mpe2 import simple_tag_v3
-
-    yield _parallel(MPE2, simple_tag_v3.parallel_env(max_cycles=_EPISODE), 16, "1")
-
-
-def sisl_pursuit(sizes: "Sizes") -> Iterator[Subject]:
-    """8 pursuers and 30 evaders on a grid."""
-    del sizes
-    from pettingzoo.sisl import pursuit_v5
-
-    env = pursuit_v5.parallel_env(max_cycles=_EPISODE)
-    yield _parallel("PettingZoo sisl pursuit_v5", env, 7 * 7 * 3, "none: a grid")
-
-
-def magent2_pursuit(sizes: "Sizes") -> Iterator[Subject]:
-    """25 predators and 50 prey on a grid, in C++."""
-    del sizes
-    from magent2.environments import adversarial_pursuit_v4
-
-    env = adversarial_pursuit_v4.parallel_env(max_cycles=_EPISODE)
-    yield _parallel("MAgent2 adversarial_pursuit_v4", env, 10 * 10 * 5, "none: a grid")
-
-
-def vmas_simple_tag(sizes: "Sizes") -> Iterator[Subject]:
-    """simple_tag over PyTorch tensors; it has no end of its own, so that it never resets."""
+def vmas_simple_tag(envs: int) -> Subject:
+    """Make simple_tag over PyTorch tensors; it has no end of its own, so it never resets."""
     import torch
     import vmas
 
     torch.set_num_threads(1)
-    for envs in sizes.vmas:
-        env = vmas.make_env("simple_tag", num_envs=envs, device="cpu", continuous_actions=False, seed=1)
-        env.reset()
-        actions = [torch.ones(envs, 1, dtype=torch.long) for _ in env.agents]
+    env = vmas.make_env("simple_tag", num_envs=envs, device="cpu", continuous_actions=False, seed=1)
+    env.reset()
+    actions = [torch.ones(envs, 1, dtype=torch.long) for _ in env.agents]
 
-        def step(env: object = env, actions: object = actions) -> None:
-            with torch.no_grad():
-                env.step(actions)
+    def step() -> None:
+        with torch.no_grad():
+            env.step(actions)
 
-        yield Subject(PEERS, "VMAS simple_tag", step, 4, Work(16, "1", arbiter=False), envs=envs)
+    return Subject(step, 4, envs, _FLOATS)
 
 
-def jaxmarl_simple_tag(sizes: "Sizes") -> Iterator[Subject]:
-    """simple_tag over JAX: vmap over environments, scan over steps, all under jit, which is its fastest way."""
+def jaxmarl_simple_tag(envs: int, steps: int) -> Subject:
+    """Make simple_tag over JAX: vmap over environments, scan over steps, all under jit, which is its fastest way."""
     import jax
     import jaxmarl
 
     env = jaxmarl.make("MPE_simple_tag_v3")
-    for envs in sizes.jax:
-        actions = dict.fromkeys(env.agents, jax.numpy.ones(envs, dtype=jax.numpy.int32))
-
-        def one(carry: tuple, key: object, envs: int = envs, actions: object = actions) -> tuple:
-            observations, state, rewards, *_ = jax.vmap(env.step)(jax.random.split(key, envs), carry[1], actions)
-            return (observations, state, rewards), None
-
-        _, state = jax.vmap(env.reset)(jax.random.split(jax.random.PRNGKey(1), envs))
-        carry, _ = one((None, state, None), jax.random.PRNGKey(2))
-        step = _scanned(one, carry, sizes.scan)
-        work = Work(16, "1", arbiter=False)
-        yield Subject(PEERS, "JaxMARL simple_tag", step, 4, work, envs=envs, steps_per_call=sizes.scan)
-
-
-def jumanji_search_and_rescue(sizes: "Sizes") -> Iterator[Subject]:
-    """2 searchers look for targets in a continuous square, over JAX; each sees 128 rays in 3 channels."""
-    import jax
-    import jumanji
-
-    env = jumanji.make("SearchAndRescue-v0")
-    envs = sizes.jax[0]
-    actions = jax.numpy.zeros((envs, *env.action_spec.shape))
-
-    def one(carry: tuple, _: object) -> tuple:
-        return jax.vmap(env.step)(carry[0], actions), None
-
-    step = _scanned(one, jax.vmap(env.reset)(jax.random.split(jax.random.PRNGKey(1), envs)), sizes.scan)
-    agents = env.action_spec.shape[0]
-    work = Work(3 * 128, "1", arbiter=False)
-    yield Subject(PEERS, "Jumanji SearchAndRescue-v0", step, agents, work, envs=envs, steps_per_call=sizes.scan)
-
-
-def _scanned(one: Callable, carry: object, steps: int) -> Callable[[], None]:
-    """That many steps in one compiled call. The last observations are carried along, so that none is optimised away."""
-    import jax
-
+    actions = dict.fromkeys(env.agents, jax.numpy.ones(envs, dtype=jax.numpy.int32))
     keys = jax.random.split(jax.random.PRNGKey(2), steps)
-    run = jax.jit(lambda carry: jax.lax.scan(one, carry, keys)[0])
+
+    def one(carry: tuple, key: object) -> tuple:
+        observations, state, rewards, *_ = jax.vmap(env.step)(jax.random.split(key, envs), carry[1], actions)
+        return (observations, state, rewards), None
+
+    _, state = jax.vmap(env.reset)(jax.random.split(jax.random.PRNGKey(1), envs))
+    carry, _ = one((None, state, None), jax.random.PRNGKey(2))
+    run = jax.jit(lambda carry: jax.lax.scan(one, carry, keys)[0])  # carries observations, so that none is dropped
 
     def step() -> None:
         nonlocal carry
         carry = jax.block_until_ready(run(carry))
 
-    return step
+    return Subject(step, 4, envs, _FLOATS, steps_per_call=steps)
 
 
-def pufferlib_target(sizes: "Sizes") -> Iterator[Subject]:
-    """Puffers eat stars, in C and without Python; with 30 stars it writes as many floats as our standard arena."""
-    if sizes.pufferlib is None:
+def pufferlib_target(source: Path | None, envs: int, goals: int, steps: int) -> Subject:
+    """Make puffers that eat stars, in C and without Python; 30 stars are as many floats as our standard arena's."""
+    if source is None:
         raise ValueError("its source package is not named: --pufferlib")
-    driver, envs = Driver(sizes.pufferlib), sizes.jax[0]
-    for goals in BESIDE_PUFFERLIB:
-        step = driver.batch(envs, 4, goals, sizes.scan)
-        work = Work(2 * (4 + goals) + 4, "1", arbiter=False)
-        name = f"{PUFFERLIB}, {goals} goals"
-        yield Subject(PEERS, name, step, 4, work, envs=envs, steps_per_call=sizes.scan)
+    library = compiled(source)
+    made = library.make_batch(envs, 4, goals)
+    if not made:
+        raise MemoryError
+    return Subject(lambda: library.play(made, steps), 4, envs, 2 * (4 + goals) + 4, steps_per_call=steps)
 
 
-class Sizes:
-    """How large the peers' batches are, and where the source package of one lies."""
+def compiled(source: Path) -> ctypes.CDLL:
+    """Compile puffer.c with the header of PufferLib's source package, and load it.
 
-    def __init__(self, *, quick: bool, pufferlib: Path | None) -> None:
-        self.pufferlib = pufferlib
-        self.vmas = (1, 4) if quick else (1, 1024, 16384)
-        self.jax = (4,) if quick else (1024, 16384)
-        self.scan = 2 if quick else 16
-
-
-_MAKERS = {
-    MPE2: mpe2_simple_tag,
-    "PettingZoo sisl pursuit_v5": sisl_pursuit,
-    "MAgent2 adversarial_pursuit_v4": magent2_pursuit,
-    "VMAS simple_tag": vmas_simple_tag,
-    "JaxMARL simple_tag": jaxmarl_simple_tag,
-    "Jumanji SearchAndRescue-v0": jumanji_search_and_rescue,
-    PUFFERLIB: pufferlib_target,
-}
-
-
-def peers(*, quick: bool, pufferlib: Path | None) -> tuple[list[Subject], dict[str, str]]:
-    """All peers that run here, and why the others do not."""
-    subjects, skipped = [], {}
-    sizes = Sizes(quick=quick, pufferlib=pufferlib)
-    for name, make in _MAKERS.items():
-        try:
-            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-                found = list(make(sizes))
-                for subject in found:
-                    subject.step()
-            subjects += found
-        except ModuleNotFoundError as error:
-            skipped[name] = f"not installed: there is no module {error.name}"
-        except Exception as error:  # noqa: BLE001 - other people's code may fail in any way; the run goes on and says so
-            skipped[name] = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
-    return subjects, skipped
+    Raises:
+        RuntimeError: with the compiler's first error.
+        FileNotFoundError: there is no compiler.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "puffer.so")
+        headers = [f"-I{one}" for one in (source / HEADER.parent, *sorted(source.glob("raylib-*/include")))]
+        driver = Path(__file__).with_name("puffer.c")
+        command = [os.environ.get("CC", "cc"), *_FLAGS, *_UNDRAWN, *headers, driver, "-lm", "-o", path]
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
+        if done.returncode:
+            errors = (line for line in done.stderr.splitlines() if "error" in line)
+            raise RuntimeError(next(errors, done.stderr).replace(f"{source}{os.sep}", ""))
+        library = ctypes.CDLL(str(path))
+    library.make_batch.restype = ctypes.c_void_p
+    library.play.argtypes = (ctypes.c_void_p, ctypes.c_int)
+    return library

@@ -1,100 +1,77 @@
-"""One side of `--against`: a process that imports one version of the package, and answers requests, a line each.
-
-It knows only what `ours` does: what both versions offer in public.
-"""
+"""A process that plays the rows of one version of the package, or the peers: it answers requests, a line each."""
 
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
-import ours
-from measure import Subject, play_round
-from wanted import BATCH, LARGE
+from subject import Subject
 
-_THREADED = f"{LARGE}, two threads"
+_ALL = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
+"""This machine's processors, on Linux."""
 
 
-@contextmanager
-def _on_one_processor() -> Iterator[None]:
-    """Both sides play on the same one: what a shared machine's processors give differs by a third at times, and for
-    minutes.
-    """
-    if not hasattr(os, "sched_setaffinity"):  # elsewhere than on Linux
-        yield
-        return
-    before = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {max(before)})
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, before)
+def _play_on(processors: set[int]) -> None:
+    if processors:
+        os.sched_setaffinity(0, processors)
 
 
 class Side:
-    """The subjects of one version, made when they are asked for."""
+    """The subjects of one side, made when they are asked for."""
 
-    def __init__(self, package: Path, *, quick: bool) -> None:
+    def __init__(self, package: str, *, quick: bool, pufferlib: str) -> None:
         self._package = package
-        small, large, at_once = (2, 3, 128) if quick else (1024, 16384, 65536)
-        self._large = large
-        self._makers: dict[str, Callable[[], Subject]] = {
-            BATCH: lambda: ours.batch(small),
-            LARGE: lambda: ours.batch(large),
-            _THREADED: lambda: ours.batch(large, threads=2),
-            f"{LARGE}, velocity control": lambda: ours.batch(large, control="velocity"),
-            f"{LARGE}, full control": lambda: ours.batch(large, control="full"),
-            "4 hunters": lambda: ours.by_hunters(4, at_once // 4),
-            "64 hunters": lambda: ours.by_hunters(64, at_once // 64),
-            "one arena, target control": lambda: ours.one_arena("target"),
-            "one arena, velocity control": lambda: ours.one_arena("velocity"),
-            "one arena, full control": lambda: ours.one_arena("full"),
-        }
+        if package:
+            import ours
+
+            self._rows = ours.rows(quick=quick)
+        else:
+            import peers
+
+            self._rows = peers.rows(quick=quick, pufferlib=Path(pufferlib) if pufferlib else None)
         self._made: dict[str, Subject] = {}
 
-    def make(self, what: str, seconds: float) -> None:
-        """Get it ready, with an unmeasured turn.
+    def make(self, name: str, seconds: float) -> dict[str, int]:
+        """Get a subject ready, with an unmeasured turn, and return its sizes.
 
         Raises:
-            ImportError: where the package is another one than that of this side.
+            ImportError: the package is another one than that of this side.
         """
-        subject = self._made[what] = self._makers[what]()
-        play_round(subject, seconds)
-        for name, module in sys.modules.items():
+        made = self._made[name] = self._rows[name].make()
+        made.turn(seconds)
+        for module in [one for key, one in sys.modules.items() if key.partition(".")[0] == "catch_arena"]:
             file = getattr(module, "__file__", None)
-            if name.partition(".")[0] == "catch_arena" and file and not Path(file).is_relative_to(self._package):
-                raise ImportError(f"{name} must come from {self._package}, not from {file}")
+            if self._package and file and not Path(file).is_relative_to(self._package):
+                raise ImportError(f"{module.__name__} must come from {self._package}, not from {file}")
+        return {"agents": made.agents, "envs": made.envs, "floats": made.floats}
 
-    def time(self, what: str, seconds: float) -> dict[str, float]:
-        """Seconds of a step of one arena, or of one agent's step in a batch: of all threads, and on the wall."""
-        subject = self._made[what]
-        with nullcontext() if what == _THREADED else _on_one_processor():
-            played = play_round(subject, seconds)
-        steps = played.calls * (1 if subject.envs == 1 else subject.envs * subject.agents)
-        return {"cpu_s": played.cpu_s / steps, "wall_s": played.wall_s / steps}
-
-    def memory(self) -> float:
-        """Bytes an arena of a large batch."""
-        return ours.bytes_of_an_arena(self._large)
+    def turn(self, name: str, seconds: float) -> list[float]:
+        """Play one turn, on one processor: what those of a shared machine give differs for minutes."""
+        subject = self._made[name]
+        _play_on(_ALL if subject.threads > 1 else {*sorted(_ALL)[-1:]})
+        played = subject.turn(seconds)
+        _play_on(_ALL)
+        return list(played)
 
 
-def answered(side: Side, request: Sequence[Any]) -> dict[str, Any]:
-    """What the request gives, or the error in a line."""
+def answer(side: Side, request: list[Any]) -> dict[str, Any]:
+    """Return what the request gives, or the error in a line."""
     verb, *arguments = request
     try:
         return {"answer": getattr(side, verb)(*arguments)}
-    except Exception as error:  # noqa: BLE001 - an older version may fail in any way; whoever asked says so
+    except Exception as error:  # noqa: BLE001 - code of others, and an older version, may fail in any way
         return {"error": " ".join(f"{type(error).__name__}: {error}".split())}
 
 
 def main() -> None:
-    """Answer until nobody asks any more."""
-    side = Side(Path(sys.argv[1]), quick=sys.argv[2] == "quick")
+    """Answer until there are no more requests."""
+    out = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what a peer prints is no answer
+    package, quick, pufferlib = sys.argv[1:]
+    side = Side(package, quick=quick == "quick", pufferlib=pufferlib)
     for line in sys.stdin:
-        print(json.dumps(answered(side, json.loads(line))), flush=True)
+        print(json.dumps(answer(side, json.loads(line))), file=out, flush=True)
 
 
 if __name__ == "__main__":

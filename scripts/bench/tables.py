@@ -1,34 +1,124 @@
-"""Tables in Markdown, and how numbers stand in them."""
+"""The figures as tables in Markdown, for the screen and for docs/performance.md."""
 
-from collections.abc import Sequence
+import statistics
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ours import BATCH, LARGE, ONE_ARENA
+from subject import UNITS
+
+WITHIN = (
+    ("two threads, times as fast as one, on the clock", LARGE, f"{LARGE}, two threads", "wall"),
+    ("velocity control, times as fast as target control", LARGE, f"{LARGE}, velocity control", "cpu"),
+    ("full control, times as fast as target control", LARGE, f"{LARGE}, full control", "cpu"),
+    ("cost of an agent-step with 64 hunters, times that with 4", "64 hunters", "4 hunters", "cpu"),
+    ("cost of an agent-step with 64 targets, times that with 4", "64 targets", "4 targets", "cpu"),
+    ("trusted agents, times as fast as in processes", "tournament, processes", "tournament, trusted", "cpu"),
+)
+"""Ratios of two rows of one version: a title, what is above and below, and by which clock."""
+
+
+def written(figures: Mapping[str, Any]) -> str:
+    """Return all that was measured."""
+    versions: Mapping[str, Mapping[str, Any]] = figures["versions"]
+    text = [f"{figures['machine']}. {figures['what']}. Command: `{figures['command']}`. {figures['rounds']}."]
+    if "before" in versions:
+        text.append(_beside(versions["before"], versions["now"]))
+    else:
+        text.append(_alone({**versions["now"], **versions.get("peers", {})}))
+        if versions.get("peers"):
+            text += ["How many times as fast ours are:", _peers(versions["now"], versions["peers"])]
+    ours = [versions[name] for name in ("before", "now") if name in versions]
+    within = [
+        (title, *(f"{_cost(of[above], clock) / _cost(of[below], clock):.3g}" for of in ours))
+        for title, above, below, clock in WITHIN
+        if all({above, below} <= of.keys() for of in ours)
+    ]
+    if within:
+        text.append(table(("within one version", *(["before", "now"] if len(ours) > 1 else ["now"])), within))
+    text += [f"Skipped: {name} ({reason})." for name, reason in figures["skipped"].items()]
+    return "\n\n".join(text) + "\n"
+
+
+def _cost(row: Mapping[str, Any], clock: str = "cpu") -> float:
+    """Return the median cost of a step of one agent."""
+    return statistics.median(row[clock]) / row["agents"]
+
+
+def _in_unit(row: Mapping[str, Any], seconds: float) -> str:
+    agents = row["agents"] if "agent" in row["unit"] else 1
+    return f"{UNITS[row['unit']] * seconds / agents:,.4g}"
+
+
+def _beside(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """Return the table of two versions, and of how many times as fast the current one is."""
+    rows = []
+    for name, row in now.items():
+        pair = (before[name]["cpu"], row["cpu"])
+        by_round = sorted(old / new for old, new in zip(*pair, strict=True))
+        aside = len(by_round) // 4
+        rows.append(
+            (
+                f"{name}, {row['unit']}",
+                *(f"{_in_unit(row, statistics.median(one))} ({_in_unit(row, min(one))})" for one in pair),
+                times(statistics.median(pair[0]) / statistics.median(pair[1])),
+                times(min(pair[0]) / min(pair[1])),
+                f"{by_round[aside]:.3g} to {by_round[-1 - aside]:.3g}",
+            )
+        )
+    head = ("median (least)", "before", "now", "times as fast", "by least times", "middle half of the rounds")
+    return table(head, rows)
+
+
+def _alone(rows: Mapping[str, Mapping[str, Any]]) -> str:
+    head = ("what", "agents", "floats seen", "median (least)", "unit", "agent-steps per CPU-s", "agent-steps per s")
+    lines = []
+    for name, row in rows.items():
+        cost = f"{_in_unit(row, statistics.median(row['cpu']))} ({_in_unit(row, min(row['cpu']))})"
+        stepped = row["unit"] in {"ns an agent-step", "us a step"}
+        rates = [rate(1 / _cost(row, clock)) for clock in ("cpu", "wall")] if stepped else ["", ""]
+        sizes = [row["agents"] if stepped else "", row["floats"] or ""]
+        lines.append((name, *sizes, cost, row["unit"], *rates))
+    return table(head, lines)
+
+
+def _peers(ours: Mapping[str, Any], peers: Mapping[str, Any]) -> str:
+    """Return the table of ratios: a single environment is compared by its env-steps, a batch by its agent-steps."""
+    references = [name for name in (ONE_ARENA, BATCH, LARGE) if name in ours]
+
+    def ratio(name: str, peer: Mapping[str, Any]) -> str:
+        row = ours[name]
+        if row["envs"] == 1 and peer["envs"] > 1:
+            return ""
+        agents = 1.0 if row["envs"] == 1 else row["agents"] / peer["agents"]
+        return times(agents * statistics.median(b / a for a, b in zip(row["cpu"], peer["cpu"], strict=True)))
+
+    units = ["env-steps" if name == ONE_ARENA else "agent-steps" for name in references]
+    head = ("peer", *(f"our {name}, in {unit}" for name, unit in zip(references, units, strict=True)))
+    return table(head, [(name, *(ratio(one, peer) for one in references)) for name, peer in peers.items()])
 
 
 def rate(value: float) -> str:
-    """Three digits say all that a run can know."""
+    """Write a rate with three digits, which is what a run can know."""
     return f"{float(f'{value:.3g}'):,.0f}"
 
 
-def number(value: float) -> str:
-    """Three digits of it."""
-    return f"{float(f'{value:.3g}'):,g}"
-
-
 def times(value: float) -> str:
-    """As «11.8x»."""
-    return f"{number(value)}x"
+    """Write a ratio, such as «11.8x»."""
+    return f"{float(f'{value:.3g}'):,g}x"
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Columns of even width, so that it reads on a screen too; all but the first are set to the right."""
+    """Write columns of even width, so that a table reads on a screen too; all but the first are set to the right."""
     lines = [[str(cell) for cell in row] for row in (head, *rows)]
     widths = [max(3, *(len(line[column]) for line in lines)) for column in range(len(head))]  # Markdown asks for three
+
+    def joined(cells: Sequence[str]) -> str:
+        return f"| {' | '.join(cells)} |"
+
     text = [
-        "| "
-        + " | ".join((cell.rjust if column else cell.ljust)(widths[column]) for column, cell in enumerate(line))
-        + " |"
+        joined([(cell.rjust if column else cell.ljust)(widths[column]) for column, cell in enumerate(line)])
         for line in lines
     ]
-    text.insert(
-        1, "| " + " | ".join("-" * (width - 1) + (":" if column else "-") for column, width in enumerate(widths)) + " |"
-    )
-    return "\n".join(text)
+    rule = joined(["-" * (width - 1) + (":" if column else "-") for column, width in enumerate(widths)])
+    return "\n".join([text[0], rule, *text[1:]])

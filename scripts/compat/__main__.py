@@ -1,6 +1,6 @@
 """Trains for a short while with each library that others use, each in an environment of its own: `make compat`.
 
-A client is a program in clients/. torch is large, so one environment has it, with Catch Arena, and the others stand on
+A client is a program in examples/. torch is large, so one environment has it, with Catch Arena, and the others stand on
 that one and add their library. docs/compatibility.md gets the table of what ran, with versions.
 """
 
@@ -10,12 +10,13 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAMS = Path(__file__).parent / "clients"
+PROGRAMS = ROOT / "examples"
 PAGE = ROOT / "docs" / "compatibility.md"
 LIMIT_S = 900
 """For one client's program, on a machine that is busy."""
@@ -30,11 +31,12 @@ class Client(NamedTuple):
     """The packages whose versions are told."""
     without_dependencies: tuple[str, ...] = ()
     """What is installed last, and alone."""
+    arguments: tuple[str, ...] = ()
 
 
 _SB3 = ("stable-baselines3", "sb3-contrib")
 CLIENTS = {
-    "stable-baselines3": Client("train_sb3", _SB3, _SB3),
+    "stable-baselines3": Client("train_sb3", _SB3, _SB3, arguments=("--steps", "8192")),
     "SuperSuit": Client("train_supersuit", (*_SB3, "supersuit>=3.11"), ("supersuit", *_SB3)),
     "TorchRL": Client("train_torchrl", ("torchrl",), ("torchrl", "tensordict")),
     "BenchMARL": Client("train_benchmarl", ("benchmarl",), ("benchmarl", "torch", "torchrl", "tensordict")),
@@ -47,14 +49,14 @@ CLIENTS = {
 }
 
 
-def run(command: list[object], log: Path, limit_s: float = 3600) -> int:
-    """Run a command, with all that it says in a file."""
+def run(command: list[object], log: Path, limit_s: float = 3600, folder: str | None = None) -> int:
+    """Run a command with its output in a file; return its exit code."""
     environment = {**os.environ, "PYTHONWARNINGS": "ignore", "RAY_DEDUP_LOGS": "0"}
     with log.open("ab") as said:
         try:
-            return subprocess.run(
-                [str(word) for word in command], stdout=said, stderr=said, env=environment, check=False, timeout=limit_s
-            ).returncode
+            words = [str(word) for word in command]
+            options = {"stdout": said, "stderr": said, "env": environment, "cwd": folder, "timeout": limit_s}
+            return subprocess.run(words, check=False, **options).returncode
         except subprocess.TimeoutExpired:
             said.write(f"\nnot done after {limit_s:.0f} s\n".encode())
             return 1
@@ -104,7 +106,9 @@ def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
     if not set_up(environment, [client.requirements, alone], base, log):
         return {"name": name, "result": "could not be installed", "log": str(log)}
     began = time.monotonic()
-    failed = run([environment / "bin" / "python", PROGRAMS / f"{client.program}.py"], log, LIMIT_S)
+    command = [environment / "bin" / "python", PROGRAMS / f"{client.program}.py", *client.arguments]
+    with tempfile.TemporaryDirectory() as folder:  # what some of them write is not kept
+        failed = run(command, log, LIMIT_S, folder)
     return {
         "name": name,
         "result": "fails" if failed else "trains",

@@ -9,11 +9,9 @@ import pytest
 SCRIPTS = Path(__file__).parents[2] / "scripts"
 LEFT_OUT = {
     "train_ppo.py": "needs torch: tests/scripts/test_training_scripts.py runs it",
-    "train_sb3.py": "needs stable-baselines3: tests/scripts/test_training_scripts.py runs it",
 }
 LOADED = sorted(path.relative_to(SCRIPTS).as_posix() for path in SCRIPTS.rglob("*.py"))
-LOADED = [name for name in LOADED if name not in LEFT_OUT and not name.startswith("compat/clients/")]
-"""Not those of compat/clients: each needs a library, in an environment of its own."""
+LOADED = [name for name in LOADED if name not in LEFT_OUT]
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""scripts/train_ppo.py and scripts/train_sb3.py: short runs, what they leave, and what goes wrong."""
+"""scripts/train_ppo.py and examples/train_sb3.py: short runs, what they leave, and what goes wrong."""
 
 import csv
 import importlib.util
@@ -22,7 +22,7 @@ SHORT = ("--arenas=8", "--horizon=16", "--minibatch=64", "--hidden=8", "--snapsh
 
 def run(script, *arguments, fails=False):
     """What a script says, on both channels."""
-    command = [sys.executable, ROOT / "scripts" / script, *map(str, arguments)]
+    command = [sys.executable, ROOT / script, *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode != 0) == fails, done.stdout + done.stderr
     return done.stdout + done.stderr
@@ -36,7 +36,9 @@ def table(path):
 
 def refused(*arguments):
     """The one line that says why."""
-    said = [line for line in run("train_ppo.py", *arguments, fails=True).splitlines() if "compiling" not in line]
+    said = [
+        line for line in run("scripts/train_ppo.py", *arguments, fails=True).splitlines() if "compiling" not in line
+    ]
     said = [line for line in said if "TensorBoard" not in line and "decisions," not in line]
     assert len(said) == 1, said
     assert said[0].startswith("train_ppo: ")
@@ -53,11 +55,11 @@ def module():
     return made
 
 
-@pytest.mark.parametrize("script", ["train_ppo.py", "train_sb3.py"])
+@pytest.mark.parametrize("script", ["scripts/train_ppo.py", "examples/train_sb3.py"])
 def test_without_torch_a_line_says_what_to_install(script):
     code = (
         "import runpy, sys; sys.modules['torch'] = sys.modules['sb3_contrib'] = None; "
-        f"runpy.run_path({str(ROOT / 'scripts' / script)!r}, run_name='__main__')"
+        f"runpy.run_path({str(ROOT / script)!r}, run_name='__main__')"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode != 0
@@ -77,18 +79,18 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
     for name, rating, share in (("a", 190, 0.5), ("b", 100, 0.4), ("c", 220, 0.75)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "curve.csv").write_text(CURVE.format(first=507904, rating=rating, share=share))
-    *_, row = run("training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
+    *_, row = run("scripts/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
     assert row == "| 0.5 million | 60 | 55 % | 40 to 75 % | +40 (-30 to +90) |"
     later = CURVE.format(first=1015808, rating=0, share=0.1).partition("\n")[2]
     with (tmp_path / "a" / "curve.csv").open("a") as file:
         file.write(later)  # the others have not got so far
-    assert run("training_curves.py", *(tmp_path / name for name in "abc")).splitlines()[-1] == row
+    assert run("scripts/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()[-1] == row
     (tmp_path / "c" / "curve.csv").write_text(CURVE.partition("\n")[0] + "\n" + later)
     assert "no tournament after the same number" in run(
-        "training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
+        "scripts/training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
     )
     (tmp_path / "c" / "curve.csv").write_text("decisions,agent\n1,ppo\n")
-    said = run("training_curves.py", tmp_path / "c", fails=True)
+    said = run("scripts/training_curves.py", tmp_path / "c", fails=True)
     assert "must be a curve that train_ppo.py has written" in said
     assert len(said.splitlines()) == 1
 
@@ -101,8 +103,8 @@ def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
     out = tmp_path / "run"
     copy = ["--imitate", opponents, "--imitate-decisions", 400] if head != "destination" else []
     said = run(
-        "train_ppo.py", "--out", out, "--head", head, "--opponents", opponents, "--decisions", 400, *copy, *SHORT,
-        "--evaluate", 256, "--evaluate-rounds", 1,
+        "scripts/train_ppo.py", "--out", out, "--head", head, "--opponents", opponents, "--decisions", 400,
+        *copy, *SHORT, "--evaluate", 256, "--evaluate-rounds", 1,
     )  # fmt: skip
     assert "agent.py" in said
     rows = table(out / "curve.csv")
@@ -121,13 +123,13 @@ def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
 @pytest.mark.torch
 def test_the_same_seed_learns_the_same_and_a_run_goes_on_where_it_was(tmp_path):
     for name in ("one", "other"):
-        run("train_ppo.py", "--out", tmp_path / name, "--opponents", "nearest", "--decisions", 256, *SHORT)
+        run("scripts/train_ppo.py", "--out", tmp_path / name, "--opponents", "nearest", "--decisions", 256, *SHORT)
     one, other = (PointerNetwork.load(tmp_path / name / "agent.npz").weights for name in ("one", "other"))
     for name, weights in one.items():
         np.testing.assert_array_equal(weights, other[name])
     again = ["--out", tmp_path / "one", "--opponents", "nearest", *SHORT]
     assert "or give --resume" in refused(*again)
-    run("train_ppo.py", *again, "--decisions", 512, "--resume")
+    run("scripts/train_ppo.py", *again, "--decisions", 512, "--resume")
     decisions = [int(row["decisions"]) for row in table(tmp_path / "one" / "progress.csv")]
     assert decisions == [128, 256, 384, 512]
     later = PointerNetwork.load(tmp_path / "one" / "agent.npz").weights
@@ -154,7 +156,7 @@ def test_a_state_that_is_damaged_or_of_another_kind_is_refused_and_runs_no_code(
     import torch
 
     out = tmp_path / "run"
-    run("train_ppo.py", "--out", out, "--opponents", "nearest", "--decisions", 256, *SHORT)
+    run("scripts/train_ppo.py", "--out", out, "--opponents", "nearest", "--decisions", 256, *SHORT)
     state = torch.load(out / "state.pt", weights_only=True)
     whole, mark = (out / "state.pt").read_bytes(), tmp_path / "mark"
     wider = state["parts"] | {"actor": state["parts"]["actor"] | {"weights.encode": torch.zeros(3, 8)}}
@@ -186,7 +188,7 @@ def test_a_state_that_is_damaged_or_of_another_kind_is_refused_and_runs_no_code(
     (out / "progress.csv").write_text("decisions\nabc\n")
     assert "progress.csv must be what a run has written" in refused("--out", out, "--resume", "--decisions", 512)
     (out / "progress.csv").write_text("")  # what a full disk leaves
-    run("train_ppo.py", "--out", out, "--resume", "--decisions", 384)
+    run("scripts/train_ppo.py", "--out", out, "--resume", "--decisions", 384)
     assert [int(row["decisions"]) for row in table(out / "progress.csv")] == [384]
 
 
@@ -195,10 +197,10 @@ def test_a_run_goes_on_with_the_settings_that_it_began_with(tmp_path):
     """The prior is that of the network it started from, whose file need not be there any more."""
     first, second = tmp_path / "first", tmp_path / "second"
     short = ["--opponents", "nearest", *SHORT]
-    run("train_ppo.py", "--out", first, "--decisions", 128, "--prior", 1.5, *short)
-    run("train_ppo.py", "--out", second, "--decisions", 128, "--start", first / "agent.npz", *short)
+    run("scripts/train_ppo.py", "--out", first, "--decisions", 128, "--prior", 1.5, *short)
+    run("scripts/train_ppo.py", "--out", second, "--decisions", 128, "--start", first / "agent.npz", *short)
     (first / "agent.npz").unlink()
-    run("train_ppo.py", "--out", second, "--decisions", 256, "--resume")
+    run("scripts/train_ppo.py", "--out", second, "--decisions", 256, "--resume")
     assert [int(row["decisions"]) for row in table(second / "progress.csv")] == [128, 256]
     assert PointerNetwork.load(second / "agent.npz").weights["prior"] == 1.5
 
@@ -242,7 +244,7 @@ def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     assert made == int(table(out / "progress.csv")[-1]["decisions"])
     assert PointerNetwork.load(out / "agent.npz").head == "destination"
     shorter = ["--evaluate", every, "--evaluate-rounds", 1, "--evaluate-against", "nearest,first,idle"]
-    said = run("train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, *shorter)
+    said = run("scripts/train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, *shorter)
     assert int(table(out / "progress.csv")[-1]["decisions"]) == made + 128
     if every:  # the tournament that was broken off is played again
         assert [row["decisions"] for row in table(out / "curve.csv")] == 4 * ["512"]
@@ -281,7 +283,7 @@ def test_an_error_leaves_no_tournament_behind(tmp_path):
 
 @pytest.mark.torch
 def test_the_help_says_what_each_setting_means():
-    said = " ".join(run("train_ppo.py", "--help").split())
+    said = " ".join(run("scripts/train_ppo.py", "--help").split())
     assert "--hold N Steps for which a decision holds. Default: 2" in said
     assert "--start TEXT An .npz file to begin from. Default: none" in said
 
@@ -302,7 +304,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
     _, _, rest = progress.read_text().splitlines()[-1].partition(",")
     with progress.open("a") as file:  # as if it had been killed long after its last snapshot
         file.write(f"{128 * (before + 1)},{rest}\n")
-    run("train_ppo.py", *more, "--decisions", 128 * (before + 1), "--resume")
+    run("scripts/train_ppo.py", *more, "--decisions", 128 * (before + 1), "--resume")
     made = [int(row["decisions"]) for row in table(progress)]
     assert made == [128 * (place + 1) for place in range(before + 1)]
 
@@ -411,7 +413,7 @@ def test_past_selves_that_win_are_met_more_often(module, tmp_path):
 
 @pytest.mark.torch
 def test_the_short_example_leaves_an_agent_that_plays(tmp_path):
-    said = run("train_sb3.py", "--out", tmp_path / "sb3", "--scenario", "duel", "--steps", 8192)
+    said = run("examples/train_sb3.py", "--out", tmp_path / "sb3", "--scenario", "duel", "--steps", 8192)
     assert "check-agent" in said
     made = create_policy(str(tmp_path / "sb3" / "agent.py"))
     assert made.network.inputs == 57

@@ -1,17 +1,14 @@
 """Ratings against hand-computed cases, SciPy's minimiser, and agents of known strength."""
 
 import math
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
+import simulated_tournaments as simulations
 
 from catch_arena.tournament.statistics.intervals import ratios
 from catch_arena.tournament.statistics.outcomes import Outcomes, Pairs
 from catch_arena.tournament.statistics.ratings import ELO, fit, rate
-
-MEASURE = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "measure_ratings.py"))
 
 
 def outcomes(entrants, *matches):
@@ -72,28 +69,28 @@ def test_an_entrant_of_one_block_has_no_interval_however_many_there_are():
 
 def test_names_mean_nothing():
     """Entrants in another order have the same ratings, in that order."""
-    world, random = MEASURE["catches"](4, 8.0, 14.0), np.random.default_rng(3)
-    one = MEASURE["simulated"](world, MEASURE["Design"](4, 3, 2), random)
+    world, random = simulations.catches(4, 8.0, 14.0), np.random.default_rng(3)
+    one = simulations.simulated(world, simulations.Design(4, 3, 2), random)
     labels = np.array([2, 0, 3, 1])
     other = Outcomes(4, one.block, labels[one.seating], one.scores, one.ranks)
     np.testing.assert_allclose(rate(other).points[labels], rate(one).points, atol=1e-6)
 
 
 def test_many_matches_find_the_true_strengths():
-    world = MEASURE["plackett_luce"](5, 1.5)
-    ratings = rate(MEASURE["simulated"](world, MEASURE["Design"](5, 4, 2000), np.random.default_rng(1)))
+    world = simulations.plackett_luce(5, 1.5)
+    ratings = rate(simulations.simulated(world, simulations.Design(5, 4, 2000), np.random.default_rng(1)))
     np.testing.assert_allclose(ratings.points, np.linspace(-1.5, 1.5, 5) * ELO, atol=6)
 
 
 @pytest.mark.parametrize("world", ["plackett_luce", "davidson", "catches"])
 def test_the_intervals_hold_the_truth_as_often_as_they_say(world):
-    """150 tournaments of five agents; scripts/measure_ratings.py measures 500 and more designs."""
+    """150 tournaments of five agents."""
     truth, seats = {
-        "plackett_luce": (MEASURE["plackett_luce"](5, 1.0), 4),
-        "davidson": (MEASURE["davidson"](5, 1.0, 1.0), 2),
-        "catches": (MEASURE["catches"](5, 8.0, 16.0), 3),
+        "plackett_luce": (simulations.plackett_luce(5, 1.0), 4),
+        "davidson": (simulations.davidson(5, 1.0, 1.0), 2),
+        "catches": (simulations.catches(5, 8.0, 16.0), 3),
     }[world]
-    found = MEASURE["coverage"](truth, MEASURE["Design"](5, seats, 4), 150, 7)
+    found = simulations.coverage(truth, simulations.Design(5, seats, 4), 150, 7)
     assert 0.925 <= np.mean(found.ratings) <= 0.98
     assert not found.scores or 0.92 <= np.mean(found.scores) <= 0.98
 

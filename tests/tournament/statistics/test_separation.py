@@ -1,11 +1,11 @@
 """Groups of agents that cannot be told apart, and when an order is clear: errors as rare as docs/ratings.md says."""
 
 import re
-import runpy
 from pathlib import Path
 
 import numpy as np
 import pytest
+import simulated_tournaments as simulations
 from tournament.played_matches import made_up
 from tournament.seats import hunters
 
@@ -16,7 +16,6 @@ from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
 
 ROOT = Path(__file__).parents[3]
-MEASURE = runpy.run_path(str(ROOT / "scripts" / "measure_ratings.py"))
 DOCS = ROOT / "docs" / "ratings.md"
 THREE = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abc"]
 
@@ -32,8 +31,8 @@ def test_holms_correction_by_hand():
 
 
 def test_those_who_can_be_told_apart_share_no_group_and_others_do():
-    world = MEASURE["plackett_luce"](6, 1.0)
-    ratings = rate(MEASURE["simulated"](world, MEASURE["Design"](6, 4, 3), np.random.default_rng(2)))
+    world = simulations.plackett_luce(6, 1.0)
+    ratings = rate(simulations.simulated(world, simulations.Design(6, 4, 3), np.random.default_rng(2)))
     order = ratings.points.argsort()[::-1].tolist()
     found = groups(ratings, order)
     assert found[0] == (1, 1)
@@ -50,7 +49,7 @@ def test_equals_are_told_apart_as_seldom_as_docs_ratings_says():
     """
     (said,) = re.findall(r"^- 6 agents, 4 seats, 1 rounds: ([\d.]+) %$", DOCS.read_text(), re.MULTILINE)
     assert float(said) <= 5.0
-    measured = 100 * MEASURE["equals_told_apart"](MEASURE["Design"](6, 4, 1), 500, 0)
+    measured = 100 * simulations.equals_told_apart(simulations.Design(6, 4, 1), 500, 0)
     assert measured == pytest.approx(float(said), abs=0.45)
 
 
@@ -101,5 +100,5 @@ def test_an_order_of_equals_is_not_called_clear_however_often_one_looks():
     """Two equals are the hardest. Of these 100 tournaments, each looked at eight times, 4 were called clear when this
     was written; with 5 % for every look it would be 12, and with twice as much as there is to spend 6.
     """
-    clear, wrong = MEASURE["called_clear"](MEASURE["catches"](2, 14.0, 14.0), 2, 150, 100, 5)
+    clear, wrong = simulations.called_clear(simulations.catches(2, 14.0, 14.0), 2, 150, 100, 5)
     assert clear == wrong == pytest.approx(0.04, abs=0.011)

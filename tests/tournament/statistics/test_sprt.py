@@ -1,14 +1,11 @@
 """The sequential test of `compare`, against Wald's test, and its errors as rare as promised."""
 
 import math
-import runpy
-from pathlib import Path
 
 import pytest
+import simulated_tournaments as simulations
 
 from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
-
-MEASURE = runpy.run_path(str(Path(__file__).parents[3] / "scripts" / "measure_ratings.py"))
 
 
 def test_with_two_outcomes_it_is_walds_test():
@@ -41,8 +38,8 @@ def test_a_few_outcomes_all_alike_decide_nothing():
 
 @pytest.mark.parametrize(("truth", "wrong"), [(0, "H1"), (100, "H0")])
 def test_it_errs_as_seldom_as_is_said(truth, wrong):
-    """5 % of 150 trials, but for three standard errors; scripts/measure_ratings.py has the long run."""
-    first, second, _ = MEASURE["sprt_answers"](truth, 100, 2, 150, 11)
+    """5 % of 150 trials, but for three standard errors."""
+    first, second, _ = simulations.sprt_answers(truth, 100, 2, 150, 11)
     assert {"H0": first, "H1": second}[wrong] <= 0.05 + 3 * math.sqrt(0.05 * 0.95 / 150)
 
 

@@ -1,14 +1,8 @@
-"""Measure what docs/ratings.md claims: `python scripts/measure_ratings.py`. Prints its tables, with the machine.
-
-Tournaments of agents of known strength are simulated, without an arena: how often do the 95 % intervals hold the truth,
-how often are equals told apart, how often is an order called clear that is not, how often does the sequential test err?
+"""Simulated tournaments of agents of known strength: how often intervals hold the truth, equals are told apart, an
+order is wrongly called clear, and the sequential test errs. docs/ratings.md has the results of long runs.
 """
 
-import argparse
 import math
-import os
-import platform
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -18,14 +12,14 @@ from numpy.typing import NDArray
 
 from catch_arena.tournament.statistics.intervals import Estimate, ratios
 from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.statistics.ratings import ELO, Ratings, fit, rate
+from catch_arena.tournament.statistics.ratings import ELO, fit, rate
 from catch_arena.tournament.statistics.separation import groups, least_separated, level_of_look, next_look
 from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 
 Array = NDArray[np.float64]
 
 BLOCK_LUCK = 0.15
-"""How much an agent's rate of catches differs from one block's targets to another's (standard deviation of its log)."""
+"""Standard deviation of the log of an agent's rate of catches, from one block's targets to another's."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +41,6 @@ class Design:
 class World:
     """Agents of known strength, and the chance that their matches are made of."""
 
-    name: str
     agents: int
     points: Array
     """(agents,): the true ratings, their mean 0."""
@@ -65,7 +58,7 @@ def plackett_luce(agents: int, spread: float) -> World:
         performance = strengths[seating] + rng.gumbel(size=seating.shape)
         return performance.argsort(axis=1).argsort(axis=1)
 
-    return World(f"Plackett-Luce, {2 * spread * ELO:.0f} points from first to last", agents, strengths * ELO, play)
+    return World(agents, strengths * ELO, play)
 
 
 def davidson(agents: int, spread: float, tie: float) -> World:
@@ -78,9 +71,7 @@ def davidson(agents: int, spread: float, tie: float) -> World:
         draw = rng.random(len(seating)) * (above + below + tie)
         return np.stack((draw < above, (draw >= above) & (draw < above + below)), axis=1).astype(np.int64)
 
-    return World(
-        f"Davidson, {2 * spread * ELO:.0f} points, equals tie {tie / (2 + tie):.0%}", agents, strengths * ELO, play
-    )
+    return World(agents, strengths * ELO, play)
 
 
 def catches(agents: int, low: float, high: float) -> World:
@@ -106,7 +97,6 @@ def catches(agents: int, low: float, high: float) -> World:
         np.fill_diagonal(table, 0.0)
     strengths, _, _ = fit(wins * 1e9, ties * 1e9)
     return World(
-        f"catches, {low:g} to {high:g} a match",
         agents,
         np.asarray((strengths - strengths.mean()) * ELO),
         play,
@@ -115,7 +105,7 @@ def catches(agents: int, low: float, high: float) -> World:
 
 
 def simulated(world: World, design: Design, rng: np.random.Generator) -> Outcomes:
-    """One tournament."""
+    """Simulate one tournament."""
     seating, block = design.seating()
     scores = world.play(rng, seating, block)
     ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
@@ -123,7 +113,7 @@ def simulated(world: World, design: Design, rng: np.random.Generator) -> Outcome
 
 
 def held(estimates: list[Estimate], truth: Array) -> list[bool]:
-    """Whether each interval holds the truth, where there is one: few blocks may give none."""
+    """Tell for each interval that exists if it holds the truth: few blocks may give none."""
     return [
         estimate.low <= value <= estimate.high
         for estimate, value in zip(estimates, truth, strict=True)
@@ -131,42 +121,28 @@ def held(estimates: list[Estimate], truth: Array) -> list[bool]:
     ]
 
 
-def held_by_percentiles(ratings: Ratings, truth: Array, rng: np.random.Generator) -> list[bool]:
-    """The same for the plain percentile bootstrap, which is not what we use."""
-    blocks = len(ratings.influence)
-    moved = rng.multinomial(blocks, np.full(blocks, 1 / blocks), 1000) @ ratings.influence
-    low, high = ratings.points + np.quantile(moved, (0.025, 0.975), axis=0)
-    return ((low <= truth) & (truth <= high)).tolist()
-
-
 @dataclass
 class Coverage:
-    """How often intervals held the truth, in one design."""
+    """Which intervals held the truth, in one design."""
 
     ratings: list[bool] = field(default_factory=list)
-    margins: list[float] = field(default_factory=list)
-    percentiles: list[bool] = field(default_factory=list)
     scores: list[bool] = field(default_factory=list)
 
 
 def coverage(world: World, design: Design, tournaments: int, seed: int) -> Coverage:
-    """Many tournaments."""
-    rng, again = np.random.default_rng(seed), np.random.default_rng(seed + 1)
+    """Simulate many tournaments."""
+    rng = np.random.default_rng(seed)
     found = Coverage()
     for _ in range(tournaments):
         outcomes = simulated(world, design, rng)
-        ratings = rate(outcomes)
-        estimates = ratings.estimates()
-        found.ratings += held(estimates, world.points)
-        found.margins += [estimate.margin for estimate in estimates]
-        found.percentiles += held_by_percentiles(ratings, world.points, again)
+        found.ratings += held(rate(outcomes).estimates(), world.points)
         if world.score is not None:
             found.scores += held(ratios(outcomes.by_block(outcomes.scores), outcomes.by_block()), world.score)
     return found
 
 
 def equals_told_apart(design: Design, tournaments: int, seed: int) -> float:
-    """How often any two of equal agents have no group in common."""
+    """Return the share of tournaments of equal agents in which any two have no group in common."""
     rng, world = np.random.default_rng(seed), catches(design.agents, 14.0, 14.0)
     apart = 0
     for _ in range(tournaments):
@@ -176,7 +152,7 @@ def equals_told_apart(design: Design, tournaments: int, seed: int) -> float:
 
 
 def called_clear(world: World, seats: int, most_blocks: int, tournaments: int, seed: int) -> tuple[float, float]:
-    """How often the order is called clear at some look, and how often it is so called and wrong."""
+    """Return the share of tournaments whose order is called clear at some look, and of those in which it is wrong."""
     rng = np.random.default_rng(seed)
     per_round = math.comb(world.agents, seats)
     clear = wrong = 0
@@ -199,7 +175,7 @@ def called_clear(world: World, seats: int, most_blocks: int, tournaments: int, s
 
 
 def sprt_answers(points: float, points1: float, matches: int, trials: int, seed: int) -> tuple[float, float, float]:
-    """How often H0 and H1 (0 and `points1` points) are accepted, and after how many blocks on average.
+    """Return the shares of trials that accept H0 and H1 (0 and `points1` points), and the mean number of blocks.
 
     A block is so many duels of agents `points` apart; a tenth of them tie, and half of a block's luck is common to it.
     """
@@ -217,87 +193,3 @@ def sprt_answers(points: float, points1: float, matches: int, trials: int, seed:
             blocks += 1
         accepted[answer] += 1
     return accepted["H0"] / trials, accepted["H1"] / trials, blocks / trials
-
-
-def seconds_for_many() -> float:
-    """CPU time of the fit and the intervals for 10,000 matches of 4 among 30 agents."""
-    rng = np.random.default_rng(0)
-    world = catches(30, 12.0, 22.0)
-    groups = np.array([rng.choice(30, 4, replace=False) for _ in range(2500)])
-    seating = np.stack([np.roll(groups, turn, axis=1) for turn in range(4)], axis=1).reshape(-1, 4)
-    block = np.repeat(np.arange(2500), 4)
-    scores = world.play(rng, seating, block)
-    ranks = 1 + (scores[:, None, :] > scores[:, :, None]).sum(axis=2)
-    begin = time.process_time()
-    rate(Outcomes(30, block, seating, scores, ranks)).estimates()
-    return time.process_time() - begin
-
-
-COVERAGE = (
-    (plackett_luce(6, 1.0), Design(6, 4, 1)),
-    (plackett_luce(6, 1.0), Design(6, 4, 4)),
-    (plackett_luce(8, 1.0), Design(8, 4, 1)),
-    (plackett_luce(4, 1.0), Design(4, 4, 10)),
-    (plackett_luce(6, 3.0), Design(6, 4, 4)),
-    (plackett_luce(6, 1.0), Design(6, 2, 2)),
-    (davidson(6, 1.0, 1.0), Design(6, 2, 4)),
-    (catches(6, 10.0, 20.0), Design(6, 4, 1)),
-    (catches(6, 10.0, 20.0), Design(6, 4, 4)),
-    (catches(5, 2.0, 5.0), Design(5, 2, 6)),
-    (catches(16, 8.0, 16.0), Design(16, 15, 2)),
-    (catches(5, 10.0, 20.0), Design(5, 4, 1)),
-)
-
-
-def percent(held: list[bool]) -> str:
-    """How many of them."""
-    return f"{100 * np.mean(held):.1f} %" if held else ""
-
-
-def main() -> None:
-    """Measure, and print tables as docs/ratings.md has them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tournaments", type=int, default=500, help="to simulate for each line")
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    many, seed = arguments.tournaments, arguments.seed
-    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}\n")
-    print("| simulated agents | seats | agents | blocks | ratings held | mean margin | by percentiles | scores held |")
-    print("|---|---|---|---|---|---|---|---|")
-    for world, design in COVERAGE:
-        found = coverage(world, design, many, seed)
-        blocks = design.rounds * math.comb(design.agents, design.seats)
-        print(
-            f"| {world.name} | {design.seats} | {design.agents} | {blocks} "
-            f"| {percent(found.ratings)} | ± {np.mean(found.margins):.0f} | {percent(found.percentiles)} "
-            f"| {percent(found.scores)} |",
-            flush=True,
-        )
-    print("\nequals told apart (at most 5 %):")
-    for design in (Design(6, 4, 1), Design(6, 4, 10), Design(10, 2, 4)):
-        print(f"- {design.agents} agents, {design.seats} seats, {design.rounds} rounds: ", end="")
-        print(f"{100 * equals_told_apart(design, many, seed):.1f} %", flush=True)
-    print("\ncalled clear by --until-separated 0.95 within 500 blocks, and wrongly (at most 5 %):")
-    for world, seats in ((catches(2, 14.0, 14.0), 2), (catches(4, 14.0, 14.0), 4), (catches(4, 10.0, 20.0), 4)):
-        clear, wrong = called_clear(world, seats, 500, many, seed)
-        print(f"- {world.agents} agents, {world.name}: {100 * clear:.1f} %, wrongly {100 * wrong:.1f} %", flush=True)
-    print("\n| truth | H1 | matches a block | H0 accepted | H1 accepted | blocks |\n|---|---|---|---|---|---|")
-    for points, points1, matches in (
-        (0, 20, 2),
-        (20, 20, 2),
-        (0, 60, 2),
-        (60, 60, 2),
-        (0, 60, 4),
-        (60, 60, 4),
-        (200, 60, 2),
-    ):
-        first, second, blocks = sprt_answers(points, points1, matches, many, seed)
-        print(
-            f"| {points} | {points1} | {matches} | {100 * first:.1f} % | {100 * second:.1f} % | {blocks:.0f} |",
-            flush=True,
-        )
-    print(f"\nfit and intervals of 10,000 matches of 4 among 30 agents: {seconds_for_many():.2f} s of CPU time")
-
-
-if __name__ == "__main__":
-    main()

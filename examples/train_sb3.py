@@ -16,7 +16,7 @@ except ModuleNotFoundError as error:
 
 from catch_arena.training import Mlp, SB3VecEnv
 
-AGENT = '''"""Plays what scripts/train_sb3.py has learned in `{scenario}`."""
+AGENT = '''"""Plays what examples/train_sb3.py has learned in `{scenario}`."""
 
 from pathlib import Path
 
