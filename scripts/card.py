@@ -24,7 +24,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.cli.app import MAX_FORFEITS
+from catch_arena.cli.options import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.tables import interval
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError

@@ -1,6 +1,5 @@
 """How far some work is: a bar on a terminal, a line now and then elsewhere."""
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,7 +29,7 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
     began = said = time.monotonic()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     # Rich would print on stderr what goes to a file or a pipe meanwhile
-    bar = Progress(*columns, console=console, transient=True, redirect_stdout=sys.stdout.isatty())
+    bar = Progress(*columns, console=console, transient=True, redirect_stdout=own_console().is_terminal)
     task = bar.add_task(what, total=total)
 
     def show(done: int, total: int, doing: str = what) -> None:
