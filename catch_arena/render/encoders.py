@@ -169,7 +169,7 @@ class _GifFile(VideoFile):
         self._waiting.seek(0)
         self._palette.push(None)
         palette, (width, height) = self._palette.pull(), self._size
-        # each area keeps one colour: without dithering it looks calmer, and the file is smaller
+        # without dithering, areas of one colour stay so
         graph, (frames, colors) = self._graph(
             "paletteuse", "dither=none", ("rgb24", width, height), (palette.format.name, palette.width, palette.height)
         )
@@ -187,6 +187,8 @@ class _GifFile(VideoFile):
         super().finish()
 
     def close(self) -> None:
+        with suppress(OSError):  # of a full disk
+            self._packed.close()
         self._waiting.close()
         super().close()
 
