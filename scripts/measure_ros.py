@@ -16,7 +16,6 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from dataclasses import dataclass
 from random import uniform
 from statistics import median, quantiles
 from typing import Any
@@ -31,19 +30,6 @@ from catch_arena.service import ArenaService
 
 JUST_NOT_ONE = "1.000001"
 """The wall's clock, and the arena's is told on /clock, in which a gap shows that a message was lost."""
-
-
-@dataclass(frozen=True, slots=True)
-class Arguments:
-    """What is measured."""
-
-    bus: Backend | None
-    """The first that works here if it is None."""
-    seconds: int
-    hunters: int
-    targets: int
-    answer: bool
-    """Whether this process is the one that answers immediately."""
 
 
 class Driver:
@@ -89,28 +75,23 @@ class Driver:
 
 def main() -> None:
     """Measure, and print."""
-    given = arguments()
-    os.environ |= {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", "77")}
-    if given.answer:
-        answer(given)
-    else:
-        play(given)
-
-
-def arguments() -> Arguments:
-    """Of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bus", choices=BACKENDS, help="the first that works here if it is left out")
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--hunters", type=int, default=4)
     parser.add_argument("--targets", type=int, default=16)
     parser.add_argument("--answer", action="store_true", help=argparse.SUPPRESS)
-    return Arguments(**vars(parser.parse_args()))
+    given = parser.parse_args()
+    os.environ |= {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", "77")}
+    if given.answer:
+        answer(given.bus)
+    else:
+        play(given)
 
 
-def answer(given: Arguments) -> None:
+def answer(backend: Backend) -> None:
     """Answer calls immediately, until the process is ended."""
-    bus = open_bus(given.bus)
+    bus = open_bus(backend)
     bus.serve(
         "/at_once",
         bus.interfaces(Interfaces()).catch_turtle,
@@ -120,8 +101,8 @@ def answer(given: Arguments) -> None:
         bus.spin(1.0)
 
 
-def play(given: Arguments) -> None:
-    """One match, and then calls that are answered at once."""
+def play(given: argparse.Namespace) -> None:
+    """Play one match, and then make calls that are answered immediately."""
     settings = {
         "hunters": given.hunters,
         "initial_targets": given.targets,
@@ -134,7 +115,7 @@ def play(given: Arguments) -> None:
     command += ["--speed", JUST_NOT_ONE, *(f"--set={name}={value}" for name, value in settings.items())]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as arena:
         driver = Driver(bus, given.hunters)
-        trips = round_trips(bus, driver, arena, given.seconds)
+        calls, busy = round_trips(bus, driver, arena, given.seconds)
         out = arena.communicate()[0]
     with subprocess.Popen([sys.executable, __file__, "--answer", "--bus", bus.backend]) as answering:
         at_once = bus_trips(bus)
@@ -143,26 +124,20 @@ def play(given: Arguments) -> None:
     lost = sum(late - early != TICK_MS for early, late in zip(driver.times[1:], driver.times[2:], strict=False))
     print(re.search(r".* ticks were late .*", out)[0])
     print(f"{steps} steps on /clock, {lost} gaps; poses heard: {dict(driver.heard)}")
-    tell("catch_turtle, round trip", trips.calls)
+    tell("catch_turtle, round trip", calls)
     tell("a call that is answered at once", at_once)
     judged = judging_steps(settings)
     tell("a step that judges a request, processor time", judged)
-    waited_s = median(trips.calls) - median(at_once) - median(judged)
+    waited_s = median(calls) - median(at_once) - median(judged)
     print(f"the rest is the wait for the next step: {1e3 * waited_s:.2f} ms")
-    print(f"processor time of the arena: {100 * trips.busy:.0f} % of one core")
+    print(f"processor time of the arena: {100 * busy:.0f} % of one core")
 
 
-@dataclass(frozen=True, slots=True)
-class Trips:
-    """What came of the match."""
+def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", seconds: int) -> tuple[list[float], float]:
+    """Drive at 10 Hz, and call whenever the last call has been answered, at uneven times.
 
-    calls: list[float]
-    busy: float
-    """The arena's processor time, as a part of the wall's."""
-
-
-def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", seconds: int) -> Trips:
-    """Drive at 10 Hz, and call whenever the last call has been answered, at uneven times."""
+    Returns: the round trips, and the arena's processor time as a part of the clock's.
+    """
     calls: list[float] = []
     call: Call | None = None
     asked = next_drive = next_call = 0.0
@@ -183,7 +158,7 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
             wanted, next_drive = driver.act(), now + 0.1
         if call is None and begin is not None and now > next_call and driver.ask.ready:
             call, asked = driver.ask.call(CatchTurtleRequest(wanted)), time.perf_counter()
-    return Trips(calls, busy)
+    return calls, busy
 
 
 def bus_trips(bus: Bus) -> list[float]:

@@ -18,7 +18,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import CodeType
 from typing import Any
@@ -52,20 +51,16 @@ NOT_CALCULATED = frozenset({"annotation", "returns", "decorator_list", "body", "
 """Fields of a statement that hold other statements, or that no step evaluates."""
 
 
-@dataclass(frozen=True)
-class Mutant:
-    """One change of a function, named by its text, so that it keeps its name when lines move."""
+Mutant = tuple[str, str, str, int]
+"""One change, named by its text, so that it keeps its name when lines move: `module.function`, the statement's first
+line, what it becomes, and from 1 its number among those of the function that read alike.
+"""
 
-    function: str
-    line: str
-    becomes: str
-    nth: int
-    """From 1: number among the changes of a function that read alike."""
-    code: CodeType | None = field(default=None, compare=False)
 
-    def __str__(self) -> str:
-        which = f" (number {self.nth})" if self.nth > 1 else ""
-        return f"{self.function}{which}\n  - {self.line}\n  + {self.becomes}"
+def shown(mutant: Mutant) -> str:
+    """Return a mutant as it is printed, and as `--only` finds it."""
+    function, line, becomes, nth = mutant
+    return f"{function}{f' (number {nth})' if nth > 1 else ''}\n  - {line}\n  + {becomes}"
 
 
 def changes(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
@@ -109,15 +104,11 @@ def parts(node: ast.AST) -> Iterator[ast.AST]:
                     yield from parts(child)
 
 
-class Swap(ast.NodeTransformer):
-    """Puts one node in the place of another."""
-
-    def __init__(self, old: ast.AST, new: ast.AST) -> None:
-        self.old, self.new = old, new
-
-    def visit(self, node: ast.AST) -> ast.AST:
-        """Return the new node for the old one."""
-        return self.new if node is self.old else self.generic_visit(node)
+def swap(function: ast.FunctionDef, old: ast.AST, new: ast.AST) -> None:
+    """Put one node of a function in the place of another."""
+    transformer = ast.NodeTransformer()
+    transformer.visit = lambda node: new if node is old else transformer.generic_visit(node)  # type: ignore[method-assign]
+    transformer.visit(function)
 
 
 def functions_of(module: str) -> list[ast.FunctionDef]:
@@ -132,28 +123,28 @@ def compiled(function: ast.FunctionDef) -> CodeType:
     return next(one for one in whole.co_consts if isinstance(one, CodeType))
 
 
-def mutants_of(module: str) -> Iterator[Mutant]:
-    """Yield all mutants of a module of the core."""
+def mutants_of(module: str) -> Iterator[tuple[Mutant, CodeType]]:
+    """Yield all mutants of a module of the core, with the function's code."""
     met: Counter[tuple[str, str, str]] = Counter()
     for function in functions_of(module):
         for statement in [one for one in ast.walk(function) if isinstance(one, ast.stmt) and one is not function]:
             line = ast.unparse(statement).splitlines()[0]
             for old, new in [change for part in parts(statement) for change in changes(part)]:
-                Swap(old, new).visit(function)
+                swap(function, old, new)
                 becomes = ast.unparse(new if old is statement else statement).splitlines()[0]
                 code = compiled(function)
-                Swap(new, old).visit(function)
+                swap(function, new, old)
                 if becomes != line:  # one more than a large number may be the same number
                     name = f"{module}.{function.name}", line, becomes
                     met[name] += 1
-                    yield Mutant(*name, met[name], code)
+                    yield (*name, met[name]), code
 
 
 class Trial:
     """A plugin of pytest that runs the collected tests on one mutant after the other, each in a process of its own."""
 
-    def __init__(self, mutants: list[Mutant], processes: int) -> None:
-        self.mutants, self.processes = mutants, processes
+    def __init__(self, codes: dict[Mutant, CodeType], processes: int) -> None:
+        self.mutants, self.codes, self.processes = list(codes), codes, processes
         self.survivors: list[Mutant] = []
         self.noticed: Counter[tuple[str, int]] = Counter()
         """Number of mutants of a function that a test has noticed so far: such a test comes first."""
@@ -170,10 +161,10 @@ class Trial:
                 mutant = self.mutants[done]
                 show(done + 1, len(self.mutants))
                 if place is None:
-                    print(f"no test notices: {mutant}", file=sys.stderr)
+                    print(f"no test notices: {shown(mutant)}", file=sys.stderr)
                     self.survivors.append(mutant)
                 else:
-                    self.noticed[mutant.function, place] += 1
+                    self.noticed[mutant[0], place] += 1
         return True
 
 
@@ -195,7 +186,7 @@ def passes(item: Any) -> bool:
 def run_all() -> list[tuple[set[str], float]]:
     """Run all tests on the core as it is; return the functions that each calls, and its processor time."""
     called: set[str] = set()
-    for module in {mutant.function.partition(".")[0] for mutant in trial.mutants}:
+    for module in {mutant[0].partition(".")[0] for mutant in trial.mutants}:
         for function in functions_of(module):
             name = f"{module}.{function.name}"
             function.body.insert(0, ast.parse(f"_called.add({name!r})").body[0])
@@ -215,8 +206,9 @@ def try_out(number: int) -> int | None:
     """Make a mutant, and return the place of the test that notices it."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     signal.signal(signal.SIGVTALRM, signal.default_int_handler)  # KeyboardInterrupt: no test catches it
-    name = trial.mutants[number].function
-    function_of(name).__code__ = trial.mutants[number].code
+    mutant = trial.mutants[number]
+    name = mutant[0]
+    function_of(name).__code__ = trial.codes[mutant]
     callers = [(place, seconds) for place, (called, seconds) in enumerate(trial.known) if name in called]
     for place, seconds in sorted(callers, key=lambda one: (-trial.noticed[name, one[0]] / one[1], one[1])):
         signal.setitimer(signal.ITIMER_VIRTUAL, SPARE_S + TIMES_SLOWER * seconds)
@@ -239,25 +231,25 @@ def main() -> None:
     os.environ |= {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
     import pytest  # after what its plugins and the core read when they load
 
-    entries = [
-        (one["function"], one["line"], text, one.get("nth", 1))
-        for one in SETTINGS["equivalent"]
-        for text in one["becomes"]
-    ]
-    listed = [one for one in (Mutant(*entry) for entry in entries) if options.only in str(one)]
-    possible = [one for module in SETTINGS["modules"] for one in mutants_of(module) if options.only in str(one)]
-    plugin = Trial([one for one in possible if (one in set(listed)) == options.equivalents], options.processes)
+    entries = SETTINGS["equivalent"]
+    listed = [(one["function"], one["line"], text, one.get("nth", 1)) for one in entries for text in one["becomes"]]
+    listed = [one for one in listed if options.only in shown(one)]
+    made = [one for module in SETTINGS["modules"] for one in mutants_of(module)]
+    possible = {mutant: code for mutant, code in made if options.only in shown(mutant)}
+    tried = {mutant: code for mutant, code in possible.items() if (mutant in listed) == options.equivalents}
+    plugin = Trial(tried, options.processes)
     flags = ("-x", "-q", "--capture=no", "-p", "no:cacheprovider", "--assert=plain", "-k", SETTINGS["without"])
-    if plugin.mutants and pytest.main([*flags, *SETTINGS["tests"]], [plugin]) != 0:
+    if tried and pytest.main([*flags, *SETTINGS["tests"]], [plugin]) != 0:
         sys.exit(1)
-    complaints = [f"listed, but there is no such mutant: {one}" for one in set(listed) - set(possible)]
-    complaints += [f"listed twice: {one}" for one, count in Counter(listed).items() if count > 1]
+    complaints = [f"listed, but there is no such mutant: {shown(one)}" for one in listed if one not in possible]
+    complaints += [f"listed twice: {shown(one)}" for one, count in Counter(listed).items() if count > 1]
     if options.equivalents:
-        complaints += [f"listed, but a test notices it: {one}" for one in set(plugin.mutants) - set(plugin.survivors)]
+        noticed = [one for one in tried if one not in plugin.survivors]
+        complaints += [f"listed, but a test notices it: {shown(one)}" for one in noticed]
     else:
-        complaints += [f"no test notices: {one}" for one in plugin.survivors]
+        complaints += [f"no test notices: {shown(one)}" for one in plugin.survivors]
     print(*complaints, sep="\n")
-    print(f"{len(plugin.mutants)} mutants: {len(plugin.survivors)} not noticed; {len(listed)} are listed as equivalent")
+    print(f"{len(tried)} mutants: {len(plugin.survivors)} not noticed; {len(listed)} are listed as equivalent")
     sys.exit(1 if complaints else 0)
 
 

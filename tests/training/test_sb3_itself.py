@@ -50,11 +50,11 @@ def test_maskable_ppo_learns_with_masks_and_the_value_of_what_the_time_limit_cut
     assert (observations == kept).all(), "a buffer that holds them would change with the env"
 
 
-def test_its_own_wrappers_and_velocities_learn():
+def test_ppo_learns_velocities_under_vec_normalize():
     from stable_baselines3 import PPO
-    from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+    from stable_baselines3.common.vec_env import VecNormalize
 
-    env = VecNormalize(VecMonitor(SB3VecEnv("duel", 8, control="velocity", opponents="patrol", max_cycles=60)))
+    env = VecNormalize(SB3VecEnv("duel", 8, control="velocity", opponents="patrol", max_cycles=60))
     PPO("MlpPolicy", env, n_steps=64, batch_size=256, n_epochs=2, seed=1).learn(8 * 64 * 2)
 
 
