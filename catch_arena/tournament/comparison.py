@@ -120,7 +120,7 @@ class _UntilDecided:
         test: Sprt,
         max_blocks: int,
         secret: Secret,
-        progress: Callable[[int, Sprt], None] | None,
+        progress: Callable[[int, Sprt], None],
     ) -> None:
         plan = round_robin(design.seats, design.parties, max_blocks, secret.part("compare"))
         self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
@@ -141,7 +141,7 @@ class _UntilDecided:
                 self.shares.append(self._design.share_of_a(matches))
                 self._test.add(self.shares[-1])
                 self.matches += len(matches)
-        if number and self._progress is not None:
+        if number:
             self._progress(len(self.shares), self._test)
         if self._test.decision is not None:
             return ()
@@ -160,7 +160,7 @@ def compare(
     jobs: int = 1,
     limits: AgentLimits | None = None,
     max_forfeits: int = 0,
-    progress: Callable[[int, Sprt], None] | None = None,
+    progress: Callable[[int, Sprt], None] = lambda *_: None,
     on_played: Callable[[int, int], None] | None = None,
 ) -> Comparison:
     """Play until `test` has decided, or `max_blocks` blocks.

@@ -84,7 +84,7 @@ def grade_agent(
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
     max_forfeits: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> TestGrade:
     """Play the matches of one of a spec's tests, the student in each seat in turn.
 
@@ -112,8 +112,7 @@ def grade_agent(
         seating = [*others[:party], student, *others[party:]]
         result = play_entrants(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds)
         played.append((party, result))
-        if progress is not None:
-            progress(len(played), len(matches))
+        progress(len(played), len(matches))
         forfeit = result.details[party]
         forfeited = 0 if forfeit is None else forfeited + 1
         timeouts += forfeit is not None and forfeit.late

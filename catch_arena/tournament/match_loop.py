@@ -34,8 +34,8 @@ def play(
     agent_seeds: Sequence[int] = (),
     title: str = "",
     record: Path | BytesIO | None = None,
-    watch: Callable[[CatchArenaEnv], None] | None = None,
-    on_forfeit: Callable[[int, Forfeit], None] | None = None,
+    watch: Callable[[CatchArenaEnv], None] = lambda _: None,
+    on_forfeit: Callable[[int, Forfeit], None] = lambda *_: None,
     most_steps: int | None = None,
 ) -> MatchResult:
     """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6), and so do the others of its team
@@ -74,12 +74,10 @@ def play(
     match = _RunningMatch(env, players, parties, on_forfeit)
     seeds = agent_seeds or [agent_seed(seed, seat) for seat in seats]
     match.forfeit(players.reset(seeds, [player_limits(env.config, seat) for seat in seats]), {})
-    if watch is not None:
-        watch(env)
+    watch(env)
     while env.agents and match.step != most_steps:
         observations, infos = match.play_step(observations, infos)
-        if watch is not None:
-            watch(env)
+        watch(env)
     result = match.result()
     if record is not None:
         env.replay().save(record)
@@ -94,7 +92,7 @@ class _RunningMatch:
         env: CatchArenaEnv,
         players: Players,
         parties: Parties,
-        on_forfeit: Callable[[int, Forfeit], None] | None,
+        on_forfeit: Callable[[int, Forfeit], None],
     ) -> None:
         self.step = 0
         self._env, self._players, self._parties, self._on_forfeit = env, players, parties, on_forfeit
@@ -125,8 +123,7 @@ class _RunningMatch:
             for mate in self._parties.seats[party]:
                 if mate not in self._playing:  # it has dropped out
                     continue
-                if self._on_forfeit is not None:
-                    self._on_forfeit(mate, forfeit)
+                self._on_forfeit(mate, forfeit)
                 self._actions[self._agents[mate]] = self._hold(mate)  # R1.6: the env asks for one more action of it
                 del self._playing[mate]
                 self._env.withdraw(self._agents[mate])

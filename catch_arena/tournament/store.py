@@ -224,13 +224,17 @@ class Store:
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
         """Write matches that were played, all or none; one that was kept before stays as it was."""
-        with self.transaction() as db:
+        with self.transaction():
             for one in block:
-                parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
-                times = [(part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking]
-                details = [part and (part.code, part.step, part.reason) for part in one.result.details]
-                values = (parts | {"thinking": times, "details": details}).values()
-                db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, values)))
+                self._keep(one)
+
+    def _keep(self, one: PlayedMatch) -> None:
+        parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
+        parts["thinking"] = [
+            (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
+        ]
+        parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.details]
+        self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:
         """The matches that are planned and not played, by block, in the order of the plan."""

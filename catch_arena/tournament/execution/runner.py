@@ -29,7 +29,7 @@ def play_plan(
     max_forfeits: int = 0,
     folder: Path | None = None,
     on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
-    on_planned: Callable[[int], None] | None = None,
+    on_planned: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Play what is not in the store yet, stage by stage, until the plan has no further.
 
@@ -69,17 +69,17 @@ def play_plan(
 
     if folder is not None:
         _remove_replays(store, folder / REPLAYS)
-    streaks.add(store.played())
+    before = list(store.played())
+    streaks.add(before)
     if on_results is not None:
-        on_results(list(store.played()))
+        on_results(before)
     planned = 0
 
     def reported(blocks: Iterable[Block]) -> Iterator[Block]:
         so_far = planned
         for block in blocks:
             so_far += len(block)
-            if on_planned is not None:
-                on_planned(so_far)
+            on_planned(so_far)
             yield block
 
     for number in count():
