@@ -18,6 +18,7 @@ from typing import Any, Final
 import numpy as np
 
 from catch_arena import CatchArenaError, scenario
+from catch_arena.agents import contested, contested_by_time, patrol
 from catch_arena.batch_policy import BatchView
 from catch_arena.cli.progress import progress_bar
 from catch_arena.core import state
@@ -28,11 +29,10 @@ from catch_arena.policy import Limits
 from catch_arena.tournament.statistics.intervals import ratios
 from catch_arena.training.destinations import destinations_of_batch
 from catch_arena.training.pointer import PointerNetwork, drive
-from catch_arena.training.scripted import contested, contested_by_time, patrol
 
 CONFIG: Final = scenario("standard", control="velocity")
 LIMITS: Final = Limits.of(CONFIG)
-RIVALS: Final = (patrol, contested_by_time, contested)
+RIVALS: Final[tuple[Any, ...]] = (patrol.Agent(), contested_by_time.Agent(), contested.Agent())
 
 KIND, X, Y, LEFT, FAMILY = range(5)
 """Courses are tables of these, (5, N) or (5, N, C): the kind; x and y of a place in the arena [m], or a speed and a
@@ -76,8 +76,8 @@ class Arenas:
         """One step: the player's velocities, (N, 2), and what the rivals do."""
         self.commands[self.rows, self.seats[:, 0]] = own
         for who, rival in enumerate(RIVALS, start=1):
-            actions = self.commands if rival is patrol else self.choices
-            actions[self.rows, self.seats[:, who]] = rival(self.seen_by(who))
+            actions = self.commands if isinstance(rival, patrol.Agent) else self.choices
+            actions[self.rows, self.seats[:, who]] = rival.act_batch(self.seen_by(who))
         self.engine.step(self.choices, self.commands)
 
     def scores(self) -> Any:
