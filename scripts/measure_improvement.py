@@ -27,7 +27,7 @@ from catch_arena.engine.block_views import row_of
 from catch_arena.engine.engine import Engine
 from catch_arena.policy import Limits
 from catch_arena.tournament.statistics.intervals import ratios
-from catch_arena.training.destinations import destinations_of_batch
+from catch_arena.training.destinations import destinations
 from catch_arena.training.pointer import PointerNetwork, drive
 
 CONFIG: Final = scenario("standard", control="velocity")
@@ -133,7 +133,7 @@ class Player:
         parts = []
         for rows in np.array_split(np.arange(len(view.observations)), -(-len(view.observations) // 128)):
             seen = view.of(rows)
-            found = destinations_of_batch(seen)
+            found = destinations(seen)
             best = np.argsort(-self.network(found)[0], axis=1, kind="stable")[:, :count]
             legal, *points = (np.take_along_axis(one, best, axis=1) for one in (found.legal, found.forward, found.left))
             kinds = np.where(legal, np.where(best < found.places, REST, TARGET), NONE)

@@ -53,7 +53,7 @@ from catch_arena.policy import Limits, control_of
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.tournament.entrants import create_policy, resolve_spec
 from catch_arena.training import LearnerBatch
-from catch_arena.training.destinations import VERSION, Destinations, destinations_of_batch
+from catch_arena.training.destinations import VERSION, Destinations, destinations
 from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, drive, weight_shapes
 
 # settings
@@ -333,7 +333,7 @@ class Arenas:
 
     def look(self) -> Destinations:
         """The candidates of all learners."""
-        return destinations_of_batch(self.view)
+        return destinations(self.view)
 
     @property
     def view(self) -> BatchView:
