@@ -31,16 +31,16 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        targets = worth_chasing(view)[:MOST_TARGETS]
-        if not targets:
+        ranks = worth_chasing(view)[:MOST_TARGETS]
+        if not ranks:
             return rest(view)
-        places = [meeting_point(target, view) for target in targets]
+        places = [meeting_point(view.targets[rank - 1], view) for rank in ranks]
         racing = [rival for rival in view.rivals if rival.linear_velocity][:MOST_RIVALS]
         times_s = [[arrival_s(*place, view.limits) for place in places]]
         times_s += [[rival_arrival_s(rival, *place, view.limits) for place in places] for rival in racing]
         own = cheapest_assignment([[-math.exp(-time_s / PATIENCE_S) for time_s in row] for row in times_s])[0]
         if own is None or times_s[0][own] - min(row[own] for row in times_s) >= LOST_BY_S:
-            return race_or_rest(targets, view)
+            return race_or_rest(ranks, view)
         return drive(*places[own], view)
 
 

@@ -1,9 +1,10 @@
 """Chases the nearest target that no rival is nearer to."""
 
+import math
 from typing import Any
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.policy import SeenHunter, SeenTarget, View
+from catch_arena.policy import View
 
 
 class Agent:
@@ -13,23 +14,32 @@ class Agent:
         """Nothing to forget."""
 
     def act(self, view: View) -> int:
-        """The first target that is its own; where all belong to rivals, the one where it is least behind."""
-        choice, least = 0, float("inf")
-        for target in view.targets:
-            behind = target.distance - nearest_rival_m(view.rivals, target)
-            if behind <= 0.0:
-                return target.rank
-            if behind < least:
-                choice, least = target.rank, behind
-        return choice
+        """The rank of a target, or 0 (hold)."""
+        return choose(view)
 
     def act_batch(self, view: BatchView) -> Any:
         """The same for N hunters: (N,)."""
-        from catch_arena.training.scripted import contested  # a match must not wait for the compiler
+        from catch_arena.training.compiled import ranks_for_each  # a match must not wait for the compiler
 
-        return contested(view)
+        return ranks_for_each(choose, view)
 
 
-def nearest_rival_m(rivals: tuple[SeenHunter, ...], target: SeenTarget) -> float:
-    """The distance [m] between a target and the rival nearest to it; infinite where no rival is in view."""
-    return min((rival.distance_to(target) for rival in rivals), default=float("inf"))
+def choose(view: View) -> int:
+    """The first target that is its own; where all belong to rivals, the one where it is least behind."""
+    choice, least = 0, math.inf
+    for place, target in enumerate(view.targets):
+        distance = math.hypot(target.forward, target.left)
+        behind = distance - nearest_rival_m(target.forward, target.left, view)
+        if behind <= 0.0:
+            return place + 1
+        if behind < least:
+            choice, least = place + 1, behind
+    return choice
+
+
+def nearest_rival_m(forward: float, left: float, view: View) -> float:
+    """The distance [m] between a point of the own frame and the rival nearest to it; infinite without rivals."""
+    nearest = math.inf
+    for rival in view.rivals:
+        nearest = min(nearest, math.hypot(forward - rival.forward, left - rival.left))
+    return nearest

@@ -24,17 +24,24 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        best = min(view.targets, key=lambda target: cost_s(target, view), default=None)
-        if best is None:
-            forward, left = middle_of_own_ground(view)
-            return drive(forward, left, view)
-        return drive(*meeting_point(best, view), view)
+        return decide(view)
 
     def act_batch(self, view: BatchView) -> Any:
         """The same for N hunters: (N, 2)."""
-        from catch_arena.training.scripted import intercept  # a match must not wait for the compiler
+        from catch_arena.training.compiled import commands_for_each  # a match must not wait for the compiler
 
-        return intercept(view)
+        return commands_for_each(decide, view)
+
+
+def decide(view: View) -> tuple[float, float]:
+    """The command for the target that costs least; without any, it keeps to its own ground."""
+    best, least = 0, math.inf
+    for place, target in enumerate(view.targets):
+        cost = cost_s(target, view, least)
+        if cost < least:
+            best, least = place + 1, cost
+    forward, left = meeting_point(view.targets[best - 1], view) if best else middle_of_own_ground(view)
+    return drive(forward, left, view)
 
 
 def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
@@ -49,13 +56,14 @@ def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
     return forward, left
 
 
-def cost_s(target: SeenTarget, view: View) -> float:
-    """How soon the hunter meets a target [s], and how much later than the first rival."""
+def cost_s(target: SeenTarget, view: View, most: float) -> float:
+    """How soon the hunter meets a target [s], and how much later than the first rival; not counted on from `most`."""
     forward, left = meeting_point(target, view)
-    mine = arrival_s(forward, left, view.limits)
-    rivals = [
-        math.hypot(forward - rival.forward, left - rival.left) / view.limits.max_speed_mps
-        for rival in view.rivals
-        if rival.linear_velocity
-    ]
-    return mine + 2.0 * max(0.0, mine - min(rivals, default=math.inf))
+    mine = arrival_s(forward, left, view.limits, most)
+    if mine >= most:
+        return mine
+    nearest = math.inf
+    for rival in view.rivals:
+        if rival.linear_velocity:
+            nearest = min(nearest, math.hypot(forward - rival.forward, left - rival.left))
+    return mine + 2.0 * max(0.0, mine - nearest / view.limits.max_speed_mps)

@@ -30,14 +30,19 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        target = best_race(view.targets, view)
-        return rest(view) if target is None else drive(target.forward, target.left, view)
+        return decide(view)
 
     def act_batch(self, view: BatchView) -> Any:
         """The same for N hunters: (N, 2)."""
-        from catch_arena.training.scripted import patrol  # a match must not wait for the compiler
+        from catch_arena.training.compiled import commands_for_each  # a match must not wait for the compiler
 
-        return patrol(view)
+        return commands_for_each(decide, view)
+
+
+def decide(view: View) -> tuple[float, float]:
+    """The command for the best of all races in view, or for a place to wait."""
+    rank = best_race(range(1, len(view.targets) + 1), view)
+    return drive(view.targets[rank - 1].forward, view.targets[rank - 1].left, view) if rank else rest(view)
 
 
 def rest(view: View) -> tuple[float, float]:
@@ -62,13 +67,21 @@ def drive(forward: float, left: float, view: View) -> tuple[float, float]:
 def middle_of_own_ground(view: View) -> Point:
     """The mean (forward, left) [m] of those points of the spawn area that no rival is nearer to."""
     step = (view.limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / GRID
-    places = [SPAWN_LOW_M + (i + 0.5) * step for i in range(GRID)]
-    rivals = [(rival.forward, rival.left) for rival in view.rivals]
-    own = [
-        (forward, left)
-        for forward, left in (view.to_own_frame(x, y) for x in places for y in places)
-        if all(math.hypot(forward, left) <= math.hypot(forward - ahead, left - aside) for ahead, aside in rivals)
-    ]
-    if not own:
-        return 0.0, 0.0
-    return sum(forward for forward, _ in own) / len(own), sum(left for _, left in own) / len(own)
+    points, ahead, aside = 0, 0.0, 0.0
+    for i in range(GRID):
+        for j in range(GRID):
+            dx, dy = SPAWN_LOW_M + (i + 0.5) * step - view.x, SPAWN_LOW_M + (j + 0.5) * step - view.y
+            forward = view.heading_cos * dx + view.heading_sin * dy
+            left = view.heading_cos * dy - view.heading_sin * dx
+            if is_own(forward, left, view):
+                points, ahead, aside = points + 1, ahead + forward, aside + left
+    return ahead / max(1, points), aside / max(1, points)
+
+
+def is_own(forward: float, left: float, view: View) -> bool:
+    """Whether no rival is nearer to a point of the own frame."""
+    for rival in view.rivals:
+        dx, dy = forward - rival.forward, left - rival.left
+        if dx * dx + dy * dy < forward * forward + left * left:
+            return False
+    return True

@@ -69,8 +69,8 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        target = best_race(worth_chasing(view), view, lost_by_s(view.limits))
-        forward, left = middle_of_own_ground(view) if target is None else meeting_point(target, view)
+        rank = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        forward, left = meeting_point(view.targets[rank - 1], view) if rank else middle_of_own_ground(view)
         cosine, sine = view.heading_cos, view.heading_sin
         goal = view.x + cosine * forward - sine * left, view.y + sine * forward + cosine * left
         if self.goal is None or math.dist(goal, self.goal) > SAME_GOAL_M:

@@ -27,9 +27,9 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        target = best_race(worth_chasing(view), view, lost_by_s(view.limits))
-        if target is not None:
-            return follow(lookahead_point(meeting_point(target, view)), view.limits)
+        rank = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        if rank:
+            return follow(lookahead_point(meeting_point(view.targets[rank - 1], view)), view.limits)
         goal = middle_of_own_ground(view)
         speed, turn = follow(lookahead_point(goal), view.limits)
         return min(speed, BRAKE_GAIN * math.hypot(*goal) / view.limits.max_speed_mps), turn

@@ -11,7 +11,7 @@ from catch_arena.agents.contested_by_time import arrival_s, best_race, rival_arr
 from catch_arena.agents.intercept import meeting_point
 from catch_arena.agents.patrol import drive, rest
 from catch_arena.agents.triage import lost_by_s, worth_chasing
-from catch_arena.policy import SeenHunter, SeenTarget, View
+from catch_arena.policy import SeenHunter, View
 
 DETOUR_S: Final = 0.4
 """How much more time it spends on what the leader wants than on another target."""
@@ -27,21 +27,23 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        targets = worth_chasing(view)
-        best = best_race(targets, view, lost_by_s(view.limits))
-        wanted = wanted_target(targets, view)
-        if wanted is not None and (best is None or mine_s(wanted, view) <= mine_s(best, view) + DETOUR_S):
+        ranks = worth_chasing(view)
+        best = best_race(ranks, view, lost_by_s(view.limits))
+        wanted = wanted_target(ranks, view)
+        if wanted and (not best or mine_s(wanted, view) <= mine_s(best, view) + DETOUR_S):
             best = wanted
-        return rest(view) if best is None else drive(*meeting_point(best, view), view)
+        return drive(*meeting_point(view.targets[best - 1], view), view) if best else rest(view)
 
 
-def wanted_target(targets: tuple[SeenTarget, ...], view: View) -> SeenTarget | None:
-    """What the leader reaches soonest, if this hunter is there before all others; None where there is no leader."""
+def wanted_target(ranks: range, view: View) -> int:
+    """What the leader reaches soonest, if this hunter is there before all others; 0 where there is no leader."""
     leader = leading_rival(view)
-    if leader is None or not targets:
-        return None
-    wanted = min(targets, key=lambda target: rival_arrival_s(leader, target.forward, target.left, view.limits))
-    return wanted if mine_s(wanted, view) <= rivals_arrival_s(wanted, view) else None
+    if leader is None or not ranks:
+        return 0
+    places = [(view.targets[rank - 1].forward, view.targets[rank - 1].left) for rank in ranks]
+    times_s = [rival_arrival_s(leader, *place, view.limits) for place in places]
+    soonest = times_s.index(min(times_s))
+    return ranks[soonest] if mine_s(ranks[soonest], view) <= rivals_arrival_s(*places[soonest], view) else 0
 
 
 def leading_rival(view: View) -> SeenHunter | None:
@@ -50,6 +52,6 @@ def leading_rival(view: View) -> SeenHunter | None:
     return max(rivals, key=lambda rival: rival.score_difference, default=None)
 
 
-def mine_s(target: SeenTarget, view: View) -> float:
+def mine_s(rank: int, view: View) -> float:
     """When this hunter can be there [s]."""
-    return arrival_s(target.forward, target.left, view.limits)
+    return arrival_s(view.targets[rank - 1].forward, view.targets[rank - 1].left, view.limits)

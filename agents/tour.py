@@ -32,10 +32,10 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        targets = worth_chasing(view)[:MOST_TARGETS]
-        places = [meeting_point(target, view) for target in targets]
+        ranks = worth_chasing(view)[:MOST_TARGETS]
+        places = [meeting_point(view.targets[rank - 1], view) for rank in ranks]
         tour = best_tour(list(zip(places, taken_s(places, view), strict=True)), view.limits)
-        return drive(*tour[0], view) if tour else race_or_rest(targets, view)
+        return drive(*tour[0], view) if tour else race_or_rest(ranks, view)
 
 
 def taken_s(places: list[Point], view: View) -> list[float]:

@@ -31,11 +31,11 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Speed and turn rate as parts of the limits, in [-1, 1]."""
-        targets = worth_chasing(view)
-        places = [meeting_point(target, view) for target in targets]
+        ranks = worth_chasing(view)
+        places = [meeting_point(view.targets[rank - 1], view) for rank in ranks]
         own = [place for place in places if is_own(place, view)]
         if not own:
-            return race_or_rest(targets, view)
+            return race_or_rest(ranks, view)
         return drive(*min(own, key=lambda place: cost_s(place, own, view)), view)
 
 

@@ -54,7 +54,7 @@ from catch_arena.scenarios import scenario as arena_config
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
 from catch_arena.training import LearnerBatch
-from catch_arena.training.destinations import VERSION, Destinations, destinations_of_batch
+from catch_arena.training.destinations import VERSION, Destinations, destinations
 from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, drive, weight_shapes
 
 # settings
@@ -334,7 +334,7 @@ class Arenas:
 
     def look(self) -> Destinations:
         """The candidates of all learners."""
-        return destinations_of_batch(self.view)
+        return destinations(self.view)
 
     @property
     def view(self) -> BatchView:

@@ -2,7 +2,7 @@
 (docs/training.md).
 
 - batch: many arenas in which some seats learn. opponents: who plays the others. prey_players: who plays prey.
-  scripted: `act_batch` of shipped agents, compiled.
+  compiled: a decision for one hunter, made for many by the compiler.
 - sb3, gymnasium_vector, torchrl: adapters, one for each library.
 - networks: a trained network in NumPy. fitting: an observation in the width that a network was trained with.
 - destinations, pointer: what the trained agents that ship look at, and their networks.

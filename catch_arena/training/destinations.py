@@ -2,20 +2,17 @@
 
 A *candidate* is a place: a target in view, the middle of one's own ground, or a waiting point. Each is described by the
 same numbers, whatever the scenario, so that one network plays with any number of targets and rivals, in any arena.
+
+In the shapes of arrays there are N hunters, C candidates (P places, then K targets) and R rivals.
 """
 
-import math
-from collections.abc import Callable
-from functools import cache, lru_cache
-from types import FunctionType
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TeamRivalFeatures
-from catch_arena.policy import Limits, View, first_rival_column, rival_features, target_features
+from catch_arena.policy import Limits, View
 
 VERSION: Final = 1
 """Of the features: a network that learned from others cannot read these."""
@@ -38,109 +35,22 @@ LENGTH_M: Final = 3.0
 """Lengths are told in parts of this."""
 FARTHEST_S: Final = 3.0
 """And times up to this."""
+ROWS: Final = 64
+"""Number of hunters that are described at a time: what is computed for more does not fit into a processor's caches."""
 
-
-class _CandidateFeatures(NamedTuple):
-    """What is told of each candidate, about -3 to 3 each: where each number stands."""
-
-    forward: int
-    left: int
-    distance: int
-    bearing_cos: int
-    bearing_sin: int
-    bearing: int
-    arrival: int
-    won: int
-    next: int
-    next_won: int
-    second_won: int
-    density: int
-    wall_x: int
-    wall_y: int
-    preferred: int
-    is_place: int
-    is_ground: int
-    age: int
-    active: int
-    moving_ahead: int
-    moving_aside: int
-    from_ground: int
-    targets: int
-    caught: int
-    speed: int
-    turn_rate: int
-    time_left: int
-
-
-class _RivalFeatures(NamedTuple):
-    """And then of each of the rivals that would be there first."""
-
-    margin: int
-    bound_there: int
-    facing_it: int
-    distance: int
-    speed: int
-    mate: int
-
-
-FEATURES: Final = (
-    *_CandidateFeatures._fields,
-    *(f"rival_{rival}_{name}" for rival in range(RIVALS) for name in _RivalFeatures._fields),
+_OF_CANDIDATE: Final = (
+    *("forward", "left", "distance", "bearing_cos", "bearing_sin", "bearing", "arrival", "won"),
+    *("next", "next_won", "second_won", "density", "wall_x", "wall_y", "preferred", "is_place", "is_ground"),
+    *("age", "active", "moving_ahead", "moving_aside", "from_ground"),
+    *("targets", "caught", "speed", "turn_rate", "time_left"),
 )
+"""What is told of each candidate, about -3 to 3 each."""
+_OF_RIVAL: Final = ("margin", "bound_there", "facing_it", "distance", "speed", "mate")
+"""And then of each of the rivals that would be there first."""
+FEATURES: Final = (*_OF_CANDIDATE, *(f"rival_{rival}_{name}" for rival in range(RIVALS) for name in _OF_RIVAL))
 """All of them, in order."""
-_TO: Final = _CandidateFeatures(*range(len(_CandidateFeatures._fields)))
-"""Where the first of them are written to, behind where a candidate's begin."""
-_RIVAL_TO: Final = _RivalFeatures(*range(len(_RivalFeatures._fields)))
-"""And those of a rival, behind where that one's begin."""
-_OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
-_FIRST_TARGET: Final = len(_OWN)
-_ASIDE, _THERE, _AGE, _ACTIVE, _COS, _SIN, _SPEED = (
-    MovingTargetFeatures._fields.index(name)
-    for name in ("left", "present", "age", "active", "heading_cos", "heading_sin", "linear_velocity")
-)
-"""Of a target's columns, behind `forward`; the first three are a rival's too."""
-_RIVAL_COS, _RIVAL_SIN, _RIVAL_SPEED = (
-    RivalFeatures._fields.index(name) for name in ("heading_cos", "heading_sin", "linear_velocity")
-)
-_MATE: Final = TeamRivalFeatures._fields.index("mate")
-_WIDTH: Final = len(FEATURES)
 
-
-class _Shape(NamedTuple):
-    """An arena and its observation in numbers, as compiled code takes them."""
-
-    places: int
-    targets: int
-    rivals: int
-    target_stride: int
-    first_rival: int
-    rival_stride: int
-    side_m: float
-    reach_m: float
-    speed_mps: float
-    turn_rate_radps: float
-    hosted: bool
-    moving: bool
-    teams: bool
-
-
-class _Race(NamedTuple):
-    """Who would be where when, in scratch memory: by candidate (C), by rival (R), or by rival and candidate (R * C)."""
-
-    mine: Any
-    """The own arrival [s]: (C,)."""
-    soonest: Any
-    """The first rival's [s]: (C,)."""
-    theirs: Any
-    """Each rival's [s]: (R * C,)."""
-    facing: Any
-    """The cosine of the angle between a rival's heading and the candidate: (R * C,)."""
-    far: Any
-    """A rival's distance [m]: (R * C,)."""
-    moving: Any
-    """1 for a rival that drives: (R,)."""
-    bound: Any
-    """The target (from 0) that such a rival seems to drive to, else -1: (R,)."""
+Floats = NDArray[np.float64]
 
 
 class Destinations(NamedTuple):
@@ -160,372 +70,216 @@ class Destinations(NamedTuple):
     """P: of a candidate c from P on, the target's rank is c - P + 1."""
 
 
-def destinations(view: View) -> Destinations:
-    """The candidates of one hunter, N = 1.
+def destinations(view: View | BatchView) -> Destinations:
+    """Describe the candidates of one hunter, N = 1, or of many.
 
     Under target control the one place is where the hunter is, since to hold is all that it can do beside chasing. Else
     they are its own ground and the waiting points, and a target that is as good as caught is no candidate.
     """
-    shape = _shape(view.limits)
-    candidates = shape.places + shape.targets
-    forward, left, legal = ([0.0] * candidates for _ in range(3))
-    features = [0.0] * (candidates * _WIDTH)
-    scratch = [0.0] * _scratch_size(shape)
-    preferred = _describe(view.observation, shape, scratch, forward, left, legal, features)
-    return Destinations(
-        np.array([forward]),
-        np.array([left]),
-        np.array([legal]) > 0,
-        np.array(features, np.float32).reshape(1, candidates, _WIDTH),
-        np.array([preferred]),
-        shape.places,
-    )
+    if isinstance(view, View):
+        view = BatchView(np.array([view.observation]), np.zeros((1, 0), np.int8), view.limits)
+    seen: Any = np.asarray(view.observations, np.float64)
+    views = (BatchView(seen[at : at + ROWS], view.masks, view.limits) for at in range(0, max(1, len(seen)), ROWS))
+    *tables, places = zip(*(_Block(some).described() for some in views), strict=True)
+    return Destinations._make((*map(np.concatenate, tables), places[0]))
 
 
-def destinations_of_batch(view: BatchView) -> Destinations:
-    """The same of N hunters: compiled, which takes some seconds when it is used first."""
-    shape = _shape(view.limits)
-    rows, candidates = len(view.observations), shape.places + shape.targets
-    forward, left, legal = (np.zeros((rows, candidates)) for _ in range(3))
-    features = np.zeros((rows, candidates * _WIDTH), np.float32)
-    preferred = np.empty(rows, np.int64)
-    observations = np.asarray(view.observations, np.float64)
-    _compiled()(observations, shape, np.empty(_scratch_size(shape)), forward, left, legal, features, preferred)
-    return Destinations(forward, left, legal > 0, features.reshape(rows, candidates, _WIDTH), preferred, shape.places)
+class _Block:
+    """Some hunters, with what they see, (N, K) and (N, R), and when everybody would be at each candidate."""
 
-
-@lru_cache(maxsize=64)
-def _shape(limits: Limits) -> _Shape:
-    hosted = limits.control == "target"
-    return _Shape(
-        1 if hosted else 1 + GRID * GRID,
-        limits.targets_seen,
-        limits.hunters_seen,
-        len(target_features(limits)._fields),
-        first_rival_column(limits),
-        len(rival_features(limits)._fields),
-        limits.side_m,
-        limits.reach_m,
-        limits.max_speed_mps,
-        limits.max_turn_rate_radps,
-        hosted,
-        limits.targets_move,
-        limits.teams,
-    )
-
-
-def _scratch_size(shape: _Shape) -> int:
-    candidates = shape.places + shape.targets
-    return 2 * candidates + 3 * shape.rivals * candidates + 2 * shape.rivals
-
-
-# one source for a match's single views, in plain Python, and for training's batches, compiled
-
-
-def _arrival_s(forward: Any, left: Any, shape: Any) -> Any:
-    """`contested_by_time.arrival_s`."""
-    way = max(0.0, math.sqrt(forward * forward + left * left) - shape.reach_m)
-    return way / shape.speed_mps + 0.5 * abs(math.atan2(left, forward)) / shape.turn_rate_radps
-
-
-def _race_in(scratch: Any, shape: Any) -> Any:
-    """The parts of the scratch memory by name."""
-    candidates, rivals = shape.places + shape.targets, shape.rivals
-    size, by_rival = rivals * candidates, 2 * candidates + 3 * rivals * candidates
-    return _Race(
-        scratch[:candidates],
-        scratch[candidates : 2 * candidates],
-        scratch[2 * candidates : 2 * candidates + size],
-        scratch[2 * candidates + size : 2 * candidates + 2 * size],
-        scratch[2 * candidates + 2 * size : by_rival],
-        scratch[by_rival : by_rival + rivals],
-        scratch[by_rival + rivals : by_rival + 2 * rivals],
-    )
-
-
-def _best_race(hunter: Any, shape: Any, first: Any, count: Any, race: Any) -> Any:
-    """The target (from 0) whose race suits a hunter best, and by how much it is lost [s]; hunter -1 is oneself."""
-    mine, theirs, moving = race.mine, race.theirs, race.moving
-    candidates = shape.places + shape.targets
-    won, lost, soonest, closest = -1, -1, NEVER_S, NEVER_S
-    for target in range(first, count):
-        place = shape.places + target
-        arrival = mine[place] if hunter < 0 else theirs[hunter * candidates + place]
-        if arrival >= soonest:
-            continue
-        others = NEVER_S if hunter < 0 else mine[place]
-        for rival in range(shape.rivals):
-            if rival != hunter and moving[rival] > 0.0:
-                others = min(others, theirs[rival * candidates + place])
-        if arrival <= others:
-            won, soonest = target, arrival
-        elif arrival - others < closest:
-            lost, closest = target, arrival - others
-    if won >= 0:
-        return won, 0.0
-    return lost, closest
-
-
-def _is_nearest(o: Any, shape: Any, forward: Any, left: Any) -> Any:
-    """Whether no rival is nearer to a point of the own frame."""
-    distance = forward * forward + left * left
-    for rival in range(shape.rivals):
-        at = shape.first_rival + rival * shape.rival_stride
-        if o[at + _THERE] == 0.0:
-            break
-        if (forward - o[at]) ** 2 + (left - o[at + _ASIDE]) ** 2 < distance:
-            return False
-    return True
-
-
-def _own_ground(o: Any, shape: Any) -> Any:
-    """The mean of those points of the arena that no rival is nearer to, in the own frame."""
-    step = shape.side_m / GROUND
-    x, y, cosine, sine = o[_OWN.x], o[_OWN.y], o[_OWN.heading_cos], o[_OWN.heading_sin]
-    sum_forward, sum_left, points = 0.0, 0.0, 0
-    for column in range(GROUND):
-        dx = (column + 0.5) * step - x
-        for row in range(GROUND):
-            dy = (row + 0.5) * step - y
-            forward = cosine * dx + sine * dy
-            left = cosine * dy - sine * dx
-            if _is_nearest(o, shape, forward, left):
-                sum_forward += forward
-                sum_left += left
-                points += 1
-    if points == 0:
-        return 0.0, 0.0
-    return sum_forward / points, sum_left / points
-
-
-def _find_places(o: Any, shape: Any, forward: Any, left: Any) -> Any:
-    """Write where the candidates are; how many targets are in view."""
-    ground_forward, ground_left = _own_ground(o, shape)
-    if not shape.hosted:
-        forward[0], left[0] = ground_forward, ground_left
-        x, y, cosine, sine = o[_OWN.x], o[_OWN.y], o[_OWN.heading_cos], o[_OWN.heading_sin]
-        for point in range(shape.places - 1):
-            dx = (point // GRID + 0.5) * shape.side_m / GRID - x
-            dy = (point % GRID + 0.5) * shape.side_m / GRID - y
-            forward[1 + point] = cosine * dx + sine * dy
-            left[1 + point] = cosine * dy - sine * dx
-    count = 0
-    for target in range(shape.targets):
-        at = _FIRST_TARGET + target * shape.target_stride
-        place = shape.places + target
-        forward[place], left[place] = o[at], o[at + _ASIDE]
-        if o[at + _THERE] == 0.0:
-            continue
-        count += 1
-        if shape.moving:  # where it can be met: the time to that place, and the place by that time
-            for _ in range(2):
-                lead = min(LONGEST_LEAD_S, _arrival_s(forward[place], left[place], shape))
-                forward[place] = o[at] + o[at + _SPEED] * o[at + _COS] * lead
-                left[place] = o[at + _ASIDE] + o[at + _SPEED] * o[at + _SIN] * lead
-    return count, ground_forward, ground_left
-
-
-def _is_as_good_as_caught(o: Any, shape: Any) -> Any:
-    """Whether the nearest target is within reach and no rival is nearer to it: it is requested for oneself."""
-    if shape.hosted or o[_FIRST_TARGET + _THERE] == 0.0:
-        return False
-    forward, left = o[_FIRST_TARGET], o[_FIRST_TARGET + _ASIDE]
-    if forward * forward + left * left >= (0.999 * shape.reach_m) ** 2:
-        return False
-    return _is_nearest(o, shape, forward, left)
-
-
-def _run_race(o: Any, shape: Any, first: Any, count: Any, forward: Any, left: Any, race: Any) -> None:
-    """Write when everybody would be at each candidate, and where the rivals seem to drive."""
-    mine, soonest, theirs, facing, far = race.mine, race.soonest, race.theirs, race.facing, race.far
-    candidates = shape.places + shape.targets
-    for place in range(candidates):
-        mine[place] = _arrival_s(forward[place], left[place], shape)
-        soonest[place] = NEVER_S
-    for rival in range(shape.rivals):
-        at = shape.first_rival + rival * shape.rival_stride
-        there = o[at + _THERE] != 0.0
-        race.moving[rival] = 1.0 if there and o[at + _RIVAL_SPEED] != 0.0 else 0.0
-        race.bound[rival] = -1.0
-        cosine, sine = o[at + _RIVAL_COS], o[at + _RIVAL_SIN]
-        for place in range(candidates):
-            dx, dy = forward[place] - o[at], left[place] - o[at + _ASIDE]
-            ahead, aside = cosine * dx + sine * dy, cosine * dy - sine * dx
-            distance = math.sqrt(dx * dx + dy * dy)
-            theirs[rival * candidates + place] = _arrival_s(ahead, aside, shape) if there else NEVER_S
-            soonest[place] = min(soonest[place], theirs[rival * candidates + place])
-            facing[rival * candidates + place] = ahead / (distance + 1e-3)
-            far[rival * candidates + place] = distance
-    for rival in range(shape.rivals):
-        if race.moving[rival] > 0.0:
-            race.bound[rival] = float(_best_race(rival, shape, first, count, race)[0])
-
-
-def _preferred(shape: Any, first: Any, count: Any, race: Any) -> Any:
-    """The candidate that a good scripted agent would take."""
-    target, lost_by = _best_race(-1, shape, first, count, race)
-    if target < 0 or (lost_by > GIVEN_UP_S and not shape.hosted):
-        return 0
-    return shape.places + target
-
-
-def _describe_place(
-    o: Any, shape: Any, place: Any, x: Any, y: Any, distance: Any, race: Any, features: Any, base: Any
-) -> None:
-    """Write where a candidate is, and what it is."""
-    east = o[_OWN.x] + o[_OWN.heading_cos] * x - o[_OWN.heading_sin] * y
-    north = o[_OWN.y] + o[_OWN.heading_sin] * x + o[_OWN.heading_cos] * y
-    middle = 0.5 * shape.side_m
-    features[base + _TO.forward] = x / LENGTH_M
-    features[base + _TO.left] = y / LENGTH_M
-    features[base + _TO.distance] = distance / LENGTH_M
-    features[base + _TO.bearing_cos] = x / (distance + 1e-3)
-    features[base + _TO.bearing_sin] = y / (distance + 1e-3)
-    features[base + _TO.bearing] = abs(math.atan2(y, x)) / math.pi
-    features[base + _TO.arrival] = min(race.mine[place], 2.0 * FARTHEST_S)
-    features[base + _TO.won] = 1.0 if race.mine[place] < race.soonest[place] else 0.0
-    features[base + _TO.wall_x] = abs(east - middle) / middle
-    features[base + _TO.wall_y] = abs(north - middle) / middle
-    features[base + _TO.is_place] = 1.0 if place < shape.places else 0.0
-    features[base + _TO.is_ground] = 1.0 if place == 0 and not shape.hosted else 0.0
-    if place >= shape.places:
-        at = _FIRST_TARGET + (place - shape.places) * shape.target_stride
-        features[base + _TO.age] = min(2.0, o[at + _AGE] / 5.0)
-        features[base + _TO.active] = o[at + _ACTIVE]
-        if shape.moving:
-            features[base + _TO.moving_ahead] = o[at + _SPEED] * o[at + _COS] / 2.0
-            features[base + _TO.moving_aside] = o[at + _SPEED] * o[at + _SIN] / 2.0
-
-
-def _describe_next(
-    shape: Any,
-    first: Any,
-    count: Any,
-    place: Any,
-    x: Any,
-    y: Any,
-    distance: Any,
-    forward: Any,
-    left: Any,
-    race: Any,
-    features: Any,
-    base: Any,
-) -> None:
-    """Write what comes after a candidate: the next target, the next two that no rival reaches before, and how many lie
-    about.
-    """
-    cosine, sine = (x / distance, y / distance) if distance > 1e-6 else (1.0, 0.0)
-    from_x, from_y = x - BEHIND_M * cosine, y - BEHIND_M * sine
-    own, soonest = race.mine[place], race.soonest
-    next_s = next_won = second_won = FARTHEST_S
-    density = 0.0
-    for target in range(first, count):
-        other = shape.places + target
-        if other == place:
-            continue
-        dx, dy = forward[other] - from_x, left[other] - from_y
-        arrival = _arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, shape)
-        density += 1.0 / (1.0 + 0.5 * (dx * dx + dy * dy))
-        next_s = min(next_s, arrival)
-        if own + arrival < soonest[other]:
-            if arrival < next_won:
-                next_won, second_won = arrival, next_won
-            elif arrival < second_won:
-                second_won = arrival
-    features[base + _TO.next] = next_s
-    features[base + _TO.next_won] = next_won
-    features[base + _TO.second_won] = second_won
-    features[base + _TO.density] = density
-
-
-def _describe_rivals(o: Any, shape: Any, place: Any, race: Any, features: Any, base: Any) -> None:
-    """Write of the rivals that would be there first: in the order of their arrival, and of their ranks where that is
-    one.
-    """
-    candidates = shape.places + shape.targets
-    theirs, own = race.theirs, race.mine[place]
-    last, last_rival = -1.0, -1
-    for nth in range(RIVALS):
-        who, arrival = -1, NEVER_S
-        for rival in range(shape.rivals):
-            its = theirs[rival * candidates + place]
-            if its < arrival and (its > last or (its == last and rival > last_rival)):
-                who, arrival = rival, its
-        to = base + len(_TO) + nth * len(_RIVAL_TO)
-        if who < 0:
-            features[to + _RIVAL_TO.margin] = FARTHEST_S
-            continue
-        last, last_rival = arrival, who
-        at, there = shape.first_rival + who * shape.rival_stride, who * candidates + place
-        features[to + _RIVAL_TO.margin] = max(-2.0, min(2.0, arrival - own))
-        features[to + _RIVAL_TO.bound_there] = 1.0 if race.bound[who] == place - shape.places else 0.0
-        features[to + _RIVAL_TO.facing_it] = race.facing[there]
-        features[to + _RIVAL_TO.distance] = race.far[there] / LENGTH_M
-        features[to + _RIVAL_TO.speed] = o[at + _RIVAL_SPEED] / 2.0
-        if shape.teams:
-            features[to + _RIVAL_TO.mate] = o[at + _MATE]
-
-
-def _describe(o: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: Any, features: Any) -> Any:
-    """Write the candidates of one hunter, and their features where zeros stood; what a scripted agent would take."""
-    race = _race_in(scratch, shape)
-    count, ground_forward, ground_left = _find_places(o, shape, forward, left)
-    first = 1 if _is_as_good_as_caught(o, shape) else 0
-    _run_race(o, shape, first, count, forward, left, race)
-    preferred = _preferred(shape, first, count, race)
-    targets, time_left = (count - first) / 8.0, min(1.0, o[_OWN.time_left] / 60.0)
-    speed, turn_rate = o[_OWN.linear_velocity] / 2.0, o[_OWN.angular_velocity] / 4.0
-    for place in range(shape.places + shape.targets):
-        alive = place < shape.places or first <= place - shape.places < count
-        legal[place] = 1.0 if alive else 0.0
-        if not alive:
-            continue
-        base = place * _WIDTH
-        x, y = forward[place], left[place]
-        distance = math.sqrt(x * x + y * y)
-        _describe_place(o, shape, place, x, y, distance, race, features, base)
-        _describe_next(shape, first, count, place, x, y, distance, forward, left, race, features, base)
-        features[base + _TO.preferred] = 1.0 if place == preferred else 0.0
-        from_ground = math.sqrt((ground_forward - x) ** 2 + (ground_left - y) ** 2)
-        features[base + _TO.from_ground] = min(2.0, from_ground / LENGTH_M)
-        features[base + _TO.targets] = targets
-        features[base + _TO.caught] = 1.0 * first
-        features[base + _TO.speed] = speed
-        features[base + _TO.turn_rate] = turn_rate
-        features[base + _TO.time_left] = time_left
-        _describe_rivals(o, shape, place, race, features, base)
-    return preferred
-
-
-def _describe_all(
-    observations: Any, shape: Any, scratch: Any, forward: Any, left: Any, legal: Any, features: Any, preferred: Any
-) -> None:
-    for row in range(len(observations)):
-        preferred[row] = _describe(
-            observations[row], shape, scratch, forward[row], left[row], legal[row], features[row]
+    def __init__(self, view: BatchView) -> None:
+        self.limits: Limits = view.limits
+        self.hosted = view.limits.control == "target"
+        self.own: Any = type(view.own)(*(column[:, None] for column in view.own))
+        self.targets, self.rivals = view.targets, view.rivals
+        self.ground = self._own_ground()
+        places = [self.ground]
+        if self.hosted:
+            places = [np.zeros_like(self.ground)]
+        else:
+            places.append(self._in_own_frame(GRID))
+        self.places = sum(points.shape[2] for points in places)
+        self.forward, self.left = np.concatenate((*places, self._meetings()), axis=2)
+        caught = self._as_good_as_caught()
+        self.alive = (self.targets.present > 0) & ~caught
+        self.caught = caught.any(axis=1, keepdims=True)
+        self.mine = self._arrival_s(self.forward, self.left)
+        dx, dy = (
+            self.forward[:, None] - self.rivals.forward[..., None],
+            self.left[:, None] - self.rivals.left[..., None],
         )
+        cosine, sine = self.rivals.heading_cos[..., None], self.rivals.heading_sin[..., None]
+        ahead, self.far = cosine * dx + sine * dy, np.sqrt(dx * dx + dy * dy)
+        self.facing = ahead / (self.far + 1e-3)
+        """The cosine of the angle between a rival's heading and the candidate, (N, R, C), as `far` [m] and `theirs`."""
+        there = (self.rivals.present > 0)[..., None]
+        self.theirs = np.where(there, self._arrival_s(ahead, cosine * dy - sine * dx), NEVER_S)
+        self.soonest = self.theirs.min(axis=1, initial=NEVER_S)
+        self.best, self.lost_by = self._best_races()
+
+    def _in_own_frame(self, points: int) -> Floats:
+        """A grid of points x points in the arena, as (forward, left): (2, N, points * points)."""
+        middles, own = (np.arange(points) + 0.5) * self.limits.side_m / points, self.own
+        dx, dy = np.repeat(middles, points) - own.x, np.tile(middles, points) - own.y
+        cosine, sine = own.heading_cos, own.heading_sin
+        return np.stack((cosine * dx + sine * dy, cosine * dy - sine * dx))
+
+    def _is_nearest(self, forward: Floats, left: Floats) -> NDArray[np.bool_]:
+        """Whether no rival is nearer to points of the own frame: (N, points)."""
+        dx, dy = forward[:, None] - self.rivals.forward[..., None], left[:, None] - self.rivals.left[..., None]
+        nearer = dx * dx + dy * dy < (forward * forward + left * left)[:, None]
+        nearest: NDArray[np.bool_] = ~(nearer & (self.rivals.present > 0)[..., None]).any(axis=1)
+        return nearest
+
+    def _own_ground(self) -> Floats:
+        """The mean of those points of the arena that no rival is nearer to, in the own frame: (2, N, 1)."""
+        points = self._in_own_frame(GROUND)
+        own = self._is_nearest(*points)
+        mean: Floats = (points * own).sum(axis=2, keepdims=True) / np.maximum(1, own.sum(axis=1))[:, None]
+        return mean
+
+    def _meetings(self) -> Floats:
+        """Where targets can be met: the time to that place, and the place by that time: (2, N, K)."""
+        now = np.stack((self.targets.forward, self.targets.left))
+        if not self.limits.targets_move:
+            return now
+        way = self.targets.linear_velocity * np.stack((self.targets.heading_cos, self.targets.heading_sin))
+        place = now
+        for _ in range(2):
+            place = now + way * np.minimum(LONGEST_LEAD_S, self._arrival_s(*place))
+        return place
+
+    def _as_good_as_caught(self) -> NDArray[np.bool_]:
+        """Whether the nearest target is requested for oneself: within reach, and no rival is nearer to it: (N, K)."""
+        forward, left = self.targets.forward[:, :1], self.targets.left[:, :1]
+        caught: NDArray[np.bool_] = self.targets.present > 0
+        within = forward * forward + left * left < (0.999 * self.limits.reach_m) ** 2
+        caught[:, :1] &= within & self._is_nearest(forward, left) & (not self.hosted)
+        caught[:, 1:] = False
+        return caught
+
+    def _arrival_s(self, forward: Floats, left: Floats) -> Floats:
+        """`contested_by_time.arrival_s`."""
+        way = np.maximum(0.0, np.sqrt(forward * forward + left * left) - self.limits.reach_m)
+        turn: Floats = 0.5 * np.abs(np.arctan2(left, forward)) / self.limits.max_turn_rate_radps
+        return way / self.limits.max_speed_mps + turn
+
+    def _best_races(self) -> tuple[NDArray[np.int64], Floats]:
+        """The target (from 0) whose race suits oneself and then each rival best, else -1, and by how much it is lost
+        [s]: (N, 1 + R).
+        """
+        races = np.concatenate((self.mine[:, None], self.theirs), axis=1)[..., self.places :]
+        moving = (self.rivals.present > 0) & (self.rivals.linear_velocity != 0)
+        racing = np.concatenate((np.ones((len(moving), 1), np.bool_), moving), axis=1)
+        times = np.where(racing[..., None], races, NEVER_S)
+        first, second = _two_least(times.swapaxes(0, 1), NEVER_S)
+        others = np.where(times == first[:, None], second[:, None], first[:, None])
+        late = np.where(self.alive[:, None], times - others, NEVER_S)
+        won = late <= 0.0
+        cost = np.where(won, times, NEVER_S + late)
+        best, wins = cost.argmin(axis=2), won.any(axis=2)
+        lost_by: Floats = np.where(wins, 0.0, late.min(axis=2))
+        return np.where(racing & self.alive.any(axis=1)[:, None], best, -1), lost_by
+
+    def described(self) -> Destinations:
+        """All that is told of these hunters."""
+        given_up = (self.lost_by[:, 0] > GIVEN_UP_S) & (not self.hosted)
+        preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])
+        legal = np.concatenate((np.ones((len(self.alive), self.places), np.bool_), self.alive), axis=1)
+        features = np.zeros((*legal.shape, len(FEATURES)), np.float32)
+        told = {**self._candidates(), **self._what_comes_next()}
+        told["preferred"] = np.arange(legal.shape[1]) == preferred[:, None]
+        for name, values in told.items():
+            features[..., _OF_CANDIDATE.index(name)] = values
+        features[..., len(_OF_CANDIDATE) :] = self._first_rivals()
+        features[~legal] = 0.0
+        return Destinations(self.forward, self.left, legal, features, preferred, self.places)
+
+    def _candidates(self) -> dict[str, Any]:
+        """Where candidates are, what they are, and what is told of the hunter itself."""
+        x, y, own, middle = self.forward, self.left, self.own, 0.5 * self.limits.side_m
+        distance, number = np.sqrt(x * x + y * y), np.arange(x.shape[1])
+        east = own.x + own.heading_cos * x - own.heading_sin * y
+        north = own.y + own.heading_sin * x + own.heading_cos * y
+        from_ground = np.sqrt((self.ground[0] - x) ** 2 + (self.ground[1] - y) ** 2)
+        told = {
+            "forward": x / LENGTH_M,
+            "left": y / LENGTH_M,
+            "distance": distance / LENGTH_M,
+            "bearing_cos": x / (distance + 1e-3),
+            "bearing_sin": y / (distance + 1e-3),
+            "bearing": np.abs(np.arctan2(y, x)) / np.pi,
+            "arrival": np.minimum(self.mine, 2.0 * FARTHEST_S),
+            "won": self.mine < self.soonest,
+            "wall_x": np.abs(east - middle) / middle,
+            "wall_y": np.abs(north - middle) / middle,
+            "is_place": number < self.places,
+            "is_ground": (number == 0) & (not self.hosted),
+            "from_ground": np.minimum(2.0, from_ground / LENGTH_M),
+            "targets": self.alive.sum(axis=1, keepdims=True) / 8.0,
+            "caught": self.caught,
+            "speed": own.linear_velocity / 2.0,
+            "turn_rate": own.angular_velocity / 4.0,
+            "time_left": np.minimum(1.0, own.time_left / 60.0),
+        }
+        targets = {"age": np.minimum(2.0, self.targets.age / 5.0), "active": self.targets.active}
+        if self.limits.targets_move:
+            speed = self.targets.linear_velocity / 2.0
+            targets |= {
+                "moving_ahead": speed * self.targets.heading_cos,
+                "moving_aside": speed * self.targets.heading_sin,
+            }
+        no_target = np.zeros((len(x), self.places))
+        return told | {name: np.concatenate((no_target, column), axis=1) for name, column in targets.items()}
+
+    def _what_comes_next(self) -> dict[str, Any]:
+        """What comes after a candidate: the next target, the next two that no rival reaches before, and how many lie
+        about.
+        """
+        x, y = self.forward, self.left
+        distance = np.sqrt(x * x + y * y)
+        there = distance <= 1e-6  # and then it faces ahead
+        distance = np.where(there, 1.0, distance)
+        cosine, sine = np.where(there, 1.0, x / distance), np.where(there, 0.0, y / distance)
+        target_x, target_y = (one.T[self.places :, :, None] for one in (x, y))
+        dx, dy = target_x - (x - BEHIND_M * cosine), target_y - (y - BEHIND_M * sine)  # (K, N, C)
+        arrival = self._arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx)
+        another = self.alive.T[..., None] & (np.arange(self.places, x.shape[1])[:, None, None] != np.arange(x.shape[1]))
+        arrival[~another] = NEVER_S
+        wins = self.mine + arrival < self.soonest.T[self.places :, :, None]
+        next_won, second_won = _two_least(np.where(wins, arrival, NEVER_S), FARTHEST_S)
+        return {
+            "next": arrival.min(axis=0, initial=FARTHEST_S),
+            "next_won": next_won,
+            "second_won": second_won,
+            "density": (another / (1.0 + 0.5 * (dx * dx + dy * dy))).sum(axis=0),
+        }
+
+    def _first_rivals(self) -> Floats:
+        """What is told of the rivals that would be at a candidate first: in the order of their arrival, and of their
+        ranks where that is one: (N, C, RIVALS * F).
+        """
+        features = (
+            np.clip(self.theirs - self.mine[:, None], -2.0, 2.0),
+            self.best[:, 1:, None] == np.arange(self.mine.shape[1]) - self.places,
+            self.facing,
+            self.far / LENGTH_M,
+            self.rivals.linear_velocity[..., None] / 2.0,
+            self.rivals.mate[..., None] if self.limits.teams else 0.0,
+        )
+        told = np.stack(np.broadcast_arrays(*features), axis=3)
+        nobody = FARTHEST_S, 0.0, 0.0, 0.0, 0.0, 0.0
+        told[self.theirs >= NEVER_S] = nobody
+        order = np.argsort(self.theirs, axis=1, kind="stable")[:, :RIVALS]
+        first = np.full((len(told), RIVALS, *told.shape[2:]), nobody)
+        first[:, : order.shape[1]] = told[np.arange(len(told))[:, None, None], order, np.arange(told.shape[2])]
+        return first.swapaxes(1, 2).reshape(len(told), -1, RIVALS * len(_OF_RIVAL))
 
 
-@cache
-def _compiled() -> Callable[..., None]:
-    """`_describe_all`, compiled: copies of the functions above, since those stay plain Python."""
-    from catch_arena.core.jit import entry, phase  # a match must not wait for the compiler
-
-    space = dict(globals())
-    for function in (
-        _arrival_s,
-        _race_in,
-        _best_race,
-        _is_nearest,
-        _own_ground,
-        _find_places,
-        _is_as_good_as_caught,
-        _run_race,
-        _preferred,
-        _describe_place,
-        _describe_next,
-        _describe_rivals,
-        _describe,
-    ):
-        space[function.__name__] = phase(FunctionType(function.__code__, space, function.__name__))
-    return entry(FunctionType(_describe_all.__code__, space, _describe_all.__name__))
+def _two_least(tables: Floats, most: float) -> tuple[Floats, Floats]:
+    """The least and the second least number at each place of some tables, `most` at most."""
+    first = second = np.full(tables.shape[1:], most)
+    for table in tables:
+        second = np.minimum(second, np.maximum(first, table))
+        first = np.minimum(first, table)
+    return first, second

@@ -17,6 +17,7 @@ from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
+from catch_arena.training.prey_players import called, copied
 
 Pool = str | object | Iterable[object] | Mapping[str, float]
 """One agent, several, or names and how often each is drawn."""
@@ -31,6 +32,11 @@ class _Opponent(NamedTuple):
     """With `act_batch` one for all hunters; else what is copied for each of them."""
     control: int
     in_batches: bool
+
+    @property
+    def said(self) -> str:
+        """How an error names it."""
+        return f"opponent {self.name}"
 
 
 class SavedOpponents(NamedTuple):
@@ -66,10 +72,11 @@ class Opponents:
         self._weights = weights
         self._distinct = distinct
         self._config = config
-        self._limits: dict[int, list[Limits]] = {}
-        self._alike: dict[int, bool] = {}
-        for control in set(self.controls.tolist()):
-            self._know(control)
+        limits = [Limits.of(config, seat) for seat in range(config.hunters)]
+        self._limits = {
+            control: [dataclasses.replace(its, control=word) for its in limits] for control, word in _WORDS.items()
+        }
+        self._seats_differ = any(dataclasses.replace(its, control=limits[0].control) != limits[0] for its in limits)
         self._who = np.full((num_envs, config.hunters), -1)
         self._instances: dict[tuple[int, int], Any] = {}
 
@@ -107,16 +114,9 @@ class Opponents:
         weights = np.append(self.weights, 0.0)
         self._pool.append(added)
         self._weights = weights
-        self._know(added.control)
         if added.in_batches:
-            self._call(added, "reset", "", number)
+            called(added.said, added.policy, "reset", number)
         return number
-
-    def _know(self, control: int) -> None:
-        """The limits of each seat under a control, and whether they are the same."""
-        seats = range(self._config.hunters)
-        self._limits[control] = [_with_control(Limits.of(self._config, seat), control) for seat in seats]
-        self._alike[control] = len(set(self._limits[control])) == 1
 
     def weigh(self, weights: ArrayLike) -> None:
         """How often each agent of the pool is drawn from now on: (P,), at least 0, and one above it.
@@ -133,7 +133,7 @@ class Opponents:
         """Seed those that act on batches."""
         for opponent in self._pool:
             if opponent.in_batches:
-                self._call(opponent, "reset", "", int(rng.integers(_SEED_LIMIT)))
+                called(opponent.said, opponent.policy, "reset", int(rng.integers(_SEED_LIMIT)))
 
     def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
         """Who plays these seats, from now on: `seats` (n, S) of the arenas (n,); the others are the learner's.
@@ -158,11 +158,9 @@ class Opponents:
                 continue
             for row, place in np.argwhere(chosen == number).tolist():
                 arena, seat = int(arenas[row]), int(seats[row, place])
-                instance = _copied(opponent, {})
+                instance = copied(opponent.said, opponent.policy, {})
                 self._instances[arena, seat] = instance
-                self._call(
-                    opponent._replace(policy=instance), "reset", _where(arena, seat), int(rng.integers(_SEED_LIMIT))
-                )
+                called(opponent.said, instance, "reset", int(rng.integers(_SEED_LIMIT)), _where(arena, seat))
         return chosen
 
     def save(self) -> SavedOpponents:
@@ -177,8 +175,6 @@ class Opponents:
         """Go on from what `save` gave, here or in opponents of an arena of equal config and size."""
         pool, self._instances, self._weights, self._who = _kept(saved)
         self._pool = list(pool)
-        for control in set(self.controls.tolist()):
-            self._know(control)
 
     def __deepcopy__(self, _memo: dict[int, Any]) -> "Opponents":
         twin = copy.copy(self)
@@ -201,35 +197,26 @@ class Opponents:
             arenas, seats = np.nonzero(self._who == number)
             if not len(arenas):
                 continue
+            limits = self._limits[opponent.control]
             if not opponent.in_batches:
                 for place in zip(arenas.tolist(), seats.tolist(), strict=True):
-                    view = View(
-                        observations[place].tolist(), masks[place].tolist(), self._limits[opponent.control][place[1]]
-                    )
+                    view = View(observations[place].tolist(), masks[place].tolist(), limits[place[1]])
                     choices[place], commands[place] = self._act_alone(opponent, place, view)
                 continue
-            of_seat = self._limits[opponent.control]
-            groups = [slice(None)] if self._alike[opponent.control] else [seats == seat for seat in np.unique(seats)]
-            for group in groups:  # hunters whose limits are the same
+            for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
                 some, own_seats = arenas[group], seats[group]
-                batch = BatchView(observations[some, own_seats], masks[some, own_seats], of_seat[int(own_seats[0])])
-                answer = self._call(opponent, "act_batch", "", batch)
+                batch = BatchView(observations[some, own_seats], masks[some, own_seats], limits[int(own_seats[0])])
+                answer = called(opponent.said, opponent.policy, "act_batch", batch)
                 self._write(opponent, answer, some, own_seats, choices, commands)
 
     def _act_alone(self, opponent: _Opponent, place: tuple[int, int], view: View) -> tuple[int, tuple[float, float]]:
         """The choice and the command of one hunter, whose answer is judged as in an env of one arena."""
         where, control = _where(*place), _WORDS[opponent.control]
-        answer = self._call(opponent._replace(policy=self._instances[place]), "act", where, view)
+        answer = called(opponent.said, self._instances[place], "act", view, where)
         try:
-            return checked_action(control, f"opponent {opponent.name}", answer, self._config.targets_seen)
+            return checked_action(control, opponent.said, answer, self._config.targets_seen)
         except ActionError as error:
             raise AgentError(f"{error}{where}") from None
-
-    def _call(self, opponent: _Opponent, method: str, where: str, argument: object) -> Any:
-        try:
-            return getattr(opponent.policy, method)(argument)
-        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-            raise AgentError(f"opponent {opponent.name}: {method} raised {reason(error)}{where}") from error
 
     def _write(
         self,
@@ -241,7 +228,7 @@ class Opponents:
         commands: NDArray[np.float32],
     ) -> None:
         """Check an answer for many hunters against the actions that there are, and write it to its places."""
-        said, count = f"opponent {opponent.name}: act_batch", len(arenas)
+        said, count = f"{opponent.said}: act_batch", len(arenas)
         ranks, velocities = answer, answer
         if opponent.control == FULL_CONTROL:
             if not isinstance(answer, Mapping) or set(answer) != {"cmd_vel", "catch"}:
@@ -314,24 +301,11 @@ def _opponent(agent: object) -> _Opponent:
 def _kept(state: SavedOpponents) -> SavedOpponents:
     """A copy of it all. Agents that share something share it afterwards too."""
     memo: dict[int, Any] = {}
-    pool = tuple(opponent._replace(policy=_copied(opponent, memo)) for opponent in state.pool)
+    pool = tuple(opponent._replace(policy=copied(opponent.said, opponent.policy, memo)) for opponent in state.pool)
     instances = {
-        place: _copied(state.pool[state.who[place]]._replace(policy=instance), memo)
-        for place, instance in state.instances.items()
+        place: copied(state.pool[state.who[place]].said, instance, memo) for place, instance in state.instances.items()
     }
     return SavedOpponents(pool, instances, None if state.weights is None else state.weights.copy(), state.who.copy())
-
-
-def _copied(opponent: _Opponent, memo: dict[int, Any]) -> Any:
-    """The agent once more, with all that it remembers."""
-    try:
-        return copy.deepcopy(opponent.policy, memo)
-    except Exception as error:  # a stranger's code may raise anything
-        raise AgentError(f"opponent {opponent.name}: copying it raised {reason(error)}") from error
-
-
-def _with_control(limits: Limits, control: int) -> Limits:
-    return dataclasses.replace(limits, control=_WORDS[control])
 
 
 def _numbers(

@@ -18,7 +18,7 @@ from catch_arena.config import RULESET, Control
 from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
 from catch_arena.policy import Limits, View
-from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations, destinations_of_batch
+from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations
 from catch_arena.training.networks import read_tables, require_finite
 
 Head = Literal["destination", "rank", "velocity"]
@@ -162,7 +162,7 @@ class PointerAgent:
 
     def act_batch(self, view: BatchView) -> Any:
         """The same for N hunters: (N,) or (N, 2)."""
-        return self._actions(destinations_of_batch(view), view.limits)
+        return self._actions(destinations(view), view.limits)
 
     def _actions(self, seen: Destinations, limits: Limits) -> Any:
         logits, mixed = self.network(seen)

@@ -92,16 +92,35 @@ class PreyPlayers:
         return twin
 
     def _copied(self, players: dict[Place, Any]) -> dict[Place, Any]:
-        try:
-            return copy.deepcopy(players)
-        except Exception as error:  # a stranger's code may raise anything
-            raise AgentError(f"prey {self._name}: copying it raised {reason(error)}") from error
+        twins: dict[Place, Any] = copied(f"prey {self._name}", players, {})
+        return twins
 
     def _call(self, player: Any, method: str, argument: object, place: Place) -> Any:
-        try:
-            return getattr(player, method)(argument)
-        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-            raise AgentError(f"prey {self._name}: {method} raised {reason(error)}{_where(place)}") from error
+        return called(f"prey {self._name}", player, method, argument, _where(place))
+
+
+def called(who: str, agent: Any, method: str, argument: object, where: str = "") -> Any:
+    """Return what a method of an agent returns.
+
+    Raises:
+        AgentError: that names the agent, and where it plays, if it raises anything.
+    """
+    try:
+        return getattr(agent, method)(argument)
+    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+        raise AgentError(f"{who}: {method} raised {reason(error)}{where}") from error
+
+
+def copied(who: str, agents: Any, memo: dict[int, Any]) -> Any:
+    """Return a copy of one agent or of several, with all that they remember.
+
+    Raises:
+        AgentError: that names the agent, if it cannot be copied.
+    """
+    try:
+        return copy.deepcopy(agents, memo)
+    except Exception as error:  # a stranger's code may raise anything
+        raise AgentError(f"{who}: copying it raised {reason(error)}") from error
 
 
 def _where(place: Place) -> str:

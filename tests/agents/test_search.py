@@ -5,10 +5,9 @@ import pytest
 
 from catch_arena import SCENARIOS, Limits, VectorArena, View, scenario
 from catch_arena.agents.nearest import Agent as Nearest
-from catch_arena.agents.search import Agent
+from catch_arena.agents.search import Agent, RolloutArena, Scene, Weights, drive_to, look_ahead
 from catch_arena.batch_policy import BatchView
 from catch_arena.layout import observation_size
-from catch_arena.lookahead import RolloutArena, Scene, Weights, drive_to, look_ahead
 from catch_arena.tournament.match_loop import play
 
 
@@ -103,7 +102,7 @@ def test_of_places_to_wait_it_prefers_those_that_give_it_ground():
     outwards = np.hypot(scene.goal_x[0] - 0.5, scene.goal_y[0] - 5.5).argmin()
     inwards = np.hypot(scene.goal_x[0] - 5.5, scene.goal_y[0] - 5.5).argmin()
     assert worth[inwards] > worth[outwards]
-    arena = RolloutArena(scene.toward(slice(1, 2)), Weights())
+    arena = RolloutArena(scene, Weights())
     assert 0.0 < arena.own_ground()[0, 0] < 0.5
 
 

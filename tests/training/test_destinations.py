@@ -13,7 +13,7 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.training.destinations import FEATURES, destinations, destinations_of_batch
+from catch_arena.training.destinations import FEATURES, destinations
 
 PLAYED = [name for name in SCENARIOS if name not in ("capstone", "squads", "faulty")]
 
@@ -46,9 +46,9 @@ def view_of(observation, limits):
 @pytest.mark.parametrize("scenario", PLAYED)
 @pytest.mark.parametrize("control", ["target", "velocity"])
 def test_one_view_and_a_batch_are_described_alike(scenario, control):
-    """One source, run by Python and by the compiler."""
+    """Whatever the size of the blocks in which they are described."""
     limits, observations = played(scenario, control)
-    together = destinations_of_batch(BatchView(observations, np.zeros((3, 0)), limits))
+    together = destinations(BatchView(observations, np.zeros((3, 0)), limits))
     assert together.features.shape == (3, together.places + limits.targets_seen, len(FEATURES))
     assert np.abs(together.features).max() < 12
     for row, observation in enumerate(observations):
