@@ -1,13 +1,12 @@
 """stable-baselines3's PPO and sb3-contrib's MaskablePPO over `SB3VecEnv`, with opponents in the batch."""
 
-import contextlib
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from catch_arena.training import Mlp, SB3VecEnv
+from catch_arena.training import Mlp
 
 pytestmark = pytest.mark.torch
 
@@ -32,6 +31,8 @@ def test_maskable_ppo_learns_with_masks_and_the_value_of_what_the_time_limit_cut
     from sb3_contrib import MaskablePPO
     from sb3_contrib.common.maskable.utils import is_masking_supported
 
+    from catch_arena.training import SB3VecEnv
+
     env = SB3VecEnv("standard", 16, opponents=["nearest", "patrol"], normalise=True, max_cycles=60)
     assert is_masking_supported(env)
     model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=512, n_epochs=4, seed=1)
@@ -54,17 +55,19 @@ def test_ppo_learns_velocities_under_vec_normalize():
     from stable_baselines3 import PPO
     from stable_baselines3.common.vec_env import VecNormalize
 
+    from catch_arena.training import SB3VecEnv
+
     env = VecNormalize(SB3VecEnv("duel", 8, control="velocity", opponents="patrol", max_cycles=60))
     PPO("MlpPolicy", env, n_steps=64, batch_size=256, n_epochs=2, seed=1).learn(8 * 64 * 2)
 
 
-def test_the_network_of_the_docs_example_decides_in_numpy_as_in_torch(tmp_path):
+def test_the_network_of_the_docs_example_decides_in_numpy_as_in_torch(tmp_path, monkeypatch):
     page = (Path(__file__).parents[2] / "docs" / "training.md").read_text()
     (example,) = [code for code in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "sb3_contrib" in code]
-    with contextlib.chdir(tmp_path):
-        names = {}
-        exec(example, names)  # noqa: S102 - ours
-        network, env = Mlp.load("mine.npz"), names["env"]
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(example, names)  # noqa: S102 - ours
+    network, env = Mlp.load("mine.npz"), names["env"]
     seen = env.reset()
     chosen, _ = names["model"].predict(seen, action_masks=env.action_masks(), deterministic=True)
     worth = np.where(env.action_masks(), network(seen * env.batch.scale), -np.inf)
