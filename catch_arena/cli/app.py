@@ -4,7 +4,6 @@ What is heavy (the engine, the renderer) is imported by the commands that need i
 """
 
 import os
-import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,7 +17,7 @@ from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.outputs import reservations
-from catch_arena.cli.terminal import WIDE, own_streams, say
+from catch_arena.cli.terminal import WIDE, own_console, own_streams, say
 from catch_arena.errors import CatchArenaError
 
 _EXIT_ERROR = 2
@@ -48,8 +47,8 @@ class _Commands(TyperGroup):
 
     def main(self, *args: Any, **kwargs: Any) -> NoReturn:
         """Read the command line, run the command, and exit."""
-        width = min(WIDE, shutil.get_terminal_size().columns)
         with own_streams():
+            width = min(WIDE, own_console().width)
             try:
                 with reservations():
                     sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
