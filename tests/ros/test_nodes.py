@@ -271,7 +271,7 @@ def test_options_for_a_bus_are_refused_without_a_service(words, option, spec):
         ('cases = ["ties"]', "a: none of its cases can be asked of a service"),
         ('cases = ["reach"]\nmatches = 3', "test[1].matches must be left out beside cases"),
         ('cases = "reach"', "test[1].cases must be a list, got 'reach'"),
-        ("cases = [1]", "test[1].cases must be text, got 1"),
+        ("cases = [1]", "test[1].cases[1] must be text, got 1"),
     ],
 )
 def test_a_spec_that_cannot_be_asked_of_a_node_is_one_line(spec, test, why):
