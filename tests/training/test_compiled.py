@@ -1,0 +1,76 @@
+"""A function of one hunter's view, compiled for many: it reads what a `View` has, and gives what Python gives."""
+
+import math
+
+import numpy as np
+import pytest
+
+import catch_arena
+from catch_arena.batch_policy import BatchView
+from catch_arena.core.compiler import INTERPRETED
+from catch_arena.layout import observation_size
+from catch_arena.policy import Limits, View
+from catch_arena.training import compiled
+from catch_arena.training.compiled import commands_for_each, ranks_for_each
+
+SHARE = 0.25
+
+
+def everything(view):
+    """A number that depends on all that may be read, and one that depends on the limits."""
+    told = view.x + 2 * view.y + 3 * view.heading_cos + 4 * view.heading_sin + 5 * view.linear_velocity
+    told += view.angular_velocity + view.time_left + view.score
+    for place, target in enumerate(view.targets):
+        told += (place + 1) * part(target.forward, target.left, target.age)
+        told += part(target.heading_cos, target.heading_sin, target.linear_velocity) + target.active
+    for rival in view.rivals:
+        told += part(rival.forward, rival.left, rival.score_difference) + rival.mate
+        told -= part(rival.heading_cos, rival.heading_sin, rival.linear_velocity)
+    limits = view.limits
+    return told, limits.side_m * limits.targets_seen + limits.alarm_m + (0.5 if limits.teams else SHARE)
+
+
+def part(one, another, third=1.0):
+    return SHARE * math.hypot(one, another) + math.atan2(another, one) * third
+
+
+def oldest(view):
+    best = 0
+    for rank in range(1, len(view.targets) + 1):
+        if best == 0 or view.targets[rank - 1].age > view.targets[best - 1].age:
+            best = rank
+    return best
+
+
+@pytest.mark.parametrize("scenario", ["standard", "evasive", "fog", "pairs", "duel"])
+def test_it_reads_what_a_view_has(scenario):
+    config = catch_arena.scenario(scenario, control="target")
+    arena = catch_arena.VectorArena(config, 6)
+    arena.reset(seed=3)
+    for _ in range(25):
+        observations, *_ = arena.step(np.ones((6, config.hunters), dtype=int))
+    observations, limits = observations[:, 1, : observation_size(config)], Limits.of(config)
+    batch = BatchView(observations, np.ones((6, 1 + limits.targets_seen), np.int8), limits)
+    views = [View(row.tolist(), (), limits) for row in observations]
+    assert any(view.targets for view in views)
+    np.testing.assert_allclose(commands_for_each(everything, batch), [everything(view) for view in views], atol=1e-9)
+    assert ranks_for_each(oldest, batch).tolist() == [oldest(view) for view in views]
+    assert commands_for_each(everything, batch.of(slice(0, 0))).shape == (0, 2)
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_code_that_is_kept_is_of_these_functions_and_numbers(monkeypatch):
+    """Its name says so: Numba's cache looks at one file alone."""
+
+    def name():
+        compiled._compiled.cache_clear()
+        return compiled._compiled(everything, compiled._write_command).py_func.__qualname__
+
+    first = name()
+    assert name() == first
+    monkeypatch.setitem(globals(), "SHARE", 0.75)
+    assert name() != first
+    monkeypatch.undo()
+    assert name() == first
+    monkeypatch.setitem(globals(), "part", oldest)
+    assert name() != first
