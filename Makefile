@@ -133,7 +133,13 @@ clean: ## remove .venv, caches and out/
 	rm -rf $(VENV) .venv-ros out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
 $(BIN)/uv:
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' || \
+		{ echo "Catch Arena needs Python 3.10 to 3.13; name one: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
+	@test -x $(BIN)/python || echo "making $(VENV)"
+	@test -x $(BIN)/python || { $(PYTHON) -m venv --clear $(VENV) \
+		|| { $(PYTHON) -m venv --clear --without-pip $(VENV) && $(PYTHON) -m pip --python $(BIN)/python install pip; }; \
+		} > $(VENV).log 2>&1 && rm -f $(VENV).log || { rm -rf $(VENV); echo "$(PYTHON) cannot make a virtual environment: see $(VENV).log;" \
+		"on Debian and Ubuntu: apt-get install python3-venv"; exit 1; }
 	@$(PIP) --upgrade pip uv
 
 $(VENV)/ready: pyproject.toml $(BIN)/uv

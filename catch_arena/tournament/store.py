@@ -448,7 +448,7 @@ def versions() -> dict[str, str]:
 
 
 def store_bytes(parties: int) -> int:
-    """What a match takes in the store, about: scripts/measure_store.py."""
+    """Return about how many bytes a match takes in the store (docs/tournaments.md)."""
     return 90 + 84 * parties
 
 

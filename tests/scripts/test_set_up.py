@@ -1,4 +1,4 @@
-"""`make`: nothing half made stays, and every target has a recipe."""
+"""`make` on a machine that lacks something: one line says what to install, and nothing half made stays."""
 
 import re
 import shutil
@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def set_up(tmp_path):
-    """Run `make setup` in a folder of its own with a stand-in for Python, which fails."""
+    """Run `make setup` in a folder of its own with a stand-in for Python, and return what it printed."""
     shutil.copy(ROOT / "Makefile", tmp_path)
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     python = tmp_path / "python"
@@ -22,14 +22,27 @@ def set_up(tmp_path):
         python.write_text(f"#!/bin/sh\n{script}\n")
         python.chmod(0o755)
         words = ["make", "--silent", "--no-print-directory", "setup", f"PYTHON={python}"]
-        assert subprocess.run(words, cwd=tmp_path, capture_output=True, check=False).returncode == 2
+        ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert ended.returncode == 2
+        return ended.stdout
 
     return run
 
 
-def test_a_python_without_venv_leaves_no_environment(set_up, tmp_path):
-    set_up('mkdir -p .venv/bin; echo "no ensurepip"; exit 1')
+def test_a_python_that_is_too_old_is_named_with_a_way_out(set_up, tmp_path):
+    assert set_up("exit 1") == "Catch Arena needs Python 3.10 to 3.13; name one: make PYTHON=python3.11 setup\n"
     assert not (tmp_path / ".venv").exists()
+
+
+def test_a_python_without_venv_names_the_package_and_leaves_no_environment(set_up, tmp_path):
+    printed = set_up('test "$1" = -c && exit; mkdir -p .venv/bin; echo "no ensurepip"; exit 1')
+    assert printed == (
+        "making .venv\n"
+        f"{tmp_path}/python cannot make a virtual environment: see .venv.log; "
+        "on Debian and Ubuntu: apt-get install python3-venv\n"
+    )
+    assert not (tmp_path / ".venv").exists()
+    assert "no ensurepip" in (tmp_path / ".venv.log").read_text()
 
 
 def test_an_environment_that_works_is_never_made_again(set_up, tmp_path):
