@@ -303,7 +303,7 @@ class MatchWindow:
         return renderer
 
     def _fit(self) -> None:
-        """Replace the renderer after the window was resized, and replay all motions into the new one."""
+        """Replace the renderer if the window keeps a new size, and enter all past motions into the new one."""
         size, now_s = self._screen.size, time.monotonic()
         if size == self._drawn_for:
             self._resized_s = None

@@ -33,7 +33,7 @@ class PatientPlayers(Players):
         return self._players.reset(seeds, limits)
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
-        """Ask these seats for their actions."""
+        """Return the answers of seats to their observations; call `wait` while they think."""
         answers: Future[dict[int, Answer]] = Future()
         thread = Thread(target=self._ask, args=(observations, answers))
         thread.start()
@@ -58,5 +58,5 @@ class PatientPlayers(Players):
     def _ask(self, observations: Mapping[int, Observation], answers: "Future[dict[int, Answer]]") -> None:
         try:
             answers.set_result(self._players.act(observations))
-        except BaseException as error:  # noqa: BLE001 - it is raised where the answers are read
+        except BaseException as error:  # noqa: BLE001 - reading the answers raises it
             answers.set_exception(error)

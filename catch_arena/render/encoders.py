@@ -49,7 +49,7 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
             "libx264",
             (1280, 720),
             60,
-            # flat areas need no finer search: a fifth faster, and no larger
+            # flat areas need no finer search: encoding is faster, and files are no larger
             options={"preset": "veryfast", "crf": "20", "x264-params": "subme=1:rc-lookahead=10"},
             container_options={"movflags": "+faststart"},
         ),

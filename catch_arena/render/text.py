@@ -61,7 +61,7 @@ def truncated(text: str, size: int, weight: int, max_width: float) -> str:
     if text_width(text, size, weight) <= max_width:
         return text
     short, long = 0, len(text)
-    while short < long:  # the longest beginning that fits
+    while short < long:  # binary search for the longest beginning that fits
         middle = (short + long + 1) // 2
         if text_width(text[:middle].rstrip() + ELLIPSIS, size, weight) <= max_width:
             short = middle

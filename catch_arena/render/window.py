@@ -106,7 +106,7 @@ class Window:
             lasts_ms: the step's time [ms], 0 for a picture that follows no other.
 
         Raises:
-            OutputError: without a display.
+            OutputError: if there is no display.
         """
         if self.closed:
             return
@@ -119,7 +119,7 @@ class Window:
         began_s = time.perf_counter()
         self._due_s += lasts_ms / 1000.0
         if not lasts_ms or began_s - self._due_s > lasts_ms / 1000.0:
-            self._due_s = began_s  # a match that was held up does not hurry afterwards
+            self._due_s = began_s  # a delayed match does not hurry afterwards
         left_s = max(0.0, self._due_s - began_s)
         frames = max(1, round(_FPS * left_s))
         for frame in range(1, frames + 1):
