@@ -1,4 +1,4 @@
-"""The window in which a match is seen while it is played."""
+"""Window that shows a match while it is played."""
 
 import time
 from collections.abc import Callable
@@ -22,36 +22,37 @@ from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.world import World
 
 SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-"""Of the match's time, to the clock on the wall."""
+"""Speeds that the user can choose: seconds of the match per second of real time."""
 _FPS: Final = 60
 _LONGEST_FRAME_MS: Final = 100.0
-"""Who was held up does not leap."""
+"""Greatest real time that one frame counts for; after a delay the match does not jump ahead."""
 _NOTE_S: Final = 3.0
 _POINTED_MS: Final = 3000
 _SETTLED_S: Final = 0.2
-"""A window that has kept its size for so long is drawn anew in it."""
+"""Time after which a resized window is drawn at its new size [s]."""
 
 
-class QuitRequested(Exception):  # noqa: N818 - no error: what a person asked for
-    """The window's user wants no more."""
+class QuitRequested(Exception):  # noqa: N818 - no error: a person's request
+    """Request of the window's user to end the match."""
 
 
 class RestartRequested(Exception):  # noqa: N818
-    """The window's user wants the match from its beginning."""
+    """Request of the window's user to play the match from its beginning."""
 
 
 class MatchWindow:
-    """A match on the screen, at its own pace: give it to `tournament.match_loop.play` as `watch`.
+    """Window for a match at its own pace, which `tournament.match_loop.play` takes as `watch`.
 
-    Between two steps it draws the way from the one to the other, and meanwhile the person steers the next. Its calls
-    raise QuitRequested and RestartRequested.
+    Between two steps it draws the way from one to the other, while the person steers the next step. Its calls raise
+    QuitRequested and RestartRequested.
 
     Args:
-        info: what the window shows of the match.
-        seed: which is shown.
-        size: of the window.
-        inputs: which take the keys of the person in `seat`.
-        save: called with the replay so far, says where it is.
+        info: names, colours and settings of the match.
+        seed: the match's seed, which the window shows.
+        size: (width, height) of the window [pixels].
+        inputs: state of the keys of the person in `seat`; None without a person.
+        seat: the person's seat, None without a person.
+        save: called with the replay so far; returns a text that says where it is.
     """
 
     def __init__(
@@ -85,34 +86,34 @@ class MatchWindow:
 
     @property
     def replay(self) -> Replay:
-        """What has been played."""
+        """Replay of the steps played so far."""
         return self._env.replay()
 
     @property
     def names(self) -> tuple[str, ...]:
-        """By party (tournament/parties.py), as all that follows: of teams and of prey."""
+        """Names of the teams and the prey, by party (tournament/parties.py)."""
         return tuple(self._info.called(seats[0]) for seats in self._parties.seats)
 
     @property
     def scores(self) -> tuple[int, ...]:
-        """At the last state that was shown: catches, and how often prey was caught."""
+        """Scores by party at the last state: catches, then the number of times that each prey was caught."""
         return (*self._last.team_scores, *(prey.times_caught for prey in self._last.prey))
 
     @property
     def catches(self) -> tuple[int, ...]:
-        """By seat, as of `MatchResult`: none where no team has several hunters."""
+        """Catches by seat, as in `MatchResult.catches`; empty if no team has several hunters."""
         agents = hud.standings_of(self._last)
         return tuple(one.score for one in agents) if len(self._parties) < len(agents) else ()
 
     @property
     def ranks(self) -> tuple[int, ...]:
-        """As a tournament would rank them, on each side by itself: who forfeited comes last."""
+        """Ranks by party, separate for each side as in a tournament; a party that forfeited comes last."""
         lasted = {agent: step for step, agent in self.replay.withdrawals}
         ends = [next((lasted[seat] for seat in seats if seat in lasted), None) for seats in self._parties.seats]
         return ranks_of_sides(self.scores, ends, self._parties.hunting)
 
     def __call__(self, env: CatchArenaEnv) -> None:
-        """One more state of the match: the first one, or the next."""
+        """Show the next state of the match; the first one begins it, and the last one shows the result."""
         self._env = env
         world = env.world()
         self._renderer.observe(world.step, env.hunter_observations())
@@ -129,7 +130,7 @@ class MatchWindow:
             self._end(world)
 
     def wait(self) -> None:
-        """One frame while an agent takes long, with what has been played until now."""
+        """Draw one frame while an agent takes long, with the match as played until now."""
         motion = self._motions[-1] if self._motions else step_motion(self._last, self._last)
         note = overlays.note_overlay(self._area, "waiting for an agent")
         self._draw(motion, motion.after.time_ms, [*self._pointer(motion, motion.after.time_ms), *note])
@@ -137,7 +138,7 @@ class MatchWindow:
         self._clock.tick(_FPS)
 
     def notify(self, text: str) -> None:
-        """Show a line for some seconds."""
+        """Show a line of text for some seconds."""
         self._note, self._note_until_s = text, time.monotonic() + _NOTE_S
 
     def close(self) -> None:
@@ -161,7 +162,7 @@ class MatchWindow:
         self._clock.tick()
 
     def _run(self, motion: StepMotion) -> None:
-        """From a step's beginning to its end; a pause holds it there."""
+        """Show a step from its beginning to its end; a pause holds it at the end."""
         time_ms = motion.before.time_ms + self._ahead_ms
         end_ms = motion.after.time_ms
         while time_ms < end_ms:
@@ -177,7 +178,7 @@ class MatchWindow:
             self._ahead_ms = 0.0
 
     def _end(self, world: World) -> None:
-        """Who has won, until the user has seen it; the standings are in the panel."""
+        """Show the winner until the user quits or restarts; the standings are in the panel."""
         title = overlays.verdict(self._info, self._parties, self.ranks, self.scores)
         card = overlays.card_overlay(self._area, title, (), "R: again    Ctrl-S: save    Esc: end")
         while True:
@@ -186,7 +187,7 @@ class MatchWindow:
             self._clock.tick(_FPS)
 
     def _events(self) -> list[Any]:
-        """What has come since the last look, after each has had its effect."""
+        """Handle the events since the last call and return them."""
         events = list(pygame.event.get())
         for event in events:
             if self._inputs is not None:
@@ -220,7 +221,7 @@ class MatchWindow:
             self.notify(f"speed {SPEEDS[self._speed]:g}")
 
     def _show_next_view(self) -> None:
-        """One's own first, then those of the others, then none."""
+        """Switch to the next view: the person's own first, then those of the other hunters, then none."""
         hunters = self._info.config.hunters
         if not self._info.config.limits_views:
             self.notify("hunters see everything here")
@@ -256,7 +257,7 @@ class MatchWindow:
         return shapes + (self._note_shapes() or self._out_shapes())
 
     def _out_shapes(self) -> list[Shape]:
-        """R12.3: the person's prey is out, and until when."""
+        """R12.3: return a note that the person's prey is out, and until when; no shapes if it is not out."""
         index = -1 if self._seat is None else self._seat - self._info.config.hunters
         caught_ms = self._last.prey[index].caught_ms if index >= 0 else None
         if caught_ms is None:
@@ -266,7 +267,7 @@ class MatchWindow:
         return overlays.note_overlay(self._area, f"you are out{until}")
 
     def _pointer(self, motion: StepMotion, time_ms: float) -> list[Shape]:
-        """Which agent is the person's, in the first seconds and in a pause; and where its prey has just returned."""
+        """Return a pointer to the person's agent: in the first seconds, in a pause, and when its prey has returned."""
         if self._seat is None:
             return []
         poses, since_ms = motion.at(time_ms), 0
@@ -302,7 +303,7 @@ class MatchWindow:
         return renderer
 
     def _fit(self) -> None:
-        """A new renderer for a window that has another size, told all that has happened."""
+        """Replace the renderer if the window keeps a new size, and enter all past motions into the new one."""
         size, now_s = self._screen.size, time.monotonic()
         if size == self._drawn_for:
             self._resized_s = None

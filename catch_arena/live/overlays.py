@@ -1,4 +1,4 @@
-"""What is written over the arena: a card with the keys or the result, and short notes. Pure functions to shapes."""
+"""Texts over the arena: a card with the keys or the result, and short notes. Pure functions to shapes."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -35,7 +35,7 @@ Rows = Sequence[tuple[tuple[str, ...], str]]
 
 
 def card_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> list[Shape]:
-    """A card in the middle of an area of (width, height): a title, a table of keys, and a line below it."""
+    """Return a card in the middle of an area of (width, height): a title, a table of keys, and a line below it."""
     width, height = area
     unit = min(width / 560.0, height / 560.0)
     size, big = hud.font_size(17 * unit, 10), hud.font_size(26 * unit, 13)
@@ -73,7 +73,10 @@ def _key_width(name: str, size: int) -> float:
 
 
 def verdict(info: MatchInfo, parties: Parties, ranks: Sequence[int], scores: Sequence[int]) -> str:
-    """Who has won, or what became of the person; ranks and scores are by party."""
+    """Return the result as text: the winner, or how often the person's prey was caught.
+
+    Ranks and scores are by party.
+    """
     for (seat,), score in zip(parties.seats[parties.hunting :], scores[parties.hunting :], strict=True):
         if info.names[seat] == _YOU:
             return f"You were caught {score} time{'' if score == 1 else 's'}"
@@ -86,7 +89,7 @@ def verdict(info: MatchInfo, parties: Parties, ranks: Sequence[int], scores: Seq
 
 
 def note_overlay(area: tuple[int, int], text: str) -> list[Shape]:
-    """A line at the bottom of an area."""
+    """Return the shapes of a line of text at the bottom of an area of (width, height)."""
     width, height = area
     size = hud.font_size(0.03 * min(width, height), 11)
     wide = min(width - 4.0, text_width(text, size, 600) + 2.0 * size)
@@ -98,7 +101,7 @@ def note_overlay(area: tuple[int, int], text: str) -> list[Shape]:
 
 
 def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color) -> list[Shape]:
-    """Which hunter is the person's: a word and an arrow over its place [m]."""
+    """Return a word and an arrow that point to the person's agent at its place [m]."""
     x, y = viewport.to_pixels(*position)
     length = viewport.hunter_length
     side = 1.0 if y < viewport.height - 2.2 * length else -1.0

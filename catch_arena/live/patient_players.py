@@ -1,4 +1,4 @@
-"""Agents that may take long: they are asked in a thread of their own, and the window answers its user meanwhile."""
+"""Players for agents that may take long: a separate thread waits for them while the window answers its user."""
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -10,16 +10,16 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.players import Answer, Fault, Observation, Players
 
 _AT_ONCE_S: Final = 0.05
-"""Most agents have answered by then, and the window need not be drawn."""
+"""Time within which most agents have answered, so that the window need not be drawn [s]."""
 
 
 class PatientPlayers(Players):
     """Isolated players whose thinking does not hold up this thread.
 
     Args:
-        players: in the sandbox.
-        sandbox: which is closed where nobody waits any more.
-        wait: called again and again while they think; what it raises breaks the match off.
+        players: the players in the sandbox.
+        sandbox: sandbox of the players; it is killed if `wait` raises.
+        wait: called repeatedly while they think; an exception that it raises ends the match.
     """
 
     def __init__(self, players: Players, sandbox: Sandbox, wait: Callable[[], None]) -> None:
@@ -33,7 +33,7 @@ class PatientPlayers(Players):
         return self._players.reset(seeds, limits)
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
-        """Ask these seats for their actions."""
+        """Return the answers of seats to their observations; call `wait` while they think."""
         answers: Future[dict[int, Answer]] = Future()
         thread = Thread(target=self._ask, args=(observations, answers))
         thread.start()
@@ -42,21 +42,21 @@ class PatientPlayers(Players):
             while thread.is_alive():
                 self._wait()
         except BaseException:
-            self._sandbox.kill()  # with the agents' processes the wait for their answers ends
+            self._sandbox.kill()  # the thread stops waiting when the agents' processes end
             thread.join()
             raise
         return answers.result()
 
     def drop(self, seat: int) -> None:
-        """The seat has forfeited."""
+        """Drop a seat that has forfeited."""
         self._players.drop(seat)
 
     def logs(self) -> dict[int, str]:
-        """What seats have printed."""
+        """Return the texts that agents have printed, by seat."""
         return self._players.logs()
 
     def _ask(self, observations: Mapping[int, Observation], answers: "Future[dict[int, Answer]]") -> None:
         try:
             answers.set_result(self._players.act(observations))
-        except BaseException as error:  # noqa: BLE001 - it is raised where the answers are read
+        except BaseException as error:  # noqa: BLE001 - reading the answers raises it
             answers.set_exception(error)

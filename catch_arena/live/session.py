@@ -1,4 +1,4 @@
-"""One match in the window, as often as its user wants it."""
+"""Session of one match in the window, which its user may restart any number of times."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -25,7 +25,7 @@ from catch_arena.tournament.players import Players
 
 
 class HumanPolicy:
-    """Drives by hand, a hunter or prey; the nearest target within reach is requested for a hunter (R4.4)."""
+    """Policy of a person who drives a hunter or prey; for a hunter the nearest target in reach is requested (R4.4)."""
 
     control: ClassVar[Control] = "velocity"
 
@@ -33,49 +33,49 @@ class HumanPolicy:
         self._inputs = inputs
 
     def reset(self, seed: int) -> None:
-        """Nothing is held from the match before."""
+        """Release all keys that were held in the match before."""
         del seed
         self._inputs.release_all()
 
     def act(self, view: View | PreyView) -> tuple[float, float]:
-        """What the person commands."""
+        """Return the person's command, linear and angular in [-1, 1]."""
         del view
         return self._inputs.velocity_command()
 
 
 @dataclass(frozen=True, slots=True)
 class Lineup:
-    """Who plays, by seat: those of the hunters first, then those of the prey."""
+    """Players by seat: first the hunters' seats, then those of the prey."""
 
     entrants: tuple[Entrant | None, ...]
-    """None for the person."""
+    """Entrants by seat, None for the person."""
     names: tuple[str, ...]
-    """The person is «you»."""
+    """Names by seat; the person is «you»."""
 
     @property
     def person(self) -> int | None:
-        """The person's seat."""
+        """Seat of the person, None without one."""
         return self.entrants.index(None) if None in self.entrants else None
 
     @property
     def agents(self) -> dict[int, Entrant]:
-        """The entrants by seat."""
+        """Entrants by seat, without the person."""
         return {seat: entrant for seat, entrant in enumerate(self.entrants) if entrant is not None}
 
 
 class SessionResult(NamedTuple):
-    """What was played last, to its end or not; tuples are by party (tournament/parties.py)."""
+    """Result of the match that was played last, ended or not; tuples are by party (tournament/parties.py)."""
 
     replay: Replay
     names: tuple[str, ...]
     scores: tuple[int, ...]
     ranks: tuple[int, ...]
     details: tuple[Forfeit | None, ...]
-    """How it failed, where it did."""
+    """Forfeit of each party, None without one."""
     catches: tuple[int, ...]
-    """By seat, as of `MatchResult`."""
+    """Catches by seat, as in `MatchResult`."""
     logs: tuple[str, ...]
-    """What isolated agents printed, by seat."""
+    """Texts that isolated agents printed, by seat."""
 
 
 def show_match(
@@ -93,15 +93,15 @@ def show_match(
     Args:
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
-        lineup: who plays.
-        limits: those of isolated agents, None where all are trusted.
-        title: of the replay and of the window.
-        size: of the window [pixels].
-        save: called with the replay when the user asks for it; it says where the replay is.
+        lineup: the players by seat.
+        limits: limits of isolated agents, None if all agents are trusted.
+        title: title of the replay and of the window.
+        size: (width, height) of the window [pixels].
+        save: called with the replay when the user asks for it; returns a text that says where the replay is.
 
     Raises:
-        OutputError: without a display.
-        NoContest: where isolated agents could not be held.
+        OutputError: if there is no display.
+        NoContest: if isolated agents could not be held.
     """
     inputs = InputState()
     window = MatchWindow(
@@ -129,7 +129,7 @@ def show_match(
                             players,
                             lineup.names,
                             title=title,
-                            record=BytesIO(),  # what is recorded can be saved at any time
+                            record=BytesIO(),  # a recorded match can be saved at any time
                             watch=window,
                             on_forfeit=on_forfeit,
                         )
@@ -154,19 +154,19 @@ def show_match(
 
 @contextmanager
 def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
-    """Fresh ones, for one match."""
+    """Start fresh players for one match, and stop them after it."""
     person: dict[int, Entrant | Policy] = {} if lineup.person is None else {lineup.person: HumanPolicy(inputs)}
     with start_players(person | lineup.agents, sandbox) as players:
         yield players if sandbox is None else PatientPlayers(players, sandbox, window.wait)
 
 
 def free_parties(config: ArenaConfig, person: int | None) -> list[int]:
-    """The parties in which agents play: all that have seats besides the person's."""
+    """Return the parties in which agents play: all but a party whose only seat is the person's."""
     return [party for party, seats in enumerate(Parties.of(config).seats) if seats != (person,)]
 
 
 def line_up(config: ArenaConfig, entrants: Sequence[Entrant], person: int | None) -> Lineup:
-    """The entrants in the free parties, in their order, about the person's seat."""
+    """Return the lineup with the entrants in the free parties, in their order, and the person in its seat."""
     parties = Parties.of(config)
     entered = dict(zip(free_parties(config, person), entrants, strict=True))
     seated: list[Entrant | None] = []

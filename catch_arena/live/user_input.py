@@ -1,4 +1,4 @@
-"""What a person's keys and gamepad mean: how the hunter drives, and what the window is to do."""
+"""Input of a person from keys and a gamepad: velocity commands for an agent, and commands for the window."""
 
 from enum import Enum, auto
 from typing import Any, Final
@@ -11,16 +11,16 @@ _LEFT: Final = {pygame.K_LEFT, pygame.K_a, pygame.K_KP4}
 _RIGHT: Final = {pygame.K_RIGHT, pygame.K_d, pygame.K_KP6}
 
 _TURNS: Final = (0.45, 0.75, 1.0)
-"""Of the turn rate, in the first steps that a key is held: a tap corrects a little, and who holds it turns sharply."""
+"""Parts of the turn rate in the first steps that a key is held: a tap turns a little, a held key turns sharply."""
 _DEAD_ZONE: Final = 0.15
-"""Of a stick's way: so much is no command."""
+"""Part of a stick's range around its centre that gives no command."""
 _GO_BUTTON: Final = 0
 _PAUSE_BUTTONS: Final = (7, 9)
-"""Start, on the usual pads."""
+"""Numbers of the start button on the usual gamepads."""
 
 
 class UserCommand(Enum):
-    """What the window is to do."""
+    """Commands for the window."""
 
     PAUSE = auto()
     STEP = auto()
@@ -34,7 +34,7 @@ class UserCommand(Enum):
 
 
 _TYPED: Final = {"+": UserCommand.FASTER, "-": UserCommand.SLOWER, ".": UserCommand.STEP}
-"""Where these lie depends on the keyboard."""
+"""Commands by typed character, since the keys for these characters depend on the keyboard."""
 _COMMANDS: Final = {
     pygame.K_SPACE: UserCommand.PAUSE,
     pygame.K_p: UserCommand.PAUSE,
@@ -51,11 +51,11 @@ _COMMANDS: Final = {
     pygame.K_n: UserCommand.STEP,
     pygame.K_PERIOD: UserCommand.STEP,
 }
-"""None of them drives, and Q asks for nothing: it lies between W and A, where a slip must not end a match."""
+"""Commands by key. No key of these drives; Q is unused, since it lies next to W and A: a slip must not end a match."""
 
 
 def user_command(event: Any) -> UserCommand | None:
-    """What an event asks of the window, if it asks anything of it."""
+    """Return the command for the window that an event stands for, or None."""
     if event.type == pygame.QUIT:
         return UserCommand.QUIT
     if event.type == pygame.JOYBUTTONDOWN:
@@ -68,13 +68,13 @@ def user_command(event: Any) -> UserCommand | None:
 
 
 class InputState:
-    """What a person holds: keys and a gamepad's stick, as a velocity command."""
+    """State of the keys and the gamepad's stick that a person holds, as a velocity command."""
 
     def __init__(self) -> None:
         self.release_all()
 
     def release_all(self) -> None:
-        """Nothing is held."""
+        """Forget all keys and sticks that are held."""
         self._held: set[int] = set()
         self._tapped: set[int] = set()
         self._stick = [0.0, 0.0]
@@ -84,7 +84,7 @@ class InputState:
         self._steps = 0
 
     def handle(self, event: Any) -> None:
-        """One event; those that do not drive are left alone."""
+        """Update the state from one event; events that do not drive are ignored."""
         if event.type == pygame.KEYDOWN and not event.mod & pygame.KMOD_CTRL:
             self._held.add(event.key)
             self._tapped.add(event.key)
@@ -100,7 +100,7 @@ class InputState:
             self.release_all()
 
     def velocity_command(self) -> tuple[float, float]:
-        """The next step's command, linear and angular in [-1, 1]; a key that was only tapped counts for one step."""
+        """Return the next step's command, linear and angular in [-1, 1]; a key that was tapped counts for one step."""
         down = self._held | self._tapped
         self._tapped = set()
         ahead = _sign(bool(down & _AHEAD) or self._go or self._hat[1] > 0, bool(down & _BACK) or self._hat[1] < 0)
@@ -116,7 +116,7 @@ def _sign(one: bool, other: bool) -> int:
 
 
 def _beyond(value: float) -> float:
-    """A stick's way without its dead zone, in [-1, 1]."""
+    """Return a stick's deflection without its dead zone, in [-1, 1]."""
     if abs(value) <= _DEAD_ZONE:
         return 0.0
     part = min(1.0, (abs(value) - _DEAD_ZONE) / (1.0 - _DEAD_ZONE))

@@ -1,6 +1,6 @@
-"""A replay as a piece of a web page: a canvas that plays it, with nothing to load from anywhere.
+"""Replays as parts of web pages: a canvas plays a replay and loads nothing from elsewhere.
 
-- bundle: a replay as the page plays it. element: the HTML element `<catch-replay>`, as one script.
+- bundle: the data of a replay that a page plays. element: the HTML element `<catch-replay>`, as one script.
 - page/: the JavaScript.
 """
 

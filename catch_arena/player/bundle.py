@@ -1,8 +1,8 @@
-"""Replay bundles: a match as a page plays it, where everybody was at every step and what the arbiter answered.
+"""Replay bundles: a match as data for a web page, with every pose at every step and the arbiter's answers.
 
-A bundle is gzip of one line of JSON and the tracks. The tracks are 16-bit numbers, each body's x, y and theta one after
-the other, in states from its first to its last: the differences of their differences, which are small also for what
-moves, the sign in the lowest bit, first all low bytes, then all high ones. Nothing has to be simulated to play it.
+A bundle is gzip of one line of JSON and the tracks. A track has a body's x, then y, then theta, from its first state
+to its last. The numbers are second differences, which are small for moving bodies too. They are stored in 16 bits with
+the sign in the lowest bit: first all low bytes, then all high bytes. Playing a bundle needs no simulation.
 """
 
 import base64
@@ -27,33 +27,33 @@ from catch_arena.replay.motion import Pose2D
 from catch_arena.world import World
 
 GRID: Final = 1 << 13
-"""Parts of the arena's side: 1.4 mm in the standard one."""
+"""Number of parts of the arena's side: 1.4 mm each in the standard arena."""
 TURN: Final = 1 << 10
-"""Parts of a full turn."""
+"""Number of parts of a full turn."""
 
 Track = list[Pose2D]
-"""One body, state after state."""
+"""Poses of one body, one for each state."""
 
 
 def bundle_text(replay: Replay) -> str:
-    """A replay's bundle, in base64.
+    """Return a replay's bundle, in base64.
 
     Raises:
-        ReplayError: where the match does not play as recorded.
+        ReplayError: if the match does not play as recorded.
     """
     return packed_text(encode_bundle(replay))
 
 
 def packed_text(content: bytes) -> str:
-    """What a page unpacks: gzip, in base64. Equal contents give equal texts."""
+    """Return contents packed for a page: gzip, in base64. Equal contents give equal texts."""
     return base64.b64encode(gzip.compress(content, mtime=0)).decode()
 
 
 def encode_bundle(replay: Replay) -> bytes:
-    """A replay's bundle before it is packed.
+    """Return a replay's bundle before it is packed.
 
     Raises:
-        ReplayError: where it is no replay, or a damaged one.
+        ReplayError: if it is no replay, or a damaged one.
     """
     info = MatchInfo.of_replay(replay)
     names, prey_names = labels(replay.hunter_names), labels(replay.prey_names, "prey")
@@ -71,7 +71,7 @@ def encode_bundle(replay: Replay) -> bytes:
             poses.append((hunter.x, hunter.y, hunter.theta))
             if hunter.withdrawn:
                 left.setdefault(seat, state - 1)  # R1.7: it dropped out before this step
-        # judged on the state before (R1.4), where their targets were seen
+        # requests are judged on the state before (R1.4), which has their targets
         rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
         contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
         _follow(state, world, targets, numbers)
@@ -81,7 +81,7 @@ def encode_bundle(replay: Replay) -> bytes:
                 numbers_of.append(numbers[prey.target])
     facts = {
         "title": replay.title,
-        "seed": str(replay.seed),  # beyond what JavaScript's numbers hold
+        "seed": str(replay.seed),  # seeds may exceed JavaScript's exact integers
         "side": replay.config.side_m,
         "period": replay.config.control_period_ms,
         "steps": replay.steps,
@@ -112,12 +112,12 @@ def encode_bundle(replay: Replay) -> bytes:
 
 
 def css(color: Color) -> str:
-    """A colour as style sheets write it."""
+    """Return a colour in the notation of style sheets."""
     return "#{:02x}{:02x}{:02x}".format(*color)
 
 
 def _view(config: ArenaConfig) -> dict[str, float | None] | None:
-    """R7.5: what hunters see; None where they see everything."""
+    """R7.5: return the radius and angle of hunters' views; None if they see everything."""
     return {"radius": config.view_radius_m, "angle": config.view_angle_deg} if config.partial_view else None
 
 
@@ -132,7 +132,7 @@ def _contest(contest: Contest, names: tuple[str, ...], prey: str | None) -> dict
 
 
 def _follow(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
-    """Note where the targets are."""
+    """Add the targets' poses in a state to their tracks."""
     for target in world.targets:
         numbers[target.name] = target.number
         _, poses = targets.setdefault(target.number, (state, []))

@@ -1,4 +1,4 @@
-"""The element `<catch-replay>`, which plays a replay bundle, as one script: a page may hold any number of them."""
+"""Element `<catch-replay>`, which plays a replay bundle, as one script; a page may hold any number of them."""
 
 import json
 import re
@@ -12,24 +12,24 @@ from catch_arena.replay import Replay
 
 _SCRIPTS: Final = ("replay.js", "arena.js", "player.js")
 _MODULE: Final = re.compile(r"^(import [^;]*;\n|export )", re.MULTILINE)
-"""What makes a module of a file: checkers and tests read them so, and in a page they are one script."""
+"""Pattern of the statements that make a file a module, as checkers and tests need; in a page all are one script."""
 _EVERY: Final = 2
-"""Of the points of a turtle's outline, so many are one."""
+"""Step between the points that are kept of a turtle's outline."""
 _FALLBACK: Final = "This replay plays where scripts may run."
 
 
 def player_html(replay: Replay) -> str:
-    """A replay that plays: for a page, or for a notebook's output; several may stand on one page.
+    """Return HTML that plays a replay, for a page or a notebook's output; several may stand on one page.
 
     Raises:
-        ReplayError: where the match does not play as recorded.
+        ReplayError: if the match does not play as recorded.
     """
     return f'{element_script()}<catch-replay bundle="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
 
 
 @cache
 def element_script() -> str:
-    """What a page needs once; more than once does no harm."""
+    """Return the script that a page needs once; more than once does no harm."""
     parts = "\n".join(_MODULE.sub("", page_file("catch_arena.player", name)) for name in _SCRIPTS)
     return (
         '<script>if (!customElements.get("catch-replay")) {\n'
@@ -41,17 +41,17 @@ def element_script() -> str:
 
 
 def page_file(package: str, name: str) -> str:
-    """A file of a package's folder `page`."""
+    """Return the text of a file in a package's folder `page`."""
     return (files(package) / "page" / name).read_text(encoding="utf-8")
 
 
 def script_json(value: object) -> str:
-    """JSON that may stand inside a script: nothing in it ends the script."""
+    """Return JSON that may stand inside a script: nothing in it ends the script."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
 
 
 def player_look() -> dict[str, Any]:
-    """The colours and shapes of render/."""
+    """Return the colours and shapes of render/ for the player."""
     return {
         "ground": css(viewport.GROUND),
         "outside": css(viewport.OUTSIDE),

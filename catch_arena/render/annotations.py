@@ -1,6 +1,6 @@
-"""Annotations of the arena: what the arbiter answered lately (catches, contests, refusals), and the hunters' numbers.
+"""Annotations of the arena: the latest rulings (catches, contests, refusals), and the agents' numbers.
 
-Pure functions. Every text is written where it covers no other text and no number.
+Pure functions. Every text is placed so that it covers no other text and no number.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,10 +18,10 @@ from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 NEAR_UM: Final = 1_000_000
-"""Who is within a metre of a target that another catches was near."""
+"""Distance [micrometres] within which a hunter is near a target that another catches."""
 
 MOST_REASONS: Final = 6
-"""While more hunters than these are refused, each has a ! instead of the reason."""
+"""Greatest number of refusals that show their reason; with more, each shows a ! instead."""
 
 SHORT_REASONS: Final[dict[Verdict, str]] = {
     Verdict.MATCH_OVER: "match over",
@@ -34,52 +34,52 @@ SHORT_REASONS: Final[dict[Verdict, str]] = {
     Verdict.OUT_OF_REACH: "out of reach",
     Verdict.KILL_FAILED: "kill failed",
 }
-"""Why a request was refused, in as few words as a moment allows."""
+"""Reason of a refusal by verdict, short enough to be read in a moment."""
 
 _VISIBLE_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
 
 
 class Rival(NamedTuple):
-    """Somebody who was near when another caught a target."""
+    """Hunter that was near when another caught a target."""
 
     seat: int
     distance_um: int
     asked: bool
-    """It requested the same target in the same step, and lost the contest."""
+    """True if it requested the same target in the same step and lost the contest."""
 
 
 @dataclass(frozen=True, slots=True)
 class Annotation:
-    """One ruling, as it is shown for a moment: what, whose, where, since when."""
+    """One ruling as it is shown for a moment: its kind, time, hunter and place."""
 
     kind: Literal["catch", "lost", "refused"]
     time_ms: int
-    """When it was judged: the boundary at which the step began (R1.4)."""
+    """Time of the judgement: the boundary at which the step began (R1.4) [ms]."""
     seat: int
     x: float
-    """The target's place [m], or the hunter's where there was no such target."""
+    """Place of the target [m], or of the hunter if there was no such target."""
     y: float
     text: str = "+1"
     rivals: tuple[Rival, ...] = ()
-    """Of a catch: who else was near, the nearest first."""
+    """Other hunters near a catch: those that lost the contest, then the others, each with the nearest first."""
     distance_um: int | None = None
-    """From the hunter to the target."""
+    """Distance from the catching hunter to the target [micrometres]; None for other kinds."""
     prey: int | None = None
-    """Of a catch: which agent was caught, behind the hunters; None for a target that nobody plays."""
+    """Agent that was caught, numbered after the hunters; None for a target that no agent plays."""
 
     @property
     def visible_ms(self) -> float:
-        """How long it is shown."""
+        """Time for which the annotation is shown [ms]."""
         return _VISIBLE_MS[self.kind]
 
 
 def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
-    """What the step from one world to the next is to show of its rulings, which were judged on the former.
+    """Return the annotations of a step's rulings, which were judged on the world before it.
 
     Args:
         before: the world before the step.
         after: the world after the step.
-        by_lot: whether contests go by lots and not by distance (R5.9).
+        by_lot: whether lots decide contests and not distance (R5.9).
     """
     targets = {target.name: (target.x, target.y) for target in before.targets}
     played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
@@ -88,7 +88,7 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
     for ruling in after.rulings:
         hunter = before.hunters[ruling.hunter]
         if hunter.withdrawn:
-            continue  # it is seen to be out, and may go on asking in every step (R1.7)
+            continue  # it is drawn as out, and may go on requesting in every step (R1.7)
         position = targets.get(str(ruling.target))
         x, y = position or (hunter.x, hunter.y)
         where = (before.time_ms, ruling.hunter, x, y)
@@ -119,14 +119,14 @@ def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, position: tup
 
 
 def margin_text(behind_um: int) -> str:
-    """How much further away the loser was; an exact tie was drawn by lot (R5.5)."""
+    """Return the text for how much farther away the loser was; an exact tie was decided by lot (R5.5)."""
     if behind_um == 0:
         return "by lot"
     return f"−{short_length(behind_um)}"
 
 
 def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:
-    """The annotations that are not over yet; of each hunter's refusals only the latest, which a step may repeat."""
+    """Return the annotations that are still shown; of each hunter's refusals, which may repeat, only the latest."""
     seen = [annotation for annotation in annotations if time_ms - annotation.time_ms < annotation.visible_ms]
     latest = {annotation.seat: annotation for annotation in seen if annotation.kind == "refused"}
     return [annotation for annotation in seen if annotation.kind != "refused" or latest[annotation.seat] is annotation]
@@ -135,18 +135,18 @@ def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> li
 def annotation_shapes(
     viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], annotations: Sequence[Annotation], time_ms: float
 ) -> list[Shape]:
-    """The rings of catches, the lines of contests, every agent's number, and the words; `poses` are by agent."""
+    """Return the rings of catches, the lines of contests, all agents' numbers, and the texts; `poses` are by agent."""
     shapes: list[Shape] = []
     for annotation in annotations:
         part = (time_ms - annotation.time_ms) / annotation.visible_ms
-        lines: list[tuple[int, float]] = []  # of whom, and how wide
+        lines: list[tuple[int, float]] = []  # seat and relative width
         if annotation.rivals:
             near = [(rival.seat, 0.8 if rival.asked else 0.35) for rival in annotation.rivals]
             lines = [(annotation.seat, 1.0), *near]
         elif annotation.kind == "lost":
             lines = [(annotation.seat, 0.8)]
         x, y = viewport.to_pixels(annotation.x, annotation.y)
-        for seat, much in lines:  # they thin out, since strokes are opaque
+        for seat, much in lines:  # they become thinner, since strokes are opaque
             width = max(0.8, 0.08 * viewport.hunter_length * much * (1.0 - part))
             color = mix(info.color(seat), GROUND, 0.8 * part)
             shapes.append(Stroke(*viewport.to_pixels(*poses[seat][:2]), x, y, width, color))
@@ -160,7 +160,7 @@ def annotation_shapes(
 
 
 def _number(info: MatchInfo, agent: int, position: tuple[float, float], size: int) -> Label:
-    """Bright and outlined dark on a hunter, and the other way round on prey."""
+    """Return an agent's number: bright with a dark outline on a hunter, the reverse on prey."""
     color, outline = (WHITE, INK) if agent < info.config.hunters else (INK, WHITE)
     return Label(*position, info.number(agent), size, color, 800, "center", outline=outline)
 
@@ -173,15 +173,15 @@ def _catch_ring(viewport: Viewport, x: float, y: float, part: float) -> Ring:
 
 _ROUNDS: Final = 8
 _FURTHEST: Final = 2.0
-"""From where it belongs [rooms]."""
+"""Greatest distance of a moved point from its own place [rooms]."""
 
 
 def spread_apart(positions: Sequence[tuple[float, float]], room: float) -> list[tuple[float, float]]:
-    """The points, those that are nearer to each other than `room` moved apart; as they move, so do the results.
+    """Return the points, with those closer than `room` moved apart; the results change smoothly with the points.
 
-    Some rounds: in a dense crowd a few stay a little too near, and nobody goes further than two rooms.
+    There are few rounds, so in a dense crowd some stay a little too close. No point moves farther than two rooms.
     """
-    around = 2.4 * np.arange(len(positions))  # so that those in one very place part too
+    around = 2.4 * np.arange(len(positions))  # separates points at the same place too
     moved = np.array(positions) + 1e-3 * np.stack([np.cos(around), np.sin(around)], axis=1)
     for _ in range(_ROUNDS):
         ways = moved[:, None] - moved[None]
@@ -198,7 +198,7 @@ def spread_apart(positions: Sequence[tuple[float, float]], room: float) -> list[
 
 
 class _TextBox(NamedTuple):
-    """What a text takes: its middle, and half its width and height."""
+    """Area of a text: its centre, and half its width and height."""
 
     x: float
     y: float
@@ -214,9 +214,9 @@ def _text_shapes(
     time_ms: float,
     numbers: Sequence[Label],
 ) -> list[Shape]:
-    """+1 rising over the hunter, what a contest was lost by sinking below it, why a request was refused.
+    """Return the texts: +1 rising over a hunter, the margin of a lost contest sinking below it, reasons of refusals.
 
-    Kept inside the picture; a text that would cover another one is moved on, the more the more it would.
+    Texts stay inside the picture. A text that would cover another one is moved on, farther for a larger overlap.
     """
     taken = [_TextBox(one.x, one.y, 0.32 * len(one.text) * one.size, 0.45 * one.size) for one in numbers]
     length = viewport.hunter_length
@@ -245,7 +245,7 @@ def _text_shapes(
 
 
 def _moved_clear(room: _TextBox, side: float, taken: Sequence[_TextBox]) -> _TextBox:
-    """Moved up or down as far as the others ask for: by all that they overlap, or less where they hardly touch."""
+    """Return the box moved up or down by its whole overlap with others, or by less if they hardly touch."""
     for _ in range(3):
         for other in taken:
             beside = room.half_width + other.half_width - abs(room.x - other.x)

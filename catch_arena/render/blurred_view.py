@@ -1,4 +1,4 @@
-"""R7.6: where a hunter believes what it sees to be, by its own observation."""
+"""R7.6: places at which a hunter believes other turtles to be, by its own observation."""
 
 from typing import NamedTuple
 
@@ -12,25 +12,25 @@ from catch_arena.world import World
 
 
 class Belief(NamedTuple):
-    """One thing that a hunter sees, and where it believes it to be."""
+    """Believed place [m] of a target or another hunter that a hunter sees."""
 
     x: float
     y: float
     target: int | None = None
-    """Its number, where it is a target."""
+    """Number of the target, None for a hunter."""
     rival: int | None = None
-    """Its seat, where it is a hunter."""
+    """Seat of the other hunter, None for a target."""
 
 
 class BlurredView:
-    """What the hunters of an arena believe."""
+    """Beliefs of the hunters of an arena."""
 
     def __init__(self, config: ArenaConfig) -> None:
         self._seen = SeenTargets(config)
         self._places = {column.name: place for place, column in enumerate(columns(config))}
 
     def beliefs(self, world: World, seat: int, observation: NDArray[np.float32]) -> list[Belief]:
-        """What a hunter believes in a world of which it got this observation, (D,)."""
+        """Return a hunter's beliefs in a world, by its observation of that world, (D,)."""
         numbers = {target.name: target.number for target in world.targets}
         found = [
             Belief(*self._place(world, seat, observation, f"target_{rank}"), target=numbers[name])
@@ -42,7 +42,7 @@ class BlurredView:
         ]
 
     def _place(self, world: World, seat: int, observation: NDArray[np.float32], seen: str) -> tuple[float, float]:
-        """From the hunter's frame into the world's."""
+        """Return the believed place of `seen`, turned from the hunter's frame into the world's [m]."""
         me = world.hunters[seat]
         forward, left = (float(observation[self._places[f"{seen}.{name}"]]) for name in ("forward", "left"))
         sine, cosine = np.sin(me.theta), np.cos(me.theta)

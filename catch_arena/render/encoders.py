@@ -1,4 +1,4 @@
-"""Frames to a file: MP4, WebM, GIF or animated WebP by its ending, written frame by frame through PyAV."""
+"""Video files: MP4, WebM, GIF or animated WebP by the file's ending, written frame by frame with PyAV."""
 
 import gzip
 import os
@@ -20,25 +20,25 @@ from catch_arena.render.optional_imports import cv2
 
 Pixels = NDArray[np.uint8]
 Progress = Callable[[int, int], None]
-"""Called with (frames written, frames in all)."""
+"""Function that is called with (frames written, frames in all)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """One kind of file, and what is usual for it."""
+    """One kind of video file, and its defaults."""
 
     name: str
     container: str
-    """FFmpeg's name."""
+    """Name of the container in FFmpeg."""
     encoder: str
-    """FFmpeg's name."""
+    """Name of the encoder in FFmpeg."""
     size: tuple[int, int]
     fps: int
     most_fps: int = 240
     options: Mapping[str, str] = field(default_factory=dict)
     container_options: Mapping[str, str] = field(default_factory=dict)
     even: bool = True
-    """It takes even widths and heights only."""
+    """True if the format takes even widths and heights only."""
 
 
 FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
@@ -49,7 +49,7 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
             "libx264",
             (1280, 720),
             60,
-            # flat areas need no finer search: a fifth faster, and no larger
+            # flat areas need no finer search: encoding is faster, and files are no larger
             options={"preset": "veryfast", "crf": "20", "x264-params": "subme=1:rc-lookahead=10"},
             container_options={"movflags": "+faststart"},
         ),
@@ -75,18 +75,18 @@ FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
         ),
     }
 )
-"""By the file's ending."""
+"""Formats by the file's ending."""
 
 _BT601: Final = 6
-"""The matrix with which cv2 makes YUV of RGB (SMPTE 170M)."""
+"""Matrix with which cv2 converts RGB to YUV (SMPTE 170M)."""
 _BT709: Final = 1
-"""Primaries and transfer: those of sRGB screens."""
+"""Primaries and transfer function of sRGB screens."""
 _LIMITED: Final = 1
-"""Luma from 16 to 235."""
+"""Range of luma from 16 to 235."""
 
 
 def format_of(path: Path) -> Format:
-    """What the file's ending stands for.
+    """Return the format that a file's ending stands for.
 
     Raises:
         ConfigError: for an ending that is none of FORMATS.
@@ -99,18 +99,18 @@ def format_of(path: Path) -> Format:
 
 
 class VideoFile:
-    """A video that is being written, in yuv420p with its colours said: what browsers and players take."""
+    """Video that is being written, in yuv420p with its colour space declared, as browsers and players need it."""
 
     _pixel_format = "yuv420p"
 
     def __init__(self, path: Path, kind: Format, unfinished: Path, size: tuple[int, int], fps: int) -> None:
         self.path = path
-        """Where it appears when it is complete."""
+        """File that appears when the video is complete."""
         self._av = _pyav(kind)
         self._size = size
         self._written = 0
         self._time_base = Fraction(1, fps)
-        # the format is given: in a name, FFmpeg takes %d for the number of a picture
+        # the format is given: FFmpeg reads %d in a name as the number of a picture
         options = dict(kind.container_options)
         self._container = self._av.open(str(unfinished), "w", format=kind.container, options=options)
         self._stream = self._container.add_stream(kind.encoder, rate=fps, options=dict(kind.options))
@@ -124,19 +124,19 @@ class VideoFile:
             context.color_primaries, context.color_trc = _BT709, _BT709
 
     def write(self, pixels: Pixels) -> None:
-        """One more frame: (height, width, 4), red, green, blue and a byte that means nothing."""
+        """Write one more frame of shape (height, width, 4): red, green, blue and an unused byte."""
         planes = cv2.cvtColor(pixels, cv2.COLOR_RGBA2YUV_I420)
         frame = self._av.VideoFrame.from_ndarray(planes, format="yuv420p")
         frame.colorspace, frame.color_range = _BT601, _LIMITED
         self._encode(frame)
 
     def finish(self) -> None:
-        """No more frames: make the file whole."""
+        """Complete the file after the last frame, and close it."""
         self._container.mux(self._stream.encode(None))
         self.close()
 
     def close(self) -> None:
-        """Let go of the file, in whatever state it is."""
+        """Close the file, complete or not."""
         self._container.close()
 
     def _encode(self, frame: Any) -> None:
@@ -146,9 +146,9 @@ class VideoFile:
 
 
 class _GifFile(VideoFile):
-    """A GIF, whose one palette is known when FFmpeg's palettegen has seen all frames.
+    """GIF that is being written; its one palette is known after FFmpeg's palettegen has seen all frames.
 
-    Until then they wait in a temporary file: memory does not grow with the length.
+    Until then frames wait in a temporary file, so memory does not grow with the length.
     """
 
     _pixel_format = "pal8"
@@ -169,7 +169,7 @@ class _GifFile(VideoFile):
         self._waiting.seek(0)
         self._palette.push(None)
         palette, (width, height) = self._palette.pull(), self._size
-        # without dithering, areas of one colour stay so
+        # without dithering, areas of one colour keep one colour
         graph, (frames, colors) = self._graph(
             "paletteuse", "dither=none", ("rgb24", width, height), (palette.format.name, palette.width, palette.height)
         )
@@ -187,7 +187,7 @@ class _GifFile(VideoFile):
         super().finish()
 
     def close(self) -> None:
-        with suppress(OSError):  # of a full disk
+        with suppress(OSError):  # the disk may be full
             self._packed.close()
         self._waiting.close()
         super().close()
@@ -206,7 +206,7 @@ class _GifFile(VideoFile):
         return graph, sources
 
     def _encode_ready(self, graph: Any) -> None:
-        """Encode the frames that the filter gives by now."""
+        """Encode the frames that the filter has ready."""
         with suppress(self._av.error.BlockingIOError, self._av.error.EOFError):
             while True:
                 self._encode(graph.pull())
@@ -214,18 +214,18 @@ class _GifFile(VideoFile):
 
 @contextmanager
 def video_file(path: str | os.PathLike[str], size: tuple[int, int], fps: int) -> Iterator[VideoFile]:
-    """A video that appears under its name when all went well.
+    """Open a video file that appears under its name only if all went well.
 
-    Whatever is raised, Ctrl-C included, no half-written file is left, and what stood under the name stands there still.
+    Whatever is raised, Ctrl-C included, no half-written file is left, and an older file of that name is kept.
 
     Args:
-        path: whose ending is one of FORMATS.
-        size: (width, height), even where the format asks for it.
+        path: the file, whose ending is one of FORMATS.
+        size: (width, height) [pixels], even numbers for a format that needs them.
         fps: frames a second, from 1 on.
 
     Raises:
-        ConfigError: for an ending that is none of FORMATS; without PyAV, or where its FFmpeg lacks the encoder.
-        OutputError: where it cannot be written.
+        ConfigError: for an ending that is none of FORMATS; without PyAV, or if its FFmpeg lacks the encoder.
+        OutputError: if the file cannot be written.
     """
     path = Path(path)
     kind = format_of(path)
@@ -245,7 +245,7 @@ def video_file(path: str | os.PathLike[str], size: tuple[int, int], fps: int) ->
 
 
 def _pyav(kind: Format) -> Any:
-    """PyAV, an extra; some distributions build it without an encoder."""
+    """Return the module of PyAV, an extra, which some distributions build without an encoder."""
     try:
         import av
     except ImportError:

@@ -15,30 +15,30 @@ from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
 
 MOST_ITEMS: Final = 8
-"""Items; a card shows as many of them as it has room for."""
+"""Greatest number of items that are kept; a card shows those that fit."""
 
 
 @dataclass(frozen=True, slots=True)
 class FeedItem:
-    """One line: when, who, what, and whom it concerns besides."""
+    """One line of the feed: time, hunter, event, and the other agent of the event if there is one."""
 
     time_ms: int
     seat: int
     text: str
     other: int | None = None
-    """Another agent: a hunter, or prey."""
+    """Other agent, a hunter or prey; None if there is none."""
     after: str = ""
-    """What follows the other's number."""
+    """Text after the other agent's number."""
     contest: bool = False
     times: int = 1
 
     def repeated_by(self, other: "FeedItem") -> bool:
-        """The same hunter was refused again, for the same reason."""
+        """True if `other` is another refusal of the same hunter for the same reason."""
         return self.other is None and (self.seat, self.text, self.other) == (other.seat, other.text, other.other)
 
 
 def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
-    """What is worth a line: catches of prey or with somebody near, and refusals."""
+    """Return the items of annotations: refusals, catches of prey, and catches with a rival near."""
     items = []
     for one in annotations:
         if one.kind == "refused":
@@ -56,13 +56,13 @@ def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
 
 
 class EventFeed:
-    """The latest items, the newest first; a refusal that is repeated is one item that counts."""
+    """Latest items, the newest first; a repeated refusal is one item with a count."""
 
     def __init__(self) -> None:
         self.items: tuple[FeedItem, ...] = ()
 
     def record(self, annotations: Iterable[Annotation]) -> None:
-        """These rulings were made."""
+        """Add the items of the latest annotations."""
         for item in feed_items(annotations):
             same = [old for old in self.items if old.repeated_by(item)]
             others = tuple(old for old in self.items if old not in same)
@@ -71,13 +71,13 @@ class EventFeed:
 
 
 def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: float) -> list[Shape]:
-    """As many items as there is room for."""
+    """Return the shapes of the feed's card, with as many items as fit."""
     pad = 8 * unit
     height = FEED_ROW * unit
     size = font_size(14 * unit, 10)
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     left = area.left + 2.0 * pad
-    # in a narrow card by how much a contest was won says more than when
+    # a narrow card shows the margin of a contest and not its time
     timed = left + 4.0 * size + _longest(info, size) <= area.left + area.width - 2.0 * pad
     if not items:
         position = (left, area.top + pad + 0.5 * height)
@@ -102,6 +102,6 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
 
 
 def _longest(info: MatchInfo, size: int) -> float:
-    """Of a line about two hunters, without its time [pixels]."""
+    """Return the width of a line about two hunters, without its time [pixels]."""
     words = text_width("ahead of", size, 500) + text_width("by 99 mm", size, 500)
     return words + 2.0 * chip_width(info, size) + 1.8 * size

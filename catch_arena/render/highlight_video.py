@@ -1,4 +1,4 @@
-"""A video of highlights: slow motion about the decisive instant, and a caption."""
+"""Video of highlights: slow motion around the decisive instant, and a caption."""
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -36,7 +36,7 @@ _SLOW_FROM_MS: Final = 400
 _SLOW_TO_MS: Final = 500
 _FADE_S: Final = 0.2
 _CAPTION: Final = 0.13
-"""Of the picture's height."""
+"""Height of the caption as a part of the picture's."""
 _ACCENT: Final[Color] = (255, 206, 84)
 HEADINGS: Final[dict[Kind, str]] = {
     "contest": "CONTEST",
@@ -59,14 +59,14 @@ def render_highlights(
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`; where a
-    match has no such view, nobody's is shown. No half-written file is left.
+    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`; a match
+    without such a view shows no view. No half-written file is left.
 
     Raises:
-        ConfigError: for no highlights, and an ending, a size or fps that cannot be; for a hunter that has no view to
-            show in any of the matches.
-        OutputError: where the video cannot be written.
-        ReplayError: where a match does not play as recorded.
+        ConfigError: for no highlights, and an invalid ending, size or fps; for a hunter that has no view to show in
+            any of the matches.
+        OutputError: if the video cannot be written.
+        ReplayError: if a match does not play as recorded.
     """
     if not highlights:
         raise ConfigError("clips must be one at least, got none")
@@ -79,7 +79,7 @@ def render_highlights(
 
 
 def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
-    """Return the instants of a highlight's frames [ms], each with whether time runs slowly: about the decisive one."""
+    """Return the instants of a highlight's frames [ms], each with True if in slow motion (near the decisive one)."""
     start, end = highlight.start_ms, highlight.end_ms
     slow_ms, fast_ms = max(start, highlight.decisive_ms - _SLOW_FROM_MS), min(end, highlight.decisive_ms + _SLOW_TO_MS)
     parts = (Clip(start, slow_ms, fps), Clip(slow_ms, fast_ms, fps, SLOW), Clip(fast_ms, end, fps))
@@ -110,7 +110,7 @@ def _pictures(
 
 
 def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bool) -> list[Shape]:
-    """What happens and why, which match it is, and whether time runs slowly."""
+    """Return the shapes of a caption: the event, its reason, the match, and a note of slow motion."""
     unit = area.height / 94.0
     pad = 20.0 * unit
     big, small = hud.font_size(28 * unit, 12), hud.font_size(17 * unit, 10)

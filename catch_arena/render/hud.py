@@ -1,4 +1,4 @@
-"""What stands around the arena: where each part goes, who the match is between, and the clock.
+"""Layout of a frame, and the shapes around its arena: the header, the clock and the scores.
 
 Pure functions from small states to shapes.
 """
@@ -15,7 +15,7 @@ from catch_arena.render.text import printable, text_width
 from catch_arena.world import World
 
 Layout = Literal["broadcast", "arena"]
-"""With a panel of standings and a timeline beside the arena, or with one line over it."""
+"""Layout of a frame: `broadcast` has standings and a timeline next to the arena, `arena` has one line over it."""
 
 PANEL: Final[Color] = (12, 16, 42)
 CARD: Final[Color] = (22, 29, 64)
@@ -24,25 +24,25 @@ DIM: Final[Color] = (150, 158, 204)
 BRIGHT: Final[Color] = (240, 243, 255)
 
 ROW: Final = 50.0
-"""The most that a line of the standings takes, in units."""
+"""Greatest height of a line of the standings, in units."""
 CLOSE_ROW: Final = 36.0
-"""What it takes at most where the event feed would have no room otherwise."""
+"""Height to which a line may shrink to leave room for the event feed, in units."""
 FEED_ROW: Final = 26.0
-"""What a line of the event feed takes, in units."""
+"""Height of a line of the event feed, in units."""
 MOST_FEED_LINES: Final = 4
-"""Lines."""
+"""Greatest number of lines in the event feed."""
 LEAST_FEED_WIDTH: Final = 200
-"""Pixels: narrower than that, a line cannot be read."""
+"""Least width of the event feed [pixels]; a narrower line cannot be read."""
 TEAMS: Final = 132.0
-"""The most that the teams' scores take, in units."""
+"""Greatest height of the teams' scores, in units."""
 MOST_TEAMS: Final = 8
-"""With more, each score would be too small; the standings tell them."""
+"""Greatest number of teams with a card of scores; more would be too small, and only the standings show scores."""
 TIMELINE: Final = 170.0
-"""The least that the timeline keeps where the standings or the feed could take more, in units."""
+"""Least height that the timeline keeps if the standings or the feed could take more, in units."""
 
 
 class Rect(NamedTuple):
-    """Whole pixels."""
+    """Rectangle in whole pixels."""
 
     left: int
     top: int
@@ -55,12 +55,12 @@ EMPTY_RECT: Final = Rect(0, 0, 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """Where everything stands in a frame; what has no area is left out."""
+    """Areas of a frame's parts; a part that is left out has no area."""
 
     arena: Rect
     header: Rect
     unit: float
-    """Pixels of the frame for a pixel of a 1280 x 720 one: texts and gaps follow it."""
+    """Pixels of the frame per pixel of a 1280 x 720 one; texts and gaps scale with it."""
     teams: Rect = EMPTY_RECT
     standings: Rect = EMPTY_RECT
     feed: Rect = EMPTY_RECT
@@ -68,30 +68,30 @@ class Arrangement:
 
 
 class AgentScore(NamedTuple):
-    """What one agent has."""
+    """Score and state of one agent."""
 
     agent: int
-    """A hunter's seat, or that of a prey behind them."""
+    """Seat of a hunter; prey are numbered after the hunters."""
     score: int
-    """Catches; of prey, how often it was caught."""
+    """Catches of a hunter, or the number of times that prey was caught."""
     withdrawn: bool = False
     hunted: bool = False
-    """It is prey."""
+    """True for prey."""
     out: bool = False
-    """R12.3: prey that was caught and has not returned."""
+    """R12.3: true for prey that was caught and has not returned."""
 
     @property
     def faded(self) -> bool:
-        """It takes no part just now."""
+        """True if the agent takes no part at present."""
         return self.withdrawn or self.out
 
 
 def standings_of(world: World, time_ms: float = math.inf) -> tuple[AgentScore, ...]:
-    """What all agents of a world have, hunters by seat and then prey by index.
+    """Return the scores of all agents of a world, hunters by seat and then prey by index.
 
     Args:
-        world: how a step ended.
-        time_ms: an instant of that step: prey that returns at its end is still out then.
+        world: the world at the end of a step.
+        time_ms: an instant of that step; prey that returns at the step's end is still out before it.
     """
     in_play = {target.name for target in world.targets if target.spawned_ms <= time_ms}
     hunters = [AgentScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(world.hunters)]
@@ -103,13 +103,13 @@ def standings_of(world: World, time_ms: float = math.inf) -> tuple[AgentScore, .
 
 
 def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) -> Arrangement:
-    """Where everything stands in a frame: the panel at the right of a wide one, below in a tall one, else around.
+    """Return the areas of a frame's parts: the panel is at the right if wide, below if tall, else around the arena.
 
     Args:
         size: (width, height) of the frame.
         layout: with or without a panel.
-        agents: how many lines the standings have.
-        teams: how many columns the card of the teams' scores has, 0 for no such card.
+        agents: number of lines of the standings.
+        teams: number of columns in the card of the teams' scores, 0 for no such card.
     """
     width, height = size
     if layout == "arena":
@@ -144,8 +144,9 @@ def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) 
 
 
 def _cards(panel: Rect, unit: float, agents: int, teams: int) -> tuple[Rect, Rect, Rect, Rect]:
-    """Teams' scores, standings, event feed and timeline: one below the other, or the last beside the others in a wide
-    panel.
+    """Return the areas of the teams' scores, standings, event feed and timeline.
+
+    They lie one below the other; in a wide panel the timeline lies next to the others.
     """
     gap = round(14 * unit)
     if panel.width > 1.6 * panel.height:
@@ -163,7 +164,7 @@ def _cards(panel: Rect, unit: float, agents: int, teams: int) -> tuple[Rect, Rec
 
 
 def _with_teams(panel: Rect, unit: float, teams: int) -> tuple[Rect, Rect]:
-    """The card of the teams' scores, and what is left below it."""
+    """Return the area of the card of the teams' scores, and the area that is left below it."""
     if not 0 < teams <= MOST_TEAMS:
         return EMPTY_RECT, panel
     height, gap = min(round(TEAMS * unit), round(0.3 * panel.height)), round(14 * unit)
@@ -172,21 +173,21 @@ def _with_teams(panel: Rect, unit: float, teams: int) -> tuple[Rect, Rect]:
 
 
 def _with_feed(area: Rect, unit: float, agents: int, reserved: int) -> tuple[Rect, Rect]:
-    """The standings, and below them the feed if two lines of it fit; so many pixels below belong to others."""
+    """Return the areas of the standings and of the feed below, if two of its lines fit above `reserved` pixels."""
     gap = round(14 * unit)
     wanted = round((MOST_FEED_LINES * FEED_ROW + 16) * unit) + gap + reserved
     roomy, close = (round((agents * row + 16) * unit) for row in (ROW, CLOSE_ROW))
     height = min(max(close, min(roomy, area.height - wanted)), area.height - reserved)
     left = area.height - height - reserved - gap
     rows = min(MOST_FEED_LINES, int((left - 16 * unit) / (FEED_ROW * unit)))
-    if rows < 2 or area.width < LEAST_FEED_WIDTH or agents == 1:  # one alone has nobody to be near
+    if rows < 2 or area.width < LEAST_FEED_WIDTH or agents == 1:  # a single agent has no rivals
         return area._replace(height=height), EMPTY_RECT
     feed = Rect(area.left, area.top + height + gap, area.width, round(rows * FEED_ROW * unit + 16 * unit))
     return area._replace(height=height), feed
 
 
 def clock(time_ms: float) -> str:
-    """The match's time as it is shown: tenths of a second that have passed in full, minutes from three minutes on."""
+    """Return the match's time as text: full tenths of a second, with minutes from three minutes on."""
     tenths = int(time_ms) // 100
     if tenths < 1800:
         return f"{tenths / 10:.1f}"
@@ -194,12 +195,12 @@ def clock(time_ms: float) -> str:
 
 
 def ranked(standings: Sequence[AgentScore]) -> list[AgentScore]:
-    """Hunters, and below them prey (R12.5), the best first; equal scores in the order of seats."""
+    """Return the hunters and then the prey (R12.5), each with the best first; equal scores in the order of seats."""
     return sorted(standings, key=lambda one: (one.hunted, one.score if one.hunted else -one.score, one.agent))
 
 
 def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str, unit: float) -> list[Shape]:
-    """The title, what match this is, and the clock."""
+    """Return the shapes of the title, the match's title and seed, and the clock."""
     big, small = font_size(34 * unit, 15), font_size(15 * unit, 10)
     right = area.left + area.width
     about = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
@@ -228,13 +229,13 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
 
 
 def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
-    """The line over the arena: the part for the scores, and the clock's at its right end."""
+    """Return the parts of the line over the arena: for the scores, and for the clock at the right end."""
     room = round((len(time_text) + 1.5) * 0.62 * font_size(0.58 * area.height, 12))
     return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
 
 
 def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
-    """The clock in the line over the arena."""
+    """Return the shapes of the clock in the line over the arena."""
     size = font_size(0.58 * area.height, 12)
     return [
         Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")
@@ -242,12 +243,12 @@ def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
 
 
 def chip_width(info: MatchInfo, size: float) -> float:
-    """Of the chips that bear a match's numbers beside text of that size."""
+    """Return the width of a chip with an agent's number, next to text of that size [pixels]."""
     return (0.6 * max(len(info.number(agent)) for agent in (info.config.hunters - 1, len(info.names) - 1)) + 0.7) * size
 
 
 def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, faded: bool = False) -> list[Shape]:
-    """An agent's number on its colour; `x` is its left end."""
+    """Return the shapes of an agent's number on its colour; `x` is the left end."""
     color = mix(info.color(agent), PANEL, 0.6 if faded else 0.0)
     width = chip_width(info, size)
     return [
@@ -259,9 +260,9 @@ def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, f
 
 
 def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]) -> list[Shape]:
-    """The scores in the line over the arena: every agent's by seat, or those of teams and then of prey.
+    """Return the scores in the line over the arena: of all agents by seat, or of the teams and then the prey.
 
-    Without names where there is no room for all; of agents only the best, where there is no room even then.
+    Names are left out if not all fit. If not all agents fit without names, only the best are shown.
     """
     size = font_size(0.58 * area.height, 12)
     small, middle, room = font_size(0.8 * size, 10), area.top + area.height / 2.0, area.width - 0.5 * size
@@ -305,20 +306,20 @@ def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: S
 
 
 def _name_widths(names: Sequence[str], size: int, step: float, room: float) -> list[float]:
-    """How much room each name takes besides its step; none where there is no room for all."""
+    """Return the width of each name, which comes on top of `step`; zeros if not all names fit."""
     widths = [0.3 * size + text_width(printable(name), font_size(0.8 * size, 10), 600) for name in names]
     return widths if sum(widths) + len(widths) * step <= room else [0.0] * len(widths)
 
 
 @lru_cache(maxsize=256)
 def legible(color: Color) -> Color:
-    """A hunter's colour, lightened as far as texts and lines on a dark card need it."""
+    """Return a hunter's colour, lightened as far as texts and lines on a dark card need."""
     part = next(part / 10.0 for part in range(11) if _luminance(mix(color, WHITE, part / 10.0)) >= 105.0)
     return mix(color, WHITE, part)
 
 
 def readable_on(color: Color) -> Color:
-    """Dark or bright, whichever stands out from that colour."""
+    """Return a dark or a bright text colour, whichever stands out from `color`."""
     return PANEL if _luminance(color) > 120 else BRIGHT
 
 
@@ -327,5 +328,5 @@ def _luminance(color: Color) -> float:
 
 
 def font_size(pixels: float, least: int) -> int:
-    """A text's size: whole pixels, and enough of them to be read."""
+    """Return a text's size in whole pixels, at least `least` so that it can be read."""
     return max(least, round(pixels))

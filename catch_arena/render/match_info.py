@@ -1,4 +1,4 @@
-"""Who plays in a match that is shown: names, colours and rings of the agents, and who is ranked against whom."""
+"""Names, colours and rings of the agents in a match that is shown, and the contenders of its ranking."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,21 +20,22 @@ HUNTER_COLORS: Final[tuple[Color, ...]] = (
     (31, 130, 74),
     (119, 29, 127),
 )
-"""Eight that stay apart, from each other, the ground and what targets leave, for the colour-blind too; a test measures
-it.
+"""Eight colours that stay apart from each other, the ground and the trails of targets, also for colour-blind users.
+
+A test measures this.
 """
 _COLOR_NAMES: Final = ("amber", "mint", "pink", "lime", "red", "sky", "green", "purple")
 _TEAM_COLORS: Final = (0, 1, 7, 6, 2, 5, 4, 3)
-"""Which of them teams have, in this order: the first four keep apart in all shades of their members."""
+"""Colours of teams, in this order: the first four stay apart in all shades of their members."""
 _SHADES: Final = (("", WHITE, 0.0), ("light ", WHITE, 0.42), ("dark ", INK, 0.3))
-"""Where there are more than eight: their names, and what is mixed in."""
+"""Shades for more than eight colours: prefix of the name, colour that is mixed in, and its part."""
 _MEMBER_SHADES: Final = ((INK, 0.0), (INK, 0.15), (WHITE, 0.2), (INK, 0.28))
-"""What is mixed into a team's colour, for one member after the other, and over again: they have numbers too."""
+"""Colour and part that are mixed into a team's colour, by member; they repeat, since members have numbers too."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contender:
-    """Who is ranked against others: a team, or where there are none a hunter."""
+    """Competitor in the ranking: a team, or a hunter if there are no teams."""
 
     name: str
     color: Color
@@ -43,29 +44,29 @@ class Contender:
 
 @dataclass(frozen=True, slots=True)
 class MatchInfo:
-    """What does not change during a match: its arena, and how each agent is called and coloured.
+    """Facts that do not change during a match: its arena, and the names and colours of its agents.
 
-    Agents are the hunters by seat, and behind them the prey by index.
+    Agents are the hunters by seat, then the prey by index.
     """
 
     config: ArenaConfig
     names: tuple[str, ...]
-    """By agent."""
+    """Names by agent."""
     title: str
     duration_ms: int
-    """Of the match: the length of the timeline."""
+    """Duration of the match, which is the length of the timeline [ms]."""
     contenders: tuple[Contender, ...]
     colors: tuple[Color, ...]
-    """By agent."""
+    """Colours by agent."""
     rings: tuple[int, ...]
-    """By seat: of how many pieces a hunter's circle is. Agents that sit in several seats are told apart by it."""
+    """Number of arcs of each hunter's circle, by seat; it distinguishes the seats of one agent."""
     contender_by_seat: tuple[int, ...]
 
     @classmethod
     def of(
         cls, config: ArenaConfig, names: Sequence[str] | None = None, title: str = "", duration_ms: int | None = None
     ) -> "MatchInfo":
-        """Those of one match; agents without names are called as PettingZoo calls them."""
+        """Return the facts of one match; without `names`, agents have their names in PettingZoo."""
         agents = config.hunter_names + config.prey_names
         called = agents if names is None else tuple(names)
         if len(called) != len(agents):
@@ -85,36 +86,39 @@ class MatchInfo:
 
     @classmethod
     def of_replay(cls, replay: Replay, title: str | None = None) -> "MatchInfo":
-        """Those of a recorded match; a title in place of its own."""
+        """Return the facts of a recorded match; `title` replaces its own title."""
         lasted_ms = replay.steps * replay.config.control_period_ms
         return cls.of(replay.config, replay.names, replay.title if title is None else title, lasted_ms)
 
     @property
     def has_teams(self) -> bool:
-        """R11.1."""
+        """R11.1: true if the match has teams."""
         return self.config.teams is not None
 
     def color(self, agent: int) -> Color:
-        """An agent's colour."""
+        """Return an agent's colour."""
         return self.colors[agent]
 
     def number(self, agent: int) -> str:
-        """What stands for an agent where there is little room: a hunter's seat, or P and a prey's index."""
+        """Return the shortest label of an agent: a hunter's seat, or P and a prey's index."""
         hunters = self.config.hunters
         return str(agent) if agent < hunters else f"P{agent - hunters}"
 
     def called(self, agent: int) -> str:
-        """What an agent is called: prey by its own name, a hunter by its contender's."""
+        """Return the name shown for an agent: a prey's own name, or the name of a hunter's contender."""
         hunts = agent < self.config.hunters
         return self.contenders[self.contender_by_seat[agent]].name if hunts else self.names[agent]
 
     def prey(self, name: str) -> int:
-        """The agent that PettingZoo calls `prey_{index}`."""
+        """Return the number of the agent that PettingZoo calls `prey_{index}`."""
         return self.config.hunters + int(name.removeprefix("prey_"))
 
 
 def _hunter_colors(config: ArenaConfig) -> list[Color]:
-    """Without teams eight, then the same eight lighter, then darker, and again; else shades of each team's colour."""
+    """Return the hunters' colours by seat.
+
+    Without teams these are eight, then the same eight lighter, then darker, and again; else shades of a team's colour.
+    """
     if config.teams is None:
         return [_color(seat) for seat in range(config.hunters)]
     colors = [WHITE] * config.hunters
@@ -125,7 +129,7 @@ def _hunter_colors(config: ArenaConfig) -> list[Color]:
 
 
 def _team_number(team: int) -> int:
-    """Which of the colours a team has."""
+    """Return the number of a team's colour."""
     rounds, place = divmod(team, len(_TEAM_COLORS))
     return rounds * len(_TEAM_COLORS) + _TEAM_COLORS[place]
 
@@ -140,7 +144,10 @@ def _color_name(number: int) -> str:
 
 
 def _contenders(config: ArenaConfig, names: Sequence[str]) -> tuple[Contender, ...]:
-    """A team is called as its only agent is; by its colour where it has several, or another team has the same."""
+    """Return the contenders, by seat or by team.
+
+    A team has the name of its only agent, or of its colour if it has several agents or another team has the same one.
+    """
     if config.teams is None:
         return tuple(Contender(name, _color(seat), (seat,)) for seat, name in enumerate(names))
     agents = [{names[seat] for seat in seats} for seats in config.teams]

@@ -1,4 +1,4 @@
-"""Many matches at once, side by side in one video."""
+"""Video of many matches side by side, all running at the same time."""
 
 import math
 import os
@@ -30,41 +30,41 @@ from catch_arena.render.video import (
 from catch_arena.replay import Replay
 
 MOST: Final = 64
-"""Matches in one picture."""
+"""Greatest number of matches in one picture."""
 SIZE: Final = (1280, 1280)
-"""Unless another is asked for, the picture is as large as its cells need, and no larger than this."""
+"""Greatest default size of the picture [pixels], which is as large as its cells need."""
 SMALL_SIZE: Final = (720, 720)
-"""The same for GIF and WebP."""
+"""Greatest default size in formats that take odd sizes (`Format.even` is false) [pixels]."""
 USUAL_FPS: Final = 30
 LEAST_SIDE: Final = 72
-"""A smaller arena shows nothing."""
+"""Least side of an arena [pixels]; a smaller one shows nothing."""
 _STRIP: Final = 0.09
 _LABEL: Final = 0.075
 _STAYS_S: Final = 2.0
-"""How long the last result is seen."""
+"""Time for which the last result is seen [s of the video]."""
 
 
 class Grid(NamedTuple):
-    """Where the cells lie: squares in rows and columns, each with some lines below it."""
+    """Layout of the cells: squares in rows and columns, each with extra height for text."""
 
     columns: int
     rows: int
     side: int
-    """Of a cell's square [pixels]."""
+    """Side of a cell's square [pixels]."""
     extra: int
-    """Below the square."""
+    """Height of a cell besides its square [pixels]."""
     gap: int
 
     @property
     def size(self) -> tuple[int, int]:
-        """(width, height) of all cells with a gap around each."""
+        """Size of all cells with a gap around each: (width, height) [pixels]."""
         return (
             self.columns * (self.side + self.gap) + self.gap,
             self.rows * (self.side + self.extra + self.gap) + self.gap,
         )
 
     def cells(self, count: int, area: hud.Rect) -> list[hud.Rect]:
-        """The cells, row by row, in the middle of an area; those of a last row that is not full in its middle too."""
+        """Return the cells row by row, centred in an area; a last row that is not full is centred too."""
         left, top = (area.left + (area.width - self.size[0]) // 2, area.top + (area.height - self.size[1]) // 2)
         across, down = self.side + self.gap, self.side + self.extra + self.gap
         found = []
@@ -77,7 +77,7 @@ class Grid(NamedTuple):
 
 
 def fit_grid(count: int, size: tuple[int, int], extra: float, gap: float = 0.025) -> Grid:
-    """The grid of so many cells whose squares are the largest; `extra` and `gap` are parts of a square's side."""
+    """Return the grid of `count` cells with the largest squares; `extra` and `gap` are parts of a square's side."""
     width, height = size
 
     def grid(columns: int) -> Grid:
@@ -100,23 +100,23 @@ def render_mosaic(
     view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a video in which all of these matches run at once; one that has ended shows its result until all have.
+    """Write a video in which all matches run at the same time; a match that has ended shows its result until all end.
 
-    A match that does not play as recorded stops where it differs, and its cell says so.
+    A match that does not play as recorded stops at the difference, and its cell says so.
 
     Args:
-        replays: 1 to 64 of them, by what is written below each.
-        path: where it is written.
+        replays: 1 to 64 matches, by the text below each.
+        path: the file to write.
         size: (width, height) [pixels].
         fps: frames a second, from 1 on.
         speed: seconds of the match in a second of the video.
-        view_of: as of `video.render_replay`; where a match has no such view, its cell shows nobody's.
+        view_of: as in `video.render_replay`; the cell of a match without such a view shows no view.
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for too many matches or none, an ending, fps or a speed that cannot be, and too small a size; for a
-            hunter that has no view to show in any of the matches.
-        OutputError: where it cannot be written; no half-written file is left.
+        ConfigError: for too many matches or none, an invalid ending, fps or speed, and too small a size; for a hunter
+            that has no view to show in any of the matches.
+        OutputError: if the file cannot be written; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:
         raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")
@@ -137,7 +137,7 @@ def render_mosaic(
 
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
-    """So late that the last frame shows the end."""
+    """Return an instant late enough for the last frame to show the match's end [ms]."""
     return duration_ms(replay) + math.ceil(1000 * pace / fps)
 
 
@@ -163,7 +163,7 @@ def _pictures(
 
 
 class _Cell:
-    """One match in its part of the picture, and below it which match it is and who leads."""
+    """One match in its part of the picture; the text below names the match and its leader."""
 
     def __init__(
         self,
@@ -181,7 +181,7 @@ class _Cell:
         self._leader: int | None = None
 
     def advance(self) -> None:
-        """One frame on."""
+        """Draw the next frame, or the result if the match has ended."""
         if not self._running:
             return
         try:
@@ -199,7 +199,7 @@ class _Cell:
             self._write(leader)
 
     def _end(self, text: str, contender: int | None) -> None:
-        """The last picture, darker, and the result on it."""
+        """Darken the last picture and write the result on it."""
         self._running = False
         arena = self._picture.part(self._renderer.arena)
         height, width = arena.pixels.shape[:2]

@@ -1,5 +1,6 @@
-"""cv2 and pygame, which draw: every module takes them from this one, since both are extras. pygame comes without its
-banner; nothing opens a display but window.py.
+"""Imports of cv2 and pygame, which draw; both are extras, so every module takes them from this one.
+
+pygame comes without its banner; only window.py opens a display.
 """
 
 import os
@@ -13,6 +14,6 @@ try:
     import cv2
     import pygame
 except ImportError as error:
-    if error.name not in ("cv2", "pygame"):  # one is there, and broken
+    if error.name not in ("cv2", "pygame"):  # cv2 or pygame is installed but broken
         raise
     raise ConfigError(f"pictures need OpenCV and pygame: {install_hint('render')}") from None

@@ -1,4 +1,4 @@
-"""Shapes to pixels: pygame and cv2 draw into one shared RGBX buffer; no display is opened."""
+"""Drawing of shapes as pixels: pygame and cv2 share one RGBX buffer; no display is opened."""
 
 from collections.abc import Iterable
 from functools import lru_cache
@@ -17,36 +17,36 @@ from catch_arena.replay.motion import Pose2D
 Pixels = NDArray[np.uint8]
 
 _SHIFT: Final = 4
-"""cv2 takes places in sixteenths of a pixel."""
+"""Fractional bits of coordinates for cv2: sixteenths of a pixel."""
 _WIDEST_RING: Final = 600.0
 FADE_MS: Final = 200
-"""A trail fades by one step in so much of the match's time."""
+"""Time of the match in which a trail fades by one step [ms]."""
 TRACE_FADE_MS: Final = 2000
 
 
 class Canvas:
-    """A buffer, or a part of one, that shapes are drawn on; what lies outside is cut off."""
+    """Buffer, or a part of one, on which shapes are drawn; anything outside is cut off."""
 
     def __init__(self, buffer: Pixels, surface: "pygame.Surface", sprites: SpriteCache) -> None:
         self.pixels = buffer
-        """(height, width, 4): red, green, blue and a byte that means nothing."""
+        """Pixels of shape (height, width, 4): red, green, blue and an unused byte."""
         self._surface = surface
         self._sprites = sprites
 
     @classmethod
     def blank(cls, width: int, height: int, color: shapes.Color, sprites: SpriteCache) -> "Canvas":
-        """A new buffer of one colour."""
+        """Return a canvas on a new buffer of one colour."""
         buffer = np.full((height, width, 4), 255, dtype=np.uint8)
         canvas = cls(buffer, pygame.image.frombuffer(buffer.data, (width, height), "RGBX"), sprites)
         canvas.clear(Rect(0, 0, width, height), color)
         return canvas
 
     def clear(self, area: Rect, color: shapes.Color) -> None:
-        """One colour in all of a rectangle."""
+        """Fill a rectangle with one colour."""
         self._surface.fill(color, area)
 
     def part(self, area: Rect) -> "Canvas":
-        """The same pixels, seen through a rectangle."""
+        """Return a canvas that shares the pixels of a rectangle."""
         left, top, width, height = area
         return Canvas(
             self.pixels[top : top + height, left : left + width], self._surface.subsurface(area), self._sprites
@@ -133,7 +133,7 @@ class Canvas:
 
 
 def _sixteenths(points: NDArray[np.float64]) -> NDArray[np.int32]:
-    """As cv2 takes them; it counts from pixels' middles, shapes from their edges."""
+    """Return points in sixteenths of a pixel; cv2 counts from pixels' centres, shapes count from their edges."""
     return np.asarray(np.rint(points * 16.0 - 8.0), dtype=np.int32)
 
 
@@ -142,7 +142,7 @@ _QUARTER: Final = np.linspace(0.0, np.pi / 2.0, 9)
 
 @lru_cache(maxsize=1024)
 def _outline(width: float, height: float, radius: float) -> NDArray[np.float64]:
-    """A box's outline, drawn in by half a pixel, since cv2's areas reach half a pixel further than their points."""
+    """Return a box's outline, drawn in by half a pixel, since cv2 fills half a pixel beyond the points."""
     left, top, right, bottom = 0.5, 0.5, width - 0.5, height - 0.5
     radius = min(radius, (right - left) / 2.0, (bottom - top) / 2.0)
     if radius <= 0.3:
@@ -154,7 +154,7 @@ def _outline(width: float, height: float, radius: float) -> NDArray[np.float64]:
 
 
 class Ground:
-    """The arena's floor with its trails, which fade to a faint trace and at last to nothing."""
+    """Floor of the arena with its trails, which fade to a faint trace and finally to nothing."""
 
     def __init__(self, viewport: Viewport, sprites: SpriteCache) -> None:
         self.viewport = viewport
@@ -163,34 +163,34 @@ class Ground:
         self._clean = clean.pixels
         self._trace = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
         self._floor = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
-        # kept, since a new megabyte for every fade costs more than the fade
+        # reused, since allocating a megabyte for every fade costs more than the fade
         self._above, self._below = np.empty_like(self._clean), np.empty_like(self._clean)
         self._time_ms = 0.0
         self.reset()
 
     @property
     def pixels(self) -> Pixels:
-        """(height, width, 4)."""
+        """Pixels of the floor, of shape (height, width, 4)."""
         return self._floor.pixels
 
     def reset(self, time_ms: float = 0.0) -> None:
-        """No trails."""
+        """Remove all trails."""
         self._trace.pixels[:] = self._clean
         self._floor.pixels[:] = self._clean
         self._time_ms = time_ms
 
     def trail(self, seat_color: shapes.Color, start: Pose2D, end: Pose2D) -> None:
-        """A hunter went that way."""
+        """Draw a piece of a hunter's way."""
         fresh, trace = scene.trail_shapes(self.viewport, seat_color, start, end)
         self._trace.draw((trace,))
         self._floor.draw((fresh,))
 
     def target_trail(self, start: Pose2D, end: Pose2D) -> None:
-        """A target went that way."""
+        """Draw a piece of a target's way."""
         self._floor.draw((scene.target_trail_shape(self.viewport, start, end),))
 
     def fade(self, time_ms: float) -> None:
-        """Fade as much as so late an instant asks for; after long waits there is nothing left to fade."""
+        """Fade the trails up to an instant, in at most 150 steps: after long waits there is nothing left to fade."""
         for layer, goal, every, part in (
             (self._trace.pixels, self._clean, TRACE_FADE_MS, 0.012),
             (self._floor.pixels, self._trace.pixels, FADE_MS, 0.048),
@@ -201,11 +201,11 @@ class Ground:
         self._time_ms = time_ms
 
     def _approach(self, layer: Pixels, goal: Pixels, part: float) -> None:
-        """Move every byte of a layer by that part of its way to the goal, and by 1 at least: it gets there exactly."""
+        """Move every byte of a layer to the goal by `part` of the difference, but at least by 1, so that it arrives."""
         above, below = self._above, self._below
         cv2.subtract(layer, goal, above)
         cv2.subtract(goal, layer, below)
-        # rounding 0.49 + part * way leaves 0 at 0 and makes 1 of the least way
+        # rounding 0.49 + part * difference keeps 0 at 0 and makes the least difference 1
         cv2.convertScaleAbs(above, above, part, 0.49)
         cv2.convertScaleAbs(below, below, part, 0.49)
         cv2.subtract(layer, above, layer)

@@ -1,4 +1,4 @@
-"""A match as pictures: frames one after the other for videos, one at a time for `env.render()`, and as PNG."""
+"""Pictures of a match: successive frames for videos, single ones for `env.render()`, and PNG."""
 
 import base64
 from collections.abc import Callable, Iterable, Sequence
@@ -30,11 +30,11 @@ SMALLEST: Final = 320
 LARGEST: Final = (3840, 2160)
 NOTEBOOK_SIZE: Final = (800, 450)
 _OBSERVED_AHEAD: Final = 2
-"""Steps that `motion.frame_spans` knows before it gives the first of them."""
+"""Number of steps that `timing.frame_spans` reads before it yields the first of them."""
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    """The (width, height) [pixels] of a frame, if it can be.
+    """Return the (width, height) [pixels] of a frame after checking it.
 
     Raises:
         ConfigError: for a size below SMALLEST or above LARGEST.
@@ -49,7 +49,7 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
 
 
 class MatchRenderer:
-    """A match's frames, one after the other, in one buffer: `enter` each step, then `draw` the instants in it."""
+    """Frames of a match in one buffer: call `enter` for each step, then `draw` for the instants in it."""
 
     def __init__(
         self,
@@ -62,7 +62,7 @@ class MatchRenderer:
         require_choice("layout", layout, get_args(hud.Layout))
         self.info = info
         self.view_of: int | None = None
-        """The seat whose view is shown (R7.5, R7.6), where hunters do not see everything as it is."""
+        """Seat whose view is shown (R7.5, R7.6) if hunters do not see everything as it is; None for no view."""
         self._seed = seed
         self._blurred = BlurredView(info.config) if info.config.view_noise_m else None
         self._observations: dict[int, NDArray[np.float32]] = {}
@@ -77,22 +77,22 @@ class MatchRenderer:
 
     @property
     def pixels(self) -> Pixels:
-        """(height, width, 4): the shared buffer, whose fourth byte means nothing; the next `draw` overwrites it."""
+        """Shared buffer of shape (height, width, 4), whose fourth byte is unused; the next `draw` overwrites it."""
         return self._frame.pixels
 
     @property
     def arena(self) -> hud.Rect:
-        """Where in the picture the arena lies."""
+        """Area of the arena in the picture."""
         return self._plan.arena
 
     @property
     def leader(self) -> int | None:
-        """The contender that alone has the most catches, in the step that was entered last."""
+        """Contender that alone has the most catches in the step that was entered last; None for a tie."""
         contender, _ = timeline.lead(self._scores)
         return contender if contender >= 0 else None
 
     def reset(self, time_ms: float = 0.0) -> None:
-        """A new match: no trails, no annotations."""
+        """Begin a new match, without trails or annotations."""
         self._ground.reset(time_ms)
         self._annotations: list[Annotation] = []
         self._timeline = timeline.Timeline(self.info.duration_ms)
@@ -108,9 +108,9 @@ class MatchRenderer:
         self._cursor = 0
 
     def observe(self, step: int, observations: NDArray[np.float32]) -> None:
-        """What hunters observe when so many steps have been played, (H, D): with noise the view that is shown has it.
+        """Keep the hunters' observations (H, D) after `step` steps, from which beliefs are drawn if views have noise.
 
-        Known of a few states at a time: told before the step that begins there is drawn, at most two steps ahead.
+        Only the latest states are kept: call this before the step that begins there is drawn, at most two steps ahead.
         """
         if self._blurred is not None:
             recent = range(step - _OBSERVED_AHEAD, step)
@@ -118,7 +118,7 @@ class MatchRenderer:
             self._observations[step] = observations.copy()
 
     def enter(self, motion: StepMotion) -> None:
-        """Begin a step: its rulings count from here on. Steps of which no instant is drawn are entered too."""
+        """Begin a step, with its rulings. Steps without a drawn instant must be entered too."""
         began_ms = motion.before.time_ms
         if self._motion is not None:
             self._extend_trails(began_ms)
@@ -141,7 +141,7 @@ class MatchRenderer:
         self._timeline.record(began_ms, catchers, self._scores)
 
     def draw(self, time_ms: float, poses: Poses) -> Pixels:
-        """Draw one instant of the step that was entered last into the buffer; everybody has come to these poses."""
+        """Draw one instant of the step that was entered last, with all turtles at `poses`, and return the buffer."""
         if self._motion is None:
             raise ValueError("a step must be entered before one of its instants is drawn")
         self._extend_trails(time_ms)
@@ -169,7 +169,7 @@ class MatchRenderer:
         return self.pixels
 
     def draw_over(self, drawn: Iterable[Shape]) -> None:
-        """Shapes over the arena, in pixels from its corner; the next `draw` takes them away."""
+        """Draw shapes over the arena, in pixels from its corner; the next `draw` removes them."""
         self._arena.draw(drawn)
 
     def _record_standings(self, world: World, time_ms: float) -> None:
@@ -179,21 +179,21 @@ class MatchRenderer:
             self._standings_animation.record(time_ms, standings)
 
     def _beliefs(self, world: World) -> list[Belief]:
-        """R7.6: where the hunter whose view is shown believes what it sees to be."""
+        """R7.6: return the beliefs of the hunter whose view is shown; empty without noise, view or observations."""
         observations = self._observations.get(world.step)
         if self.view_of is None or self._blurred is None or observations is None:
             return []
         return self._blurred.beliefs(world, self.view_of, observations[self.view_of])
 
     def _extend_trails(self, until_ms: float) -> None:
-        """Lead the trails through the ticks since the last instant, where it lies further back than a frame or two."""
+        """Lead the trails through the ticks since the last instant if it is more than two ticks ago."""
         if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
             for poses in self._motion.ticks_between(self._moved_ms, until_ms):
                 self._move_to(poses)
         self._moved_ms = until_ms
 
     def _move_to(self, poses: Poses) -> None:
-        """Everybody leaves a trail; that of prey is like a hunter's."""
+        """Move all turtles to `poses` and draw their trails; the trail of a prey is like a hunter's."""
         for number, end in poses.targets.items():
             start = self._poses.targets.get(number, end)
             if start[:2] == end[:2]:
@@ -208,7 +208,7 @@ class MatchRenderer:
         self._poses = poses
 
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
-        """The parts around the arena; the clock stands still after the end."""
+        """Draw the parts around the arena; the clock stands still after the end."""
         plan, info, unit = self._plan, self.info, self._plan.unit
         clock = hud.clock(played_ms)
         if not plan.standings.width:
@@ -235,7 +235,7 @@ class MatchRenderer:
             self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))
 
     def _update(self, area: hud.Rect, state: object, shapes: Callable[[], list[Shape]]) -> bool:
-        """Draw a part anew if it would look different; return whether it was."""
+        """Draw a part again if its state has changed; return whether it was drawn."""
         if not area.width or (area in self._shown and self._shown[area] == state):
             return False
         self._shown[area] = state
@@ -245,19 +245,19 @@ class MatchRenderer:
 
 
 class ArenaPainter:
-    """One arena's picture at every step that it is shown, for `env.render()`.
+    """Painter of one arena's picture at every step that is shown, for `env.render()`.
 
-    Trails and catches come from the worlds that were painted before; a world of step 0, or one that the last cannot
-    have led to, begins anew.
+    Trails and catches come from the worlds that were painted before. They begin again at a world of step 0, and at one
+    that cannot follow the last.
 
     Args:
         config: the arena's settings.
-        names: by seat.
+        names: the agents' names, hunters by seat and then prey.
         size: (width, height) [pixels].
         layout: "arena" or "broadcast".
 
     Raises:
-        ConfigError: for a size below SMALLEST or above LARGEST, and names that are not one a seat.
+        ConfigError: for a size below SMALLEST or above LARGEST, and if there is not one name for each agent.
     """
 
     def __init__(
@@ -271,15 +271,15 @@ class ArenaPainter:
         self._last: World | None = None
 
     def paint(self, world: World) -> Pixels:
-        """A fresh (height, width, 3) uint8 frame of the world as it is now."""
+        """Return a new (height, width, 3) uint8 frame of the world."""
         self.enter(world)
         return np.asarray(cv2.cvtColor(self.draw(1.0), cv2.COLOR_RGBA2RGB), dtype=np.uint8)
 
     def enter(self, world: World) -> float:
-        """The world that is drawn from now on.
+        """Set the world that is drawn from now on.
 
         Returns:
-            the time that its way from the last one took [ms], or 0.
+            the time from the last world to this one [ms]; 0 if it does not follow the last one.
         """
         renderer, last = self._renderer, self._last
         self._last = world
@@ -298,7 +298,7 @@ class ArenaPainter:
         return float(world.time_ms - self._motion.before.time_ms)
 
     def draw(self, part: float) -> Pixels:
-        """That part of the way, up to 1, into a (height, width, 4) buffer, which the next call overwrites."""
+        """Draw a part in (0, 1] of the way to the world; return a (height, width, 4) buffer that is used again."""
         motion = self._motion
         if part == 1.0:
             return self._renderer.draw(float(motion.after.time_ms), motion.poses[-1])
@@ -306,7 +306,7 @@ class ArenaPainter:
         return self._renderer.draw(time_ms, motion.at(time_ms))
 
     def _led_to(self, last: World, world: World) -> bool:
-        """Nobody can have driven further."""
+        """Return whether every hunter can have driven from its place in `last` to its place in `world`."""
         furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + TICK_MS) / 1000.0 + 1e-6
         return all(
             abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
@@ -315,13 +315,13 @@ class ArenaPainter:
 
 
 def png(pixels: Pixels) -> bytes:
-    """A (height, width, 3 or 4) picture, red first, as a PNG file; the fourth byte means nothing."""
+    """Return a (height, width, 3 or 4) picture, red first, as a PNG file; the fourth byte is unused."""
     order = cv2.COLOR_RGB2BGR if pixels.shape[2] == 3 else cv2.COLOR_RGBA2BGR
     return bytes(cv2.imencode(".png", cv2.cvtColor(pixels, order))[1])
 
 
 def png_html(config: ArenaConfig, world: World) -> str:
-    """An arena as it is now, with its standings, as an image that a page holds itself."""
+    """Return an HTML image of a world with its standings, which includes the picture's data."""
     content = png(ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world))
     about = f"step {world.step}, {world.time_ms / 1000:.1f} s"
     return f'<img alt="Catch Arena, {about}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'

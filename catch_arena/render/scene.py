@@ -1,6 +1,6 @@
-"""What a frame of the arena shows, as shapes.
+"""Shapes of a frame of the arena.
 
-Pure functions of the world, of everybody's poses at an instant, and of what was ruled lately.
+Pure functions of the world, of all poses at an instant, and of the latest rulings.
 World units are metres, y up; shapes are in pixels, y down. raster.py turns shapes into pixels.
 """
 
@@ -20,17 +20,17 @@ WALL: Final[Color] = (112, 127, 255)
 GRID: Final[Color] = (78, 95, 255)
 GRID_STEPS_M: Final = tuple(step * 10.0**power for power in range(4) for step in (1.0, 2.0, 5.0))
 GRID_GAP: Final = 24
-"""Pixels between two lines of the grid, at least: the first of the steps that gives as many."""
+"""Least distance between two lines of the grid [pixels]; the smallest of the steps that gives it is used."""
 SPAWN_MS: Final = 450.0
-"""How long the ring about a new target is seen."""
+"""Time for which the ring around a new target is seen [ms]."""
 PREY_PIECES: Final = 8
-"""Of prey's ring: more than any agent has seats for at once."""
+"""Number of arcs of a prey's ring, more than one agent has seats in a match."""
 _VIEW_OPACITY: Final = 0.25
 _BELIEF_OPACITY: Final = 0.8
 
 
 def ground_shapes(viewport: Viewport) -> list[Shape]:
-    """What lies under everything and never changes: the square within its walls, and a grid of whole metres."""
+    """Return the shapes of the ground, which never change: the square within its walls, and a grid of whole metres."""
     left, bottom = viewport.to_pixels(0.0, 0.0)
     side = viewport.side_m * viewport.scale
     top = bottom - side
@@ -45,14 +45,14 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
 
 
 def trail_shapes(viewport: Viewport, seat_color: Color, start: Pose2D, end: Pose2D) -> tuple[Stroke, Stroke]:
-    """A piece of a hunter's way: in its colour, which fades, and in the trace's, which stays longer."""
+    """Return a piece of a hunter's way: in its colour, which fades, and in the trace's, which stays longer."""
     points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
     width = viewport.trail_width
     return Stroke(*points, width, seat_color), Stroke(*points, width, TRACE)
 
 
 def target_trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D) -> Stroke:
-    """A piece of a target's way, which fades and leaves no trace: there are too many of them."""
+    """Return a piece of a target's way, which fades and leaves no trace, since there are too many targets."""
     return Stroke(
         *viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]), viewport.target_trail_width, TARGET_TRAIL
     )
@@ -71,8 +71,9 @@ def arena_shapes(
     beliefs: Sequence[Belief] = (),
     withdrawn_prey: Collection[int] = (),
 ) -> list[Shape]:
-    """Everything that moves or comes and goes, from the lowest to the topmost; `view_of` is the seat whose view is
-    shown, `beliefs` is what it believes, `withdrawn_prey` are agents.
+    """Return the shapes of everything that moves, appears or disappears, the lowest first.
+
+    `view_of` is the seat whose view is shown, `beliefs` are its beliefs, and `withdrawn_prey` are agents.
     """
     shapes: list[Shape] = []
     if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
@@ -95,7 +96,7 @@ def arena_shapes(
 
 
 def _view(viewport: Viewport, info: MatchInfo, pose: Pose2D, color: Color) -> Sector:
-    """R7.5: what lies within a hunter's radius and cone; what is within its reach too lies in its circle."""
+    """R7.5: return the area within a hunter's view radius and cone; its circle shows the reach, which it sees too."""
     config, side = info.config, viewport.side_m
     farthest = math.hypot(side, side)
     radius = farthest if config.view_radius_m is None else min(farthest, config.view_radius_m)
@@ -112,8 +113,9 @@ def _view(viewport: Viewport, info: MatchInfo, pose: Pose2D, color: Color) -> Se
 
 
 def _belief(viewport: Viewport, poses: Poses, belief: Belief, color: Color) -> list[Shape]:
-    """R7.6: a ring at the place where somebody is believed to be, and a line from there to the true one. Of a target
-    that was just caught there is none.
+    """R7.6: return a ring at the believed place of a hunter or target, and a line from it to the true place.
+
+    There are no shapes for a target that was just caught.
     """
     pose = poses.hunters[belief.rival] if belief.rival is not None else poses.targets.get(belief.target or 0)
     if pose is None:
@@ -137,7 +139,7 @@ def _target(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: floa
 
 
 def _prey(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float, *, faded: bool) -> list[Shape]:
-    """A target that somebody plays: larger and darker than the others, and in a ring that reaches for nothing."""
+    """Return the shapes of a target that an agent plays: larger and darker than others, in a ring that is no reach."""
     x, y = viewport.to_pixels(*pose[:2])
     length = viewport.prey_length
     shapes = _announcement(viewport, target, pose, time_ms)
@@ -147,7 +149,7 @@ def _prey(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float,
 
 
 def _announcement(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float) -> list[Shape]:
-    """The ring about a target that has just appeared."""
+    """Return the ring around a target that has just appeared; no shapes for other targets."""
     x, y = viewport.to_pixels(*pose[:2])
     age = time_ms - target.spawned_ms
     if not (0.0 <= age < SPAWN_MS and target.spawned_ms > 0):

@@ -1,4 +1,4 @@
-"""What a frame is described in: shapes in pixels, y down, which raster.py draws; and the outlines of a turtle."""
+"""Shapes that describe a frame, in pixels with y down, which raster.py draws; and the outlines of a turtle."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ INK: Final[Color] = (14, 18, 44)
 
 @dataclass(frozen=True, slots=True)
 class Ring:
-    """A circle's line [pixels], and a veil of the same colour inside; `glow` softens it outwards."""
+    """Line of a circle [pixels], with a veil of the same colour inside; `glow` softens the line outwards."""
 
     x: float
     y: float
@@ -28,7 +28,7 @@ class Ring:
     veil: float = 0.0
     glow: bool = False
     pieces: int = 1
-    """Of how many arcs it is."""
+    """Number of arcs that make up the line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,15 +39,15 @@ class Sector:
     y: float
     radius: float
     theta: float
-    """Where its middle lies: counter-clockwise on the screen."""
+    """Direction of its middle, counter-clockwise on the screen [rad]."""
     angle: float
-    """How wide it is, up to 2 pi [rad]."""
+    """Width of the sector, up to 2 pi [rad]."""
     color: Color
     opacity: float
     soft: float
-    """How far its edge fades [pixels]."""
+    """Distance over which its edge fades [pixels]."""
     within: tuple[float, float, float, float]
-    """Left, top, right, bottom."""
+    """Rectangle that cuts it off: left, top, right, bottom [pixels]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class Turtle:
     color: Color
     faded: bool = False
     contrast: float = 1.0
-    """How dark its darker parts are."""
+    """Darkness of its darker parts, in [0, 1]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,17 +126,17 @@ Shape = Ring | Sector | Stroke | Path | Polygon | Box | Turtle | Label
 
 @lru_cache(maxsize=4096)
 def mix(one: Color, other: Color, part: float) -> Color:
-    """`one` with a part in [0, 1] of `other`."""
+    """Return `one` mixed with a part in [0, 1] of `other`."""
     red, green, blue = (round(a + (b - a) * part) for a, b in zip(one, other, strict=True))
     return red, green, blue
 
 
 Points = NDArray[np.float64]
-"""(N, 2), in lengths of the turtle, which faces right; y up."""
+"""Points of shape (N, 2), in lengths of the turtle, which faces right; y up."""
 
 
 def ellipse(x: float, y: float, a: float, b: float, degrees: float = 0.0) -> Points:
-    """(40, 2): an ellipse, by its centre, half its length, half its width, and how it is turned."""
+    """Return an ellipse as points (40, 2), by its centre, half its length, half its width, and its angle."""
     around = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
     along, across = a * np.cos(around), b * np.sin(around)
     cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
@@ -161,4 +161,4 @@ def _parts() -> list[tuple[Points, float, float]]:
 
 
 TURTLE_PARTS: Final = _parts()
-"""Outline, the part of its own colour, the part of white; the lowest first."""
+"""Parts of a turtle, the lowest first: outline, the part of its own colour, the part of white."""

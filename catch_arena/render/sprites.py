@@ -1,4 +1,4 @@
-"""Small pictures, drawn once and used often: turtles, rings and texts, premultiplied, by angle and half pixel."""
+"""Sprites: small pictures of turtles, rings and texts, premultiplied, drawn once for each angle and half pixel."""
 
 import math
 from collections import OrderedDict
@@ -14,14 +14,14 @@ from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.render.shapes import INK, TURTLE_PARTS, Label, Points, Ring, Turtle, ellipse, mix
 
 PHASES: Final = 2
-"""A sprite is drawn at every 1 / PHASES of a pixel."""
+"""Number of positions within a pixel, per axis, for which a sprite is drawn."""
 LIGHT: Final = (0.55, 0.83)
-"""Where shadows fall, x and y on the screen: the light does not turn with the turtle."""
+"""Direction of shadows, x and y on the screen; the light does not turn with the turtle."""
 CACHE_BYTES: Final = 96 << 20
 
 
 class Sprite(NamedTuple):
-    """A premultiplied picture, and where its origin lies in it."""
+    """Premultiplied picture, and the place of its origin in it [pixels]."""
 
     surface: "pygame.Surface"
     origin_x: int
@@ -29,7 +29,7 @@ class Sprite(NamedTuple):
 
 
 class SpriteCache:
-    """Sprites by what they show; those that were not used for longest make room when all weigh too much."""
+    """Cache of sprites; the least recently used ones are dropped if all take more than `most_bytes`."""
 
     def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
         self._most_bytes = most_bytes
@@ -52,7 +52,7 @@ class SpriteCache:
         return made
 
     def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
-        """A turtle's sprite, and the whole pixels at which its origin belongs."""
+        """Return a turtle's sprite, and the whole pixels x and y for its origin."""
         x, y, phase_x, phase_y = _phase(shape.x, shape.y, PHASES if shape.length < 64 else 1)
         turns = max(64, min(192, 8 * round(0.3 * shape.length)))
         angle = round(shape.theta * turns / (2.0 * math.pi)) % turns
@@ -69,7 +69,7 @@ class SpriteCache:
         return self._get(key, make), x, y
 
     def ring(self, shape: Ring) -> tuple[Sprite, int, int]:
-        """A ring's sprite, and where its origin belongs."""
+        """Return a ring's sprite, and the whole pixels x and y for its origin."""
         x, y, phase_x, phase_y = _phase(shape.x, shape.y)
         radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
         opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
@@ -78,7 +78,7 @@ class SpriteCache:
         return self._get(key, lambda: _ring(rounded, phase_x, phase_y)), x, y
 
     def label(self, shape: Label) -> tuple[Sprite, int, int]:
-        """A text's sprite, and where its origin belongs; only outlined ones move, and stand at half pixels."""
+        """Return a text's sprite, and the whole pixels for its origin; only outlined texts move, by half pixels."""
         shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
         width = text.text_width(shown, shape.size, shape.weight)
         left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
@@ -99,34 +99,34 @@ def _bytes_of(made: Any) -> int:
 
 
 def _phase(x: float, y: float, phases: int = PHASES) -> tuple[int, int, int, int]:
-    """The whole pixel and the part of one that are nearest below a place; large pictures do with whole ones."""
+    """Return a place, rounded to 1 / `phases` of a pixel: whole x, whole y, rest of x, rest of y in such parts."""
     at_x, at_y = round(x * phases), round(y * phases)
     return at_x // phases, at_y // phases, at_x % phases, at_y % phases
 
 
 def _sprite(pixels: NDArray[np.floating[Any]], origin_x: int, origin_y: int) -> Sprite:
-    """Premultiplied colours and coverage, 0 to 255, as a surface in the canvas's own channel order."""
+    """Return premultiplied colours and coverage, 0 to 255, as a surface in the canvas's own channel order."""
     return _surface_of(np.clip(pixels + 0.5, 0, 255).astype(np.uint8), origin_x, origin_y)
 
 
 def _surface_of(pixels: NDArray[np.uint8], origin_x: int, origin_y: int) -> Sprite:
     whole = np.ascontiguousarray(pixels)
     height, width = whole.shape[:2]
-    # a copy: the surface of frombuffer would lean on an array that nobody else keeps
+    # a copy: the surface of frombuffer shares an array that no other reference keeps alive
     return Sprite(pygame.image.frombuffer(whole.data, (width, height), "RGBA").copy(), origin_x, origin_y)
 
 
 _CORNERS: Final = np.linspace(0.0, 2.0 * math.pi, 6, endpoint=False)
 _SCUTE: Final = np.stack([-0.03 + 0.135 * np.cos(_CORNERS), 0.125 * np.sin(_CORNERS)], axis=1)
-"""The hexagon in the middle of the shell; lines lead from its corners to the edge."""
+"""Hexagon in the middle of the shell; lines lead from its corners to the edge."""
 _EDGE: Final = np.stack([-0.03 + 0.285 * np.cos(_CORNERS), 0.228 * np.sin(_CORNERS)], axis=1)
 _SHEEN: Final = ellipse(0.0, 0.0, 0.185, 0.14)
 
 
 def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.uint8]:
-    """A turtle before it has a colour: (side, side, 4), 0 to 255.
+    """Return a turtle before it has a colour: (side, side, 4), 0 to 255.
 
-    Its own colour's part, white's part, coverage, and the coverage of as much of its shadow as is seen.
+    The channels are the part of its own colour, the part of white, coverage, and the coverage of its visible shadow.
     """
     fine = 8 if length <= 64 else 4
     half = math.ceil(0.62 * length) + 2
@@ -155,10 +155,10 @@ def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> N
 
 
 def _tinted(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
-    """Every channel is a sum of the inks: one matrix dyes them all."""
+    """Return the sprite of inks in a turtle's colours; one matrix colours every channel, a sum of the inks."""
     tint = mix(shape.color, INK, 0.5) if shape.faded else shape.color
     kept = 0.55 if shape.faded else 1.0
-    # of what is neither its own colour nor white, the less is dark the less contrast there is
+    # less contrast lightens the parts that are neither its own colour nor white
     lit = [own * (1.0 - shape.contrast) / 255.0 for own in tint]
     matrix = [
         (own * shape.contrast / 255.0, 1.0 - light, light, ink / 255.0)
@@ -172,7 +172,7 @@ def _tinted(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
 
 _LEAST_GAP: Final = 1.5
 _WIDEST_GAP: Final = 3.0
-"""Between two pieces of a ring: half of it, in pixels and in widths of the line."""
+"""Bounds of half the gap between two pieces of a ring: the least in pixels, the widest in widths of the line."""
 
 
 def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:

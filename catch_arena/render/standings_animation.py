@@ -1,4 +1,4 @@
-"""The standings, animated: a line for each hunter, the best first; a line that gains a position climbs to it.
+"""Animated standings: a line for each agent, the best first; a line that gains a position climbs to it.
 
 Pure functions from small states to shapes.
 """
@@ -12,22 +12,22 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape, Turtle, mix
 
 CLIMB_MS: Final = 400.0
-"""How long a line takes to its new position, and a bar to its new length."""
+"""Time that a line takes to its new position, and a bar to its new length [ms]."""
 
 
 class AnimatedLine(NamedTuple):
-    """One hunter's line at an instant."""
+    """Line of one agent at an instant."""
 
     who: AgentScore
     position: float
-    """From 0, the best; between two positions while it moves."""
+    """Position from 0, the best; between two positions while the line moves."""
     share: float
-    """Of the best score: the length of its bar. Prey has none."""
+    """Score as a part of the best one, which is the length of the bar; 0 for prey, which has none."""
     climbs: bool = False
 
 
 class StandingsAnimation:
-    """Where everybody's line stands at any instant, from the standings as they change."""
+    """Animation of all agents' lines, from the standings as they change."""
 
     def __init__(self) -> None:
         self._goal: tuple[AnimatedLine, ...] = ()
@@ -35,7 +35,7 @@ class StandingsAnimation:
         self._since_ms = -math.inf
 
     def record(self, time_ms: float, standings: Sequence[AgentScore]) -> None:
-        """These are the standings from that instant on: lines begin to move where they differ from the last ones."""
+        """Set the standings from an instant on; lines whose position or bar differs begin to move."""
         now = self.lines(time_ms)
         best = max(1, *(one.score for one in standings if not one.hunted)) if standings else 1
         positions = {one.agent: position for position, one in enumerate(ranked(standings))}
@@ -49,7 +49,7 @@ class StandingsAnimation:
         self._since_ms = time_ms if now else -math.inf
 
     def lines(self, time_ms: float) -> tuple[AnimatedLine, ...]:
-        """By agent; the same tuple at every instant at which nothing moves."""
+        """Return the lines by agent; it is the same tuple at all instants at which no line moves."""
         part = (time_ms - self._since_ms) / CLIMB_MS
         if part >= 1.0:
             return self._goal
@@ -68,8 +68,9 @@ class StandingsAnimation:
 def standings_shapes(
     area: Rect, info: MatchInfo, lines: Sequence[AnimatedLine], unit: float, view_of: int | None = None
 ) -> list[Shape]:
-    """A line for each hunter: turtle, number, name, its share of the best score as a bar, and the score; it says of
-    which hunter the view is shown.
+    """Return a line for each agent: turtle, number, name, a bar of its share of the best score, and the score.
+
+    The line of the hunter whose view is shown says so.
     """
     pad = 8 * unit
     room = area.height - 2.0 * pad
@@ -87,10 +88,10 @@ def standings_shapes(
 
     shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
     best = max(line.who.score for line in lines)
-    for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # those that climb pass over the others
+    for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # climbing lines are drawn on top
         if line.position <= shown - 1:
             (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
-            part = line.position % 1.0 if x0 == x1 else round(line.position % 1.0)  # nobody flies from column to column
+            part = line.position % 1.0 if x0 == x1 else round(line.position % 1.0)  # no flight from column to column
             box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
             if line.climbs:
                 shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))

@@ -1,4 +1,4 @@
-"""The teams' scores, large: a column for each team, and below them each one's share of all catches.
+"""Card of the teams' scores, large: a column for each team, and below them each one's share of all catches.
 
 Pure functions from small states to shapes.
 """
@@ -14,11 +14,11 @@ from catch_arena.render.timeline import lead
 
 _MOST_IN_A_ROW: Final = 4
 _LEAST_BAR: Final = 4.0
-"""Pixels."""
+"""Least height of the bar of shares [pixels]."""
 
 
 def team_scores_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], unit: float) -> list[Shape]:
-    """The card of a match of teams; the one that leads is told with its lead where there are two."""
+    """Return the card of a match of teams; with two teams it shows the leader and its lead."""
     pad = 0.12 * min(area.height, 132 * unit) + 2
     left, width = area.left + pad, area.width - 2 * pad
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
@@ -43,7 +43,7 @@ def _score_size(height: float) -> int:
 
 
 def _team(area: tuple[float, float, float, float], contender: Contender, score: int, *, last: bool) -> list[Shape]:
-    """A team's name over its score; the last one's of two at the right."""
+    """Return a team's name over its score; `last` aligns it to the right."""
     left, top, width, height = area
     small, big = font_size(0.2 * height, 9), _score_size(height)
     x = left + width if last else left
@@ -59,7 +59,7 @@ def _team(area: tuple[float, float, float, float], contender: Contender, score: 
 
 
 def _between(area: Rect, contenders: Sequence[Contender], scores: Sequence[int], room: float) -> list[Shape]:
-    """What is counted, and who leads by how much, where there is so much room."""
+    """Return the word «catches» and the leader's name and lead, if they fit in `room`."""
     middle, small, size = (
         area.left + area.width / 2.0,
         font_size(0.12 * area.height, 9),

@@ -1,4 +1,4 @@
-"""Text as coverage: the font that opencv 5 carries, or pygame's own with opencv 4; never one of the system's."""
+"""Text as coverage, in the font of opencv 5 or, with opencv 4, of pygame; fonts of the system are never used."""
 
 import math
 import re
@@ -13,15 +13,15 @@ from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.text import composed
 
 Coverage = NDArray[np.uint8]
-"""(height, width), 0 to 255."""
+"""Coverage of pixels, of shape (height, width), 0 to 255."""
 
 ELLIPSIS: Final = "…"
 LONGEST: Final = 200
-"""Characters: what is longer is cut before it is measured."""
+"""Greatest number of characters of a text; a longer one is cut before it is measured."""
 BASELINE: Final = 1.1
-"""From the top of a text's coverage [sizes]."""
+"""Distance of the baseline from the top of a text's coverage [sizes]."""
 MIDDLE: Final = 0.36
-"""From the baseline up to the middle of the capitals [sizes]."""
+"""Height of the middle of capitals above the baseline [sizes]."""
 
 _RIGHT_TO_LEFT: Final = re.compile(
     "[\u0590-\u08ff\ufb1d-\ufdff\ufe70-\ufefc]+(?: +[\u0590-\u08ff\ufb1d-\ufdff\ufe70-\ufefc]+)*"
@@ -31,10 +31,10 @@ _FACE: Any = cv2.FontFace("sans") if hasattr(cv2, "FontFace") else None
 
 
 def printable(text: str) -> str:
-    """One line of it, in the order in which it is seen.
+    """Return the text in one line, in the order in which it is seen.
 
-    Tabs, line ends and control characters become spaces, invisible marks go, and what is written from right to left
-    (Hebrew, Arabic) is turned round, since the font's letters are set from left to right. A letter that the font does
+    Tabs, line ends and control characters become spaces, and invisible marks are removed. Text that is written from
+    right to left (Hebrew, Arabic) is reversed, since letters are set from left to right. A letter that the font does
     not have is drawn as a question mark.
     """
     signs = (
@@ -45,7 +45,7 @@ def printable(text: str) -> str:
 
 @lru_cache(maxsize=2048)
 def text_width(text: str, size: int, weight: int) -> int:
-    """How far a text reaches [pixels]."""
+    """Return the width of a text [pixels]."""
     text = printable(text)
     if not text:
         return 0
@@ -56,12 +56,12 @@ def text_width(text: str, size: int, weight: int) -> int:
 
 @lru_cache(maxsize=512)
 def truncated(text: str, size: int, weight: int, max_width: float) -> str:
-    """The text, or as much of it as fits with an ellipsis, or nothing where not even that fits."""
+    """Return the text, or as much of it as fits with an ellipsis, or an empty text if not even that fits."""
     text = printable(text)
     if text_width(text, size, weight) <= max_width:
         return text
     short, long = 0, len(text)
-    while short < long:  # the longest beginning that fits
+    while short < long:  # binary search for the longest beginning that fits
         middle = (short + long + 1) // 2
         if text_width(text[:middle].rstrip() + ELLIPSIS, size, weight) <= max_width:
             short = middle
@@ -71,7 +71,7 @@ def truncated(text: str, size: int, weight: int, max_width: float) -> str:
 
 
 def coverage(text: str, size: int, weight: int) -> Coverage:
-    """The text in one line, `size` pixels of room at each side, its baseline BASELINE sizes from the top."""
+    """Return a text's coverage in one line, with `size` pixels of room at each side, the baseline at BASELINE sizes."""
     width, height = text_width(text, size, weight) + 2 * size, math.ceil(1.55 * size)
     baseline = round(BASELINE * size)
     ink = np.zeros((height, width), dtype=np.uint8)
@@ -90,5 +90,5 @@ def coverage(text: str, size: int, weight: int) -> Coverage:
 @lru_cache(maxsize=64)
 def _bundled_font(size: int) -> "pygame.font.Font":
     pygame.font.init()
-    # None is the one in pygame's own folder; pygame makes its capitals half as high as it is asked to, the other 0.7
+    # None is pygame's own font; its capitals are 0.5 of the size high, those of opencv's font 0.7
     return pygame.font.Font(None, round(1.42 * size))

@@ -1,4 +1,4 @@
-"""The timeline: who caught when, and who was how far ahead, over the whole match.
+"""Timeline of the whole match: the catches of each contender, and each one's lead over the average.
 
 Pure functions from small states to shapes.
 """
@@ -15,36 +15,36 @@ from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, Str
 from catch_arena.render.text import text_width, truncated
 
 COLUMNS: Final = 220
-"""However long the match, the timeline is kept and drawn in so many parts."""
+"""Number of parts in which the timeline is kept and drawn, whatever the match's length."""
 
 _BRIGHT_LINES: Final = 8
-"""So many lines of the best stand out; the others are drawn behind them, faintly."""
+"""Number of contenders, the best ones, whose lines stand out; the others are drawn below them, faintly."""
 
 
 @dataclass(slots=True)
 class Timeline:
-    """Who caught when, and every contender's score: two values for each of COLUMNS parts of the match.
+    """Catchers and scores of a match, as two values for each of COLUMNS parts of it.
 
-    A contender is a team, or where there are none a hunter.
+    A contender is a team, or a hunter if there are no teams.
     """
 
     duration_ms: int
     catches: int = 0
     catchers: list[frozenset[int]] = field(default_factory=lambda: [frozenset()] * COLUMNS)
-    """The contenders that caught in each part."""
+    """Contenders that caught, for each part."""
     scores: list[tuple[int, ...]] = field(default_factory=list)
-    """By contender, at the end of each part that has begun."""
+    """Scores by contender, at the end of each part that has begun."""
     last_change: int = 0
-    """The part in which somebody caught last."""
+    """Part in which the scores changed last."""
 
     def column(self, time_ms: float) -> int:
-        """The part of the match that an instant falls into."""
+        """Return the part of the match that an instant falls into."""
         return min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self.duration_ms))))
 
     def record(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
-        """Advance to an instant at which there were catches of these contenders, and these are the scores."""
+        """Advance to an instant, with the contenders of its catches, and with the scores after it."""
         column = self.column(time_ms)
-        while len(self.scores) <= column:  # nothing happened in between
+        while len(self.scores) <= column:  # parts without events keep the scores
             self.scores.append(self.scores[-1] if self.scores else (0,) * len(scores))
         if self.scores[column] != tuple(scores):
             self.scores[column], self.last_change = tuple(scores), column
@@ -53,7 +53,7 @@ class Timeline:
 
 
 def lead(scores: Sequence[int]) -> tuple[int, int]:
-    """Who leads, and how far behind the next is; (-1, 0) where they are level. One alone leads by its score."""
+    """Return the leader and its lead over the next, or (-1, 0) for a tie. A single contender leads by its score."""
     best = max(scores, default=0)
     if list(scores).count(best) != 1 or best == 0:
         return -1, 0
@@ -61,13 +61,13 @@ def lead(scores: Sequence[int]) -> tuple[int, int]:
 
 
 def over_average(scores: Sequence[int]) -> list[float]:
-    """How far each is ahead of the average; one alone, of nothing."""
+    """Return each score's lead over the average; a single score is returned as it is."""
     average = sum(scores) / len(scores) if len(scores) > 1 else 0.0
     return [score - average for score in scores]
 
 
 class _Chart:
-    """A timeline in its card: where everything stands, from few numbers."""
+    """Layout of a timeline in its card, and its shapes."""
 
     def __init__(self, area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> None:
         self.area, self.info, self.timeline, self.unit = area, info, timeline, unit
@@ -77,9 +77,9 @@ class _Chart:
         self.left, self.width = _span(area, unit)
         self.step = self.width / COLUMNS
         self.head = area.top + max(0.95 * self.text, min(0.11 * area.height, 22 * unit))
-        """The middle of the title."""
+        """Vertical place of the middle of the title [pixels]."""
         self.foot = area.top + area.height - max(0.85 * self.small, min(0.08 * area.height, 18 * unit))
-        """The middle of the axis' labels."""
+        """Vertical place of the middle of the axis' labels [pixels]."""
         self.lane_top = self.head + 0.95 * self.text
         self.base = self.foot - 1.15 * self.small
         room = self.base - self.lane_top
@@ -91,25 +91,25 @@ class _Chart:
         values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
         most, least = max(2.0, *values), 0.0 if self.alone else min(-2.0, *values)
         self.pixels = (self.base - self.top) / (most - least)
-        """A catch ahead of the average."""
+        """Height of a lead of one catch over the average [pixels]."""
         self.zero = self.base + least * self.pixels
 
     def x(self, time_ms: float) -> float:
-        """Where an instant is."""
+        """Return the horizontal place of an instant [pixels]."""
         return self.left + self.width * min(1.0, time_ms / max(1, self.timeline.duration_ms))
 
     def y(self, value: float) -> float:
-        """Where a line stands that is so far ahead."""
+        """Return the vertical place of a lead over the average [pixels]."""
         return self.zero - value * self.pixels
 
     def lane_shapes(self) -> list[Shape]:
-        """Who caught when: a lane for each contender, or one for all."""
+        """Return the catches over time: a lane for each contender, or one lane for all."""
         shapes: list[Shape] = []
         for row in range(self.lanes):
             top = self.lane_top + row * self.pitch
             shapes.append(Box(self.left, top, self.width, self.lane, TRACK, self.lane / 2))
             if self.lanes > 1:
-                name = "" if self.info.has_teams else str(row)  # a team's colour tells it
+                name = "" if self.info.has_teams else str(row)  # a team's colour is enough
                 position = (self.left - 0.5 * self.small, top + self.lane / 2)
                 shapes.append(Label(*position, name, self.small, self.colors[row], 700, "right"))
         tick = max(self.step, min(3.0 * self.unit, 3.0), 1.5)
@@ -121,7 +121,7 @@ class _Chart:
         return shapes
 
     def title_shapes(self) -> list[Shape]:
-        """What is shown, who leads, and the number of catches."""
+        """Return the title, the leader with its lead, and the number of catches."""
         left, right = self.area.left + 16 * self.unit, self.left + self.width
         many = "1 catch" if self.timeline.catches == 1 else f"{self.timeline.catches} catches"
         leader, by = lead(self.timeline.scores[-1]) if self.timeline.scores else (-1, 0)
@@ -144,7 +144,7 @@ class _Chart:
         return shapes
 
     def history_shapes(self) -> list[Shape]:
-        """How far each was ahead of the average, up to the last catch."""
+        """Return each contender's lead over the average, up to the last catch."""
         color = mix(CARD, DIM, 0.4)
         shapes: list[Shape] = [Stroke(self.left, self.zero, self.left + self.width, self.zero, 1.0, color)]
         scores = self.timeline.scores
@@ -163,7 +163,7 @@ class _Chart:
         return shapes
 
     def lead_area(self, scores: Sequence[int], left: float, right: float) -> list[Shape]:
-        """The area under the leader's line, down to the second's."""
+        """Return the area under the leader's line, down to the second's; no shapes for a tie."""
         leader, by = lead(scores)
         left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
         if leader < 0 or right <= left:
@@ -172,7 +172,7 @@ class _Chart:
         return [Box(left, top, right - left, by * self.pixels, mix(self.colors[leader], CARD, 0.7))]
 
     def line_styles(self) -> list[tuple[int, Color, float]]:
-        """The lines from the lowest to the topmost: contender, colour, width."""
+        """Return contender, colour and width of each line, the lowest first."""
         scores = self.timeline.scores[-1]
         order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
         faint, bright = order[:-_BRIGHT_LINES], order[-_BRIGHT_LINES:]
@@ -182,19 +182,19 @@ class _Chart:
 
 
 def _span(area: Rect, unit: float) -> tuple[float, float]:
-    """The left end of the match's time in the card, and its width."""
+    """Return the left end of the match's time in the card, and its width [pixels]."""
     axis = 2.6 * font_size(12 * unit, 9)
     return area.left + 16 * unit + axis, area.width - 32 * unit - axis
 
 
 def cursor_x(area: Rect, timeline: Timeline, time_ms: float, unit: float) -> float:
-    """Where the present is on the timeline [pixels]."""
+    """Return the horizontal place of the present on the timeline [pixels]."""
     left, width = _span(area, unit)
     return left + width * min(1.0, time_ms / max(1, timeline.duration_ms))
 
 
 def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
-    """What has been: catches as ticks in their colours; below, how far each contender was ahead of the average.
+    """Return the past: catches as ticks in their colours; below, each contender's lead over the average.
 
     The topmost line is the leader's, and the area under it, down to the second, is the lead.
     """
@@ -209,7 +209,7 @@ def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float
 
 
 def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
-    """What is now: the lines reach to the present, which is a line across, and end in dots."""
+    """Return the present as a line across; the contenders' lines lead to it and end in dots."""
     chart = _Chart(area, info, timeline, unit)
     x = chart.x(time_ms)
     present = Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE)
@@ -227,7 +227,7 @@ def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: flo
 
 
 def tick_seconds(duration_s: float, most: float) -> list[float]:
-    """Round times from 0 to the end, at most so many."""
+    """Return round times from 0 to the end [s], at most `most` of them, or 2 if `most` is smaller."""
     for step in (step * 10.0**power for power in range(-1, 8) for step in (1.0, 2.0, 3.0, 6.0)):
         if duration_s / step + 1 <= max(2.0, most):
             return [step * count for count in range(math.floor(duration_s / step + 1e-9) + 1)]
@@ -235,5 +235,5 @@ def tick_seconds(duration_s: float, most: float) -> list[float]:
 
 
 def axis_time(at_s: float) -> str:
-    """A round time, as the timeline's axis says it."""
+    """Return a round time as text for the timeline's axis."""
     return f"{at_s:g} s" if at_s < 600 else f"{at_s / 60:.0f} min"

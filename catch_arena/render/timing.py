@@ -1,4 +1,4 @@
-"""Which instants of a match the frames of a video show, and in which step each lies."""
+"""Instants of a match that the frames of a video show, and the step of each."""
 
 import math
 from bisect import bisect_left
@@ -12,7 +12,7 @@ from catch_arena.world import World
 
 @dataclass(frozen=True, slots=True)
 class Clip:
-    """A part of a match at one pace."""
+    """Part of a match at one pace."""
 
     start_ms: int
     end_ms: int
@@ -22,39 +22,39 @@ class Clip:
 
     @property
     def frames(self) -> int:
-        """As many as the part lasts, rounded half up, at least 1."""
+        """Number of frames for the part's duration, rounded half up, at least 1."""
         return max(1, math.floor((self.end_ms - self.start_ms) / self._pace + Fraction(1, 2)))
 
     @property
     def times_ms(self) -> list[float]:
-        """The instant that each frame shows."""
+        """Instant of each frame [ms]."""
         return [float(self.start_ms + frame * self._pace) for frame in range(self.frames)]
 
     @property
     def _pace(self) -> Fraction:
-        """Milliseconds of the match from frame to frame."""
+        """Time of the match from frame to frame [ms]."""
         return 1000 * self.speed / self.fps
 
 
 @dataclass(frozen=True, slots=True)
 class FrameSpan:
-    """One step's motion and the frames in it: none where steps are shorter than frames, or before the first frame."""
+    """Motion of one step, and its frames: none before the first frame, or in steps shorter than a frame."""
 
     motion: StepMotion
     times_ms: Sequence[float]
-    """The instants that its frames show."""
+    """Instants of its frames [ms]."""
     next_tick: Poses | None
 
 
 def frame_spans(worlds: Iterable[World], times_ms: Sequence[float]) -> Iterator[FrameSpan]:
-    """The steps of a match up to the last frame, each with its frames: those that show [t, t + period).
+    """Yield the steps of a match up to the last frame, each with its frames, which show [t, t + period).
 
-    Memory does not grow with the match: two steps are known at a time. A match without steps is one motion that leads
-    nowhere.
+    Memory does not grow with the match: two steps are known at a time. A match without steps gives one motion from its
+    state to itself.
 
     Args:
         worlds: the match's states.
-        times_ms: the instants that the frames show, in order.
+        times_ms: the instants of the frames, in order.
     """
     motions = _motions(worlds)
     motion: StepMotion | None = next(motions)

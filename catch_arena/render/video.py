@@ -1,4 +1,4 @@
-"""A match as a video."""
+"""Video of a match."""
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,14 +24,14 @@ FASTEST: Final = Fraction(100)
 
 @dataclass(frozen=True, slots=True)
 class RenderReport:
-    """What was written."""
+    """Facts about a video that was written."""
 
     path: Path
     frames: int
     seconds: float
-    """The video's length."""
+    """Length of the video [s]."""
     size: tuple[int, int]
-    """(width, height) [pixels]; where a format needs even numbers, an odd one has become the next even one."""
+    """Width and height [pixels]; if the format needs even numbers, an odd one has become the next even one."""
     fps: int
 
 
@@ -52,22 +52,22 @@ def render_replay(
 
     Args:
         replay: the recorded match.
-        path: which ends in .mp4, .webm, .gif or .webp.
-        size: (width, height) from 320 x 320 to 3840 x 2160; without it what is usual for the format
+        path: the file to write, which ends in .mp4, .webm, .gif or .webp.
+        size: (width, height) [pixels] from 320 x 320 to 3840 x 2160; None for the format's default
             (`encoders.FORMATS`).
         fps: frames a second, from 1 on.
         layout: "broadcast" (arena, standings, event feed, timeline) or "arena".
-        start_s: where it begins [s].
-        end_s: where the part of the match ends [s].
+        start_s: start of the part of the match [s].
+        end_s: end of the part of the match [s]; None for the match's end.
         speed: seconds of the match in a second of the video, 0.01 to 100.
-        view_of: a hunter whose view is shown, by its seat or its agent's name, where hunters do not see everything.
+        view_of: hunter whose view is shown, by its seat or its agent's name, if hunters do not see everything as it is.
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for a setting that cannot be, and without PyAV or an encoder in its FFmpeg.
-        OutputError: where the file cannot be written.
-        ReplayError: where the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written
-            file is left, and what stood under the name before stands there still.
+        ConfigError: for an invalid setting, and without PyAV or an encoder in its FFmpeg.
+        OutputError: if the file cannot be written.
+        ReplayError: if the replay does not play as recorded. Whatever is raised, Ctrl-C included, no half-written
+            file is left, and an older file of that name is kept.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     kind = format_of(Path(path))
@@ -86,7 +86,7 @@ def write_video(
     frames: int,
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a video's frames, as many as were promised, as they come. What is raised is `render_replay`'s."""
+    """Write the `frames` pictures of a video as they come. Raises the errors of `render_replay`."""
     with video_file(path, size, fps) as video:
         for done, pixels in enumerate(pictures, start=1):
             video.write(pixels)
@@ -96,25 +96,25 @@ def write_video(
 
 
 def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
-    """What is asked for or usual (width, height) [pixels], made even where the format needs it.
+    """Return `size` or the format's default (width, height) [pixels], made even if the format needs it.
 
     Raises:
-        ConfigError: for a size that no frame has.
+        ConfigError: for a size outside the limits of frames.
     """
     width, height = checked_size(kind.size if size is None else size)
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
 
 
 def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:
-    """The renderer of a recorded match."""
+    """Return the renderer of a recorded match."""
     return MatchRenderer(MatchInfo.of_replay(replay), size, layout, replay.seed)
 
 
 def viewed_seats(replays: Iterable[Replay], hunter: int | str | None) -> list[int | None]:
-    """Return the seat of a hunter in each match whose view of it can be shown, and None in each other match.
+    """Return a hunter's seat for each match that can show its view, and None for each other match.
 
     Raises:
-        ConfigError: if no match has such a hunter, or in none of them hunters see less than everything.
+        ConfigError: if no match can show the view: it has no such hunter, or its hunters see everything as it is.
     """
     seats: list[int | None] = []
     fault: ConfigError | None = None
@@ -140,17 +140,17 @@ def _viewed_seat(replay: Replay, hunter: int | str) -> int:
 
 
 def duration_ms(replay: Replay) -> int:
-    """How long the match took."""
+    """Return the duration of a match [ms]."""
     return replay.steps * replay.config.control_period_ms
 
 
 def rendered_frames(replay: Replay, renderer: MatchRenderer, clip: Clip) -> Iterator[Pixels]:
-    """The frames of a recorded match; see `frames_of`."""
+    """Yield the frames of a recorded match; see `frames_of`."""
     return frames_of(observed_worlds(replay, renderer), renderer, clip.times_ms)
 
 
 def observed_worlds(replay: Replay, renderer: MatchRenderer) -> Iterator[World]:
-    """As `Replay.worlds`; the renderer gets the observations of the hunters in each."""
+    """Yield the worlds of a replay, as `Replay.worlds`, and give the renderer the hunters' observations in each."""
     for engine in replay.checked_engines():
         world = engine.world()
         renderer.observe(world.step, engine.observations[0])
@@ -158,9 +158,9 @@ def observed_worlds(replay: Replay, renderer: MatchRenderer) -> Iterator[World]:
 
 
 def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequence[float]) -> Iterator[Pixels]:
-    """The frames at these instants, in the renderer's own buffer: the next one overwrites it.
+    """Yield the frames at these instants, in the renderer's own buffer: the next one overwrites it.
 
-    Steps before the first frame are played too, so that their trails and catches are there.
+    Steps before the first frame are played too, so that their trails and catches are shown.
     """
     for span in frame_spans(worlds, times_ms):
         renderer.enter(span.motion)
@@ -169,10 +169,10 @@ def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequen
 
 
 def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:
-    """The part of a match and its pace, if they can be.
+    """Return a part of a match at a pace, after checking both.
 
     Raises:
-        ConfigError: for a part that is not in the match, and fps or a speed that cannot be.
+        ConfigError: for a part that is not in the match, and an invalid fps or speed.
     """
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
@@ -187,10 +187,10 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
 
 
 def frame_rate(kind: Format, fps: int | None) -> int:
-    """What is asked for or usual, if it can be.
+    """Return `fps` or the format's default, after checking it.
 
     Raises:
-        ConfigError: for fps that the format does not have.
+        ConfigError: for fps that is no whole number from 1 to the format's maximum.
     """
     rate = kind.fps if fps is None else whole_number(fps)
     if rate is None or not 1 <= rate <= kind.most_fps:
@@ -199,7 +199,7 @@ def frame_rate(kind: Format, fps: int | None) -> int:
 
 
 def pace_of(speed: float) -> Fraction:
-    """Seconds of the match in a second of the video, if they can be.
+    """Return a speed as a fraction after checking it: seconds of the match in a second of the video.
 
     Raises:
         ConfigError: for a speed outside [SLOWEST, FASTEST].

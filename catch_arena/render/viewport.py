@@ -1,17 +1,17 @@
-"""Where in a picture the arena's square lies, how large things are in it, and the colours of all but the hunters."""
+"""Place of the arena's square in a picture, sizes of things in it, and the colours of all but the hunters."""
 
 from typing import Final
 
 from catch_arena.render.shapes import Color
 
 GROUND: Final[Color] = (69, 86, 255)
-"""turtlesim's blue."""
+"""Blue of turtlesim's ground."""
 OUTSIDE: Final[Color] = (62, 77, 236)
 TRACE: Final[Color] = (94, 113, 255)
-"""What remains of a trail."""
+"""Colour of a trail's remains."""
 TARGET: Final[Color] = (240, 234, 255)
 TARGET_TRAIL: Final[Color] = (180, 165, 120)
-"""Sand: what a moving target leaves."""
+"""Sand colour of a moving target's trail."""
 
 HUNTER_LENGTH_M: Final = 0.66
 TARGET_LENGTH_M: Final = 0.44
@@ -21,7 +21,7 @@ MARGIN: Final = 0.03
 
 
 class Viewport:
-    """Where the arena's square lies in a picture of so many pixels: as large as fits, in the middle, with a margin.
+    """Place of the arena's square in a picture: as large as fits, in the middle, with a margin.
 
     Lengths and widths are in pixels.
     """
@@ -34,12 +34,12 @@ class Viewport:
         half = side_m * self.scale / 2.0
         self._left, self._bottom = width / 2.0 - half, height / 2.0 + half
         self.hunter_length = max(HUNTER_LENGTH_M * self.scale, 20.0, shorter / 26.0)
-        """True to HUNTER_LENGTH_M until that would be too small to see."""
+        """Length of a hunter: HUNTER_LENGTH_M to scale, unless that would be too small to see."""
         self.target_length = self.hunter_length * TARGET_LENGTH_M / HUNTER_LENGTH_M
         self.prey_length = self.hunter_length * PREY_LENGTH_M / HUNTER_LENGTH_M
         self.trail_width = max(1.6, 0.1 * self.hunter_length)
         self.target_trail_width = max(1.2, 0.06 * self.hunter_length)
 
     def to_pixels(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the world [m] in pixels."""
+        """Return a point of the world [m] in pixels."""
         return self._left + x * self.scale, self._bottom - y * self.scale

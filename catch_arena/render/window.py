@@ -15,19 +15,19 @@ from catch_arena.render.optional_imports import pygame
 
 _FPS: Final = 60
 _POLL_S: Final = 0.02
-"""The window answers its user at least so often."""
+"""Longest pause between two checks for events of the window [s]."""
 
 
 class Screen:
-    """A window. Only one can be open.
+    """Window on the screen; only one can be open.
 
     Args:
-        title: what stands above the window.
-        size: (width, height) [pixels] to begin with.
-        interactive: whether its user's keys matter.
+        title: the text in the window's title bar.
+        size: (width, height) [pixels] at first.
+        interactive: whether the user's keys matter; if so, a window that no user can see raises an error.
 
     Raises:
-        OutputError: without a display.
+        OutputError: if there is no display.
     """
 
     def __init__(self, title: str, size: tuple[int, int], *, interactive: bool = False) -> None:
@@ -37,7 +37,7 @@ class Screen:
         except pygame.error as error:
             raise _no_display(str(error)) from None
         if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
-            # SDL's last resort where there is no display, which nobody asked for
+            # SDL falls back to this driver if there is no display, though it was not asked for
             if interactive:
                 self.close()
                 raise _no_display("there is none")
@@ -48,12 +48,12 @@ class Screen:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(width, height) [pixels], as its user has made it."""
+        """Current (width, height) [pixels], which the user may change."""
         width, height = pygame.display.get_window_size()
         return width, height
 
     def show(self, pixels: NDArray[np.uint8]) -> None:
-        """A (height, width, 3 or 4) picture, as large as the window has room for; the fourth byte means nothing."""
+        """Show a (height, width, 3 or 4) picture, scaled to the window; the fourth byte is unused."""
         height, width, channels = pixels.shape
         picture = pygame.image.frombuffer(
             np.ascontiguousarray(pixels).data, (width, height), "RGB" if channels == 3 else "RGBX"
@@ -80,13 +80,13 @@ def _no_display(reason: str) -> OutputError:
 
 
 class Window:
-    """An env's match on the screen as it is stepped, in motion and at the match's own pace.
+    """Window that shows an env's match while it is stepped, in motion and at the match's own pace.
 
-    It opens with its first picture. When its user closes it, it stays closed: further steps are not shown and the
-    match goes on, no longer held to real time.
+    It opens with its first picture. After its user closes it, it stays closed: further steps are not shown, and the
+    match goes on without waiting for real time.
 
     Args:
-        title: what stands above the window.
+        title: the text in the window's title bar.
         size: (width, height) [pixels].
     """
 
@@ -96,17 +96,17 @@ class Window:
         self._screen: Screen | None = None
         self._due_s = 0.0
         self.closed = False
-        """Its user, or `close`, has closed it."""
+        """True after the user or `close` has closed the window, or if it could not open."""
 
     def play(self, picture: Callable[[float], NDArray[np.uint8]], lasts_ms: float) -> None:
-        """Show a step from its beginning to its end, which is when it returns; a late one in what is left of its time.
+        """Show a step from its beginning to its end, then return; a late step is shown in the rest of its time.
 
         Args:
-            picture: which draws (height, width, 3 or 4) at a part of the step in (0, 1].
-            lasts_ms: the step's time, 0 for a picture that follows upon nothing.
+            picture: function that draws (height, width, 3 or 4) at a part of the step in (0, 1].
+            lasts_ms: the step's time [ms], 0 for a picture that follows no other.
 
         Raises:
-            OutputError: without a display.
+            OutputError: if there is no display.
         """
         if self.closed:
             return
@@ -119,7 +119,7 @@ class Window:
         began_s = time.perf_counter()
         self._due_s += lasts_ms / 1000.0
         if not lasts_ms or began_s - self._due_s > lasts_ms / 1000.0:
-            self._due_s = began_s  # a match that was held up does not hurry afterwards
+            self._due_s = began_s  # a delayed match does not hurry afterwards
         left_s = max(0.0, self._due_s - began_s)
         frames = max(1, round(_FPS * left_s))
         for frame in range(1, frames + 1):

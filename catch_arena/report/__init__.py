@@ -1,6 +1,6 @@
-"""What a tournament found, as one page: DIR/report.html. docs/report.md has the rest.
+"""Report of a tournament as one page, DIR/report.html; see docs/report.md.
 
-- data: what a tournament's folder holds. selection: which replays stand in the page. charts: figures.
+- data: the contents of a tournament's folder. selection: the replays in the page. charts: figures.
 - page: the page itself. watch: the page of a tournament that is under way, served on this machine.
 """
 

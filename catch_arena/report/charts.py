@@ -1,4 +1,4 @@
-"""Figures that a page draws: numbers become positions in per cent, and words."""
+"""Figures that a page draws: numbers become positions in per cent, and texts."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,16 +17,16 @@ from catch_arena.verdicts import REASONS, Verdict
 _TICKS: Final = 5
 _BINS: Final = 40
 _LONG: Final = 10_000
-"""Numbers from here on are easier to read in groups of three digits."""
+"""Least number that is written in groups of three digits."""
 _ROOMY: Final = 12
-"""More agents than these have smaller cells in the head-to-head table."""
+"""Greatest number of agents with large cells in the head-to-head table."""
 _WORDY: Final = 40
-"""Up to so many agents each cell of the head-to-head table says all that it knows."""
+"""Greatest number of agents for which each cell of the head-to-head table has a text with all figures."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """A range of values, laid over a width of 100."""
+    """Range of values, laid over a width of 100."""
 
     low: float
     high: float
@@ -34,7 +34,7 @@ class Axis:
 
     @classmethod
     def over(cls, values: Iterable[float]) -> "Axis":
-        """One with round ends that holds all these values; NaN is left out."""
+        """Return an axis with round ends that holds all values; values that are not finite are left out."""
         known = [value for value in values if math.isfinite(value)]
         low, high = min(known, default=0.0), max(known, default=0.0)
         step = _round_step((high - low) / _TICKS)
@@ -43,11 +43,11 @@ class Axis:
         return cls(ticks[0], ticks[-1], ticks)
 
     def at(self, value: float) -> float:
-        """Where a value stands, in [0, 100]."""
+        """Return the position of a value, in [0, 100]."""
         return round(100.0 * min(max((value - self.low) / (self.high - self.low), 0.0), 1.0), 2)
 
     def whisker(self, one: Estimate) -> dict[str, float] | None:
-        """Where an interval begins, how long it is, and where the figure stands; None where it is not known."""
+        """Return the left end and width of an interval, and the position of its mean; None if the mean is unknown."""
         if not math.isfinite(one.mean):
             return None
         low, high = (one.low, one.high) if math.isfinite(one.low) else (one.mean, one.mean)
@@ -55,7 +55,7 @@ class Axis:
 
 
 def _round_step(least: float) -> float:
-    """The smallest of 1, 2, 5, 10 ... that is no smaller."""
+    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `least`; 1 if `least` is not positive."""
     if least <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(least))
@@ -63,14 +63,14 @@ def _round_step(least: float) -> float:
 
 
 def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool) -> str:
-    """Who is ahead on each side."""
+    """Return a headline with the leaders of each side."""
     if len(tables) == 1:
         return headline(tables["hunter"], ended=ended)
     return "; ".join(f"as {word}: {headline(table, ended=ended)}" for word, table in tables.items()).capitalize()
 
 
 def headline(table: Sequence[Standing], *, ended: bool) -> str:
-    """Who is ahead, as far as that is known."""
+    """Return a headline with the leaders, as far as they are known."""
     leaders = [line.name for line in table if line.groups[0] == 1]
     if len(table) == 1:
         return f"{table[0].name} played alone"
@@ -78,28 +78,28 @@ def headline(table: Sequence[Standing], *, ended: bool) -> str:
         return f"{leaders[0]} comes first" if ended else f"{leaders[0]} leads so far"
     if len(leaders) == len(table):
         return "Nobody can be told apart yet"
-    if len(leaders) > 3:  # more names are no headline
+    if len(leaders) > 3:  # more names are too long for a headline
         return f"{leaders[0]} leads, and {len(leaders) - 1} others cannot be told from the best"
     return f"{', '.join(leaders[:-1])} and {leaders[-1]} lead and cannot be told apart"
 
 
 def rating_axis(table: Sequence[Standing]) -> Axis:
-    """For the ratings of those who played: one that forfeited everything has one far below, that says no more."""
+    """Return an axis for ratings; agents that forfeited every match are left out, since their ratings lie far below."""
     played = [line for line in table if sum(line.forfeits.values()) < line.matches] or table
     return Axis.over(end for line in played for end in (line.rating.low, line.rating.mean, line.rating.high))
 
 
 def lanes(table: Sequence[Standing]) -> list[list[str]]:
-    """Bars beside those that share a group: for each line of the table, what stands in each lane.
+    """Return the bars next to agents that share a group: for each line of the table, a word for each lane.
 
-    «begin», «within», «end» or nothing; no two bars of one lane touch, and there are as few lanes as will do.
+    A word is «begin», «within», «end» or empty. No two bars of a lane share a line, and the number of lanes is least.
     """
     bars: list[list[int]] = []
     for group in range(1, 1 + max(one.groups[1] for one in table)):
         members = [row for row, one in enumerate(table) if one.groups[0] <= group <= one.groups[1]]
         if len(members) > 1:
             bars.append(members)
-    ends: list[int] = []  # of each lane, its last bar's
+    ends: list[int] = []  # the last line of each lane's last bar
     found: list[list[str]] = [[] for _ in table]
     for members in bars:
         lane = next((lane for lane, end in enumerate(ends) if end < members[0]), len(ends))
@@ -114,7 +114,7 @@ def lanes(table: Sequence[Standing]) -> list[list[str]]:
 
 
 def distributions(data: SideData) -> dict[str, Any]:
-    """How often each agent had which score, the best agent first: bars as a path in `bins` x 1, and the quartiles."""
+    """Return each agent's distribution of scores, the best agent first: bars as a path in `bins` x 1, and quartiles."""
     outcomes = data.outcomes
     most = int(outcomes.scores.max())
     width = max(1, math.ceil((most + 1) / _BINS))
@@ -145,7 +145,7 @@ def distributions(data: SideData) -> dict[str, Any]:
 
 
 def encounters(data: SideData) -> dict[str, Any]:
-    """Each against each, the best first: the shares as whole per cents, and in words where there is room for them."""
+    """Return the table of each agent against each, the best first: shares in whole per cent, and texts if they fit."""
     names = [line.name for line in data.standings]
     wordy = len(names) <= _WORDY
     rows = []
@@ -171,10 +171,10 @@ def encounters(data: SideData) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Seat:
-    """Results of one seat; of a team's seats, or of one prey."""
+    """Results of one seat, of a team's seats, or of one prey."""
 
     wins: Estimate
-    """Its share of wins, ties shared."""
+    """Share of wins; a tie counts as a part of a win for each."""
     score: float
 
 
@@ -194,7 +194,7 @@ def _seat_table(names: Sequence[str], seats: Sequence[Seat]) -> dict[str, Any]:
 
 
 def seat_results(data: SideData) -> list[Seat]:
-    """How the seats of this tournament fared: each agent sat in each of them, block by block."""
+    """Return the results of a side's seats; in each block every agent sat in each of them."""
     outcomes = data.outcomes
     seat = np.broadcast_to(np.arange(outcomes.seating.shape[1]), outcomes.seating.shape)
     block = np.broadcast_to(outcomes.block[:, None], outcomes.seating.shape)
@@ -207,13 +207,13 @@ def seat_results(data: SideData) -> list[Seat]:
 
 
 def refusals(data: ReportData) -> dict[str, str]:
-    """Which reasons occurred at all, in the arbiter's order, each with what it means."""
+    """Return the verdicts that refused a request in any match, in the arbiter's order, each with its meaning."""
     met = {name for line in data.standings for name in line.refusals}
     return {verdict.name: REASONS[verdict] for verdict in Verdict if verdict.name in met}
 
 
 def move_times(data: ReportData) -> dict[str, tuple[float, float]]:
-    """Each agent's time for a move [ms]: the mean, and the longest."""
+    """Return each agent's mean and longest time for a move [ms]."""
     found = {name: [0.0, 0.0, 0.0] for name in data.names}
     for one in data.played:
         for entrant, spent in zip(one.match.seating, one.result.thinking, strict=True):
@@ -227,19 +227,19 @@ def move_times(data: ReportData) -> dict[str, tuple[float, float]]:
 
 
 def percent(share: float) -> str:
-    """A share in [0, 1] for people."""
+    """Return a share in [0, 1] as text in per cent, or a dash for NaN."""
     return "–" if math.isnan(share) else f"{100 * share:.0f} %"
 
 
 def interval(one: Estimate, scale: float = 1.0, digits: int = 0) -> str:
-    """«43 to 57», or that it is not known."""
+    """Return an interval as text, such as «43 to 57», or «interval unknown»."""
     if not math.isfinite(one.low):
         return "interval unknown"
     return f"{number(scale * one.low, digits)} to {number(scale * one.high, digits)}"
 
 
 def number(value: float, digits: int = 0) -> str:
-    """With thin spaces between the thousands of long ones, and a minus that is as wide as a plus."""
+    """Return a number as text: thin spaces between the thousands of long ones, and a minus as wide as a plus."""
     if not math.isfinite(value):
         return "–"
     text = f"{round(value, digits) + 0.0:,.{digits}f}".replace("-", "−")  # + 0.0: no minus before a zero

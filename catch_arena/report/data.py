@@ -1,4 +1,4 @@
-"""What a tournament's folder holds, read once: everything in the report is made from it."""
+"""Contents of a tournament's folder, read once, from which the whole report is made."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ from catch_arena.tournament.store import Store, Tournament
 
 @dataclass(frozen=True)
 class SideData:
-    """What the matches say of one side (R12.7); without prey there is but that of the hunters."""
+    """Results of one side (R12.7); without prey there is only the side of the hunters."""
 
     side: Side
     entrants: Sequence[Entrant]
-    """As they play on it."""
+    """Entrants, as they play on this side."""
     played: Sequence[PlayedMatch]
-    """As of `on_side`."""
+    """Matches as this side's, from `on_side`."""
 
     @cached_property
     def names(self) -> list[str]:
@@ -36,41 +36,41 @@ class SideData:
 
     @cached_property
     def outcomes(self) -> Outcomes:
-        """The matches as arrays."""
+        """Matches as arrays."""
         return Outcomes.of(len(self.names), self.played)
 
     @cached_property
     def standings(self) -> list[Standing]:
-        """The best first."""
+        """Standings on this side, the best first."""
         return standings(self.entrants, self.played)
 
     @cached_property
     def encounters(self) -> dict[tuple[str, str], Encounter]:
-        """Each against each, by their names."""
+        """Results of each entrant against each other, by their names."""
         found = head_to_head(self.entrants, self.played, self.side)
         return {(one.name, one.other): one for one in found}
 
 
 @dataclass(frozen=True)
 class ReportData:
-    """A tournament, ended or under way."""
+    """Data of a tournament, ended or under way."""
 
     folder: Path
     tournament: Tournament
     planned: int
     played: Sequence[PlayedMatch]
-    """In the order of the plan."""
+    """Matches that were played, in the order of the plan."""
     versions: Sequence[dict[str, str]]
-    """Each set of versions that played."""
+    """Every set of versions with which matches were played."""
     ended: bool
-    """Whether the plan has been played to its end."""
+    """True if the plan has been played to its end."""
 
     @classmethod
     def of(cls, folder: Path) -> "ReportData":
-        """Those in a folder.
+        """Return the data in a folder.
 
         Raises:
-            StoreError: where it holds no tournament, or none that has been played.
+            StoreError: if it holds no tournament, or no match has been played.
         """
         played, versions = [], {}
         with Store.read(folder) as store:
@@ -89,12 +89,12 @@ class ReportData:
 
     @cached_property
     def parties(self) -> Parties:
-        """Those of a match."""
+        """Parties of a match."""
         return Parties.of(self.tournament.config)
 
     @cached_property
     def sides(self) -> list[SideData]:
-        """The hunters' first."""
+        """Results of each side, the hunters' first."""
         return [
             SideData(
                 side,
@@ -106,19 +106,19 @@ class ReportData:
 
     @property
     def standings(self) -> list[Standing]:
-        """Of the hunters, the best first."""
+        """Standings of the hunters, the best first."""
         return self.sides[0].standings
 
     @cached_property
     def recorded(self) -> frozenset[str]:
-        """The ids of the matches of which a replay was kept."""
+        """Ids of the matches whose replay was kept."""
         return frozenset(one.match.id for one in self.played if one.replay)
 
     def replay(self, match: str) -> Replay:
-        """A match that was recorded.
+        """Return the replay of a match that was recorded.
 
         Raises:
-            ReplayError: where it is no replay, or a damaged one.
+            ReplayError: if the match was not recorded, or its file is no replay or a damaged one.
         """
         if match not in self.recorded:
             raise ReplayError(f"match {match}: must be one that was played and recorded")

@@ -1,6 +1,6 @@
-"""The page: a tournament's data, put into templates. One file, which loads nothing.
+"""Page of the report: a tournament's data in a template, as one file that loads nothing.
 
-What strangers have written into it is text: templates escape it, and the page's policy lets no script run but its own.
+Texts from strangers stay text: templates escape them, and the page's policy lets only its own scripts run.
 """
 
 import base64
@@ -24,11 +24,11 @@ from catch_arena.tournament.entrants import SHIPPED_PREY
 REPORT: Final = "report.html"
 _PAGE: Final = "catch_arena.report"
 BUDGET: Final = 1_000_000
-"""Bytes for the replays of matches, unless told otherwise."""
+"""Default number of bytes for the replays in the page."""
 MOST_LISTED: Final = 20_000
-"""Matches in the page's list."""
+"""Greatest number of matches in the page's list."""
 _MOST_WAYS: Final = 100
-"""To forfeit; more are counted."""
+"""Greatest number of ways to forfeit in the page's list; further ones are only counted."""
 
 
 def write_report(
@@ -38,14 +38,14 @@ def write_report(
 
     Args:
         folder: the tournament's folder.
-        budget: how many bytes of replays it may have.
-        matches: the ids of some that it has in any case.
-        output: the file; if None, it is in the folder.
+        budget: number of bytes that its replays may take.
+        matches: ids of matches whose replays it has in any case.
+        output: the file to write; if None, it is in the folder.
 
     Raises:
-        StoreError: where there is nothing to report.
+        StoreError: if there is nothing to report.
         ReplayError: for a match that was not recorded.
-        OutputError: where it cannot be written.
+        OutputError: if the file cannot be written.
     """
     data = ReportData.of(folder)
     path = output or folder / REPORT
@@ -54,12 +54,12 @@ def write_report(
 
 
 def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool = False) -> str:
-    """The report.
+    """Return the report as HTML.
 
     Args:
-        data: what the report shows.
-        selected: the matches that it plays.
-        watched: whether it is served: it asks for news, and for the replays that it shows.
+        data: the tournament's data.
+        selected: the matches that the page plays, by their ids.
+        watched: whether the page is served; it then requests news, and the replays that it shows.
     """
     forfeits = _forfeits(data)
     return _template().render(
@@ -102,9 +102,9 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
 
 @cache
 def content_policy(*, watched: bool) -> str:
-    """The Content-Security-Policy: two scripts run, by their digests; nothing is loaded, but news where it is watched.
+    """Return the Content-Security-Policy: two scripts run, by their digests, and only a watched page loads its news.
 
-    Styles may stand anywhere, as those of each line's chart do.
+    Inline styles are allowed, since the chart of each line has some.
     """
     own = element_script().removeprefix("<script>").removesuffix("</script>"), page_file(_PAGE, "report.js")
     digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in own)
@@ -134,7 +134,7 @@ def _template() -> jinja2.Template:
 
 
 def _matches(data: ReportData) -> dict[str, Any]:
-    """The list of matches, in columns; what is by party stands match after match."""
+    """Return the list of matches, in columns; values by party stand match after match."""
     played = data.played[:MOST_LISTED]
     return {
         "names": [side.names for side in data.sides],
@@ -149,7 +149,7 @@ def _matches(data: ReportData) -> dict[str, Any]:
 
 
 def _forfeits(data: ReportData) -> list[dict[str, Any]]:
-    """How agents failed, the most frequent way first; each with how often, and the first time."""
+    """Return the ways in which agents forfeited, the most frequent first, each with its count and first case."""
     found: dict[tuple[str, str, str], dict[str, Any]] = {}
     for one in data.played:
         for party, code in enumerate(one.result.forfeits):
@@ -167,7 +167,7 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
 
 
 def _settings(config: dict[str, Any]) -> dict[str, Any]:
-    """The settings in one table; those of a group follow its name and a dot."""
+    """Return the settings as one table; a setting of a group has the group's name and a dot in front."""
     flat: dict[str, Any] = {}
     for name, value in config.items():
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Which recorded matches stand in the page itself, where there is no room for all."""
+"""Selection of the recorded matches that the page itself holds, since it has no room for all."""
 
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
@@ -11,17 +11,17 @@ from catch_arena.tournament.match import PlayedMatch
 
 
 class SelectedMatch(NamedTuple):
-    """A match that the page plays."""
+    """Match that the page plays: its replay bundle, and the reason for the choice."""
 
     bundle: str
     why: str
 
 
 def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> dict[str, SelectedMatch]:
-    """Matches by their ids, until their bundles take `budget` bytes; those `asked` for come first, and always.
+    """Return matches by their ids, until their bundles take `budget` bytes; `asked` matches come first, and always.
 
     Raises:
-        ReplayError: where one that was asked for was not recorded.
+        ReplayError: if a match that was asked for was not recorded.
     """
     selected = {match: SelectedMatch(bundle_text(data.replay(match)), "asked for") for match in asked}
     taken = sum(len(one.bundle) for one in selected.values())
@@ -30,7 +30,7 @@ def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> 
             continue
         try:
             bundle = bundle_text(data.replay(match))
-        except ReplayError:  # it was moved away, or its ruleset is another: the figures do without
+        except ReplayError:  # it was moved away or has another ruleset; the figures do not need it
             continue
         taken += len(bundle)
         if taken > budget:
@@ -40,7 +40,7 @@ def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> 
 
 
 def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
-    """Each recorded match once: in turn one with many contests, a close one, one that the best lost, a forfeit."""
+    """Yield each recorded match once: by turns one with many contests, a close one, a loss of the best, a forfeit."""
     recorded = [one for one in data.played if one.match.id in data.recorded]
     best, hunting = data.names.index(data.standings[0].name), data.parties.hunting
     lost = [one for one in recorded if _lost_by(one, best, hunting)]
@@ -59,7 +59,7 @@ def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
 
 
 def _margin(one: PlayedMatch, hunting: int) -> int:
-    """How far the first of those that hunt is ahead of the second."""
+    """Return the difference between the best two scores of the hunting parties."""
     first, second, *_ = (*sorted(one.result.scores[:hunting], reverse=True), 0)
     return first - second
 

@@ -1,4 +1,4 @@
-"""The report of a tournament that is under way, on this machine alone: http://127.0.0.1."""
+"""Server for the report of a tournament that is under way, on this machine alone: http://127.0.0.1."""
 
 import sys
 import threading
@@ -22,13 +22,13 @@ PORT: Final = 8765
 _PORTS: Final = 20
 _PAUSE_S: Final = 2.0
 _PAUSE_FACTOR: Final = 10.0
-"""It looks again after so many times what the last look took, with the page: at most a tenth of one core's time."""
+"""Pause between two refreshes, in durations of the last one: they take at most a tenth of one core's time."""
 _PATIENCE_S: Final = 5.0
-"""How long one request may take to arrive."""
+"""Time within which a request must arrive [s]."""
 
 
 class LiveReport:
-    """A folder's report, made anew when there are more matches, for as many threads as ask."""
+    """Report of a folder, made again when there are more matches; any number of threads may use it."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -39,7 +39,7 @@ class LiveReport:
         self._next = 0.0
 
     def state(self) -> str:
-        """A word that changes when the page does."""
+        """Return a text that changes when the page does; refresh the page if the pause is over."""
         with self._lock:
             if (begin := time.monotonic()) >= self._next:
                 self._refresh()
@@ -48,15 +48,15 @@ class LiveReport:
             return self._shown
 
     def page(self) -> str:
-        """The page as it is now; it asks for the replays that it shows."""
+        """Return the current page, which requests the replays that it shows."""
         self.state()
         return self._page
 
     def bundle(self, match: str) -> str:
-        """Any recorded match.
+        """Return the replay bundle of any recorded match.
 
         Raises:
-            CatchArenaError: where it was not recorded.
+            CatchArenaError: if it was not recorded.
         """
         with self._lock:
             data = self._data
@@ -89,7 +89,7 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = _PATIENCE_S
 
     def do_GET(self) -> None:
-        """The page, its state, or a replay bundle."""
+        """Answer with the page, its state, or a replay bundle."""
         name, port = self.headers.get("Host", ""), self.server.server_port
         if name not in (f"{HOST}:{port}", f"localhost:{port}"):  # a stranger's page, under a name that leads here
             self._answer(403, "text/plain", "ask for 127.0.0.1")
@@ -119,33 +119,33 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, *_: Any) -> None:
-        """Nothing: the terminal belongs to the tournament."""
+        """Print nothing, since the terminal belongs to the tournament."""
 
 
 class _Server(ThreadingHTTPServer):
     daemon_threads = True
-    allow_reuse_address = False  # a port that somebody else has must look taken, on Windows too
+    allow_reuse_address = False  # a port that another process uses must look taken, on Windows too
 
     def __init__(self, port: int, report: LiveReport) -> None:
         self.report = report
         super().__init__((HOST, port), _Handler)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A reader that has gone away is no news."""
+        """Print errors of a request, except a lost connection to a reader."""
         if not isinstance(sys.exc_info()[1], OSError):
             super().handle_error(request, client_address)
 
 
 @contextmanager
 def serve(report: LiveReport, port: int | None = None) -> Iterator[str]:
-    """Serve a report meanwhile; the address.
+    """Serve a report inside the `with` block, and yield its address.
 
     Args:
-        report: what is served.
-        port: None for the first free one from PORT up.
+        report: the report to serve.
+        port: port number, None for the first free one from PORT up.
 
     Raises:
-        OutputError: where the port, or all of them, are taken.
+        OutputError: if the port, or each of them, is taken.
     """
     reason = ""
     ports = range(PORT, PORT + _PORTS) if port is None else range(port, port + 1)
