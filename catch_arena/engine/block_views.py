@@ -59,7 +59,7 @@ class BlockViews:
         return self.prey[arena // LANES, :, :, arena % LANES]
 
     def prey_numbers(self, arena: int) -> NDArray[np.float64]:
-        """R12.1: return a copy of the numbers of the targets that one arena's prey plays, 0 for prey that is out: (P,)."""
+        """R12.1: return the target numbers that one arena's prey plays, 0 for prey that is out: (P,), a copy."""
         slots = self.prey_rows(arena)[:, row_of(state.PREY_SLOT)].astype(np.int64)
         numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
         return np.where(slots == state.NO_TARGET, 0.0, numbers)
