@@ -2,7 +2,7 @@
 
 Numba optimises each function and makes machine code of it, then links it into its callers and does so again there.
 Here the parts are only translated, and the whole is linked, optimised and emitted once. Branches that are never taken,
-since a setting is 0, are left out. Arrays take little code, and much in Numba (`addresses`). The calculations reach
+since a setting is 0, are left out. Arrays take less code than Numba's own (`addresses`). The calculations reach
 LLVM as they do in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
 
 Everything that is not public in Numba, and may change, is in this file and in `cache`. `USABLE` is false if this Numba

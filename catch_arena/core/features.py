@@ -36,9 +36,9 @@ class Observer(NamedTuple):
     sine: float
     cosine: float
     active: float
-    """Number of a hunter's active target; meaningless for prey."""
+    """Number of a hunter's active target, 0 for none; unused for prey."""
     score: float
-    """Catches of a hunter; meaningless for prey."""
+    """Catches of a hunter; unused for prey."""
 
 
 @rule

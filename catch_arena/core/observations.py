@@ -414,7 +414,7 @@ def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, s
 
 @phase
 def observe(block: Block, s: Settings, width: Width, first_arena: int, stop_arena: int, sections: Sections) -> None:
-    """R7.1, R7.2: rank what each hunter sees, and then write the observations and masks of a block, for the arenas from
+    """R7.1, R7.2: rank each hunter's view, and then write the observations and masks of a block, for the arenas from
     `first_arena` up to, but not including, `stop_arena`.
 
     The order of the targets stays in the arena: the next step's choices are ranks in it.

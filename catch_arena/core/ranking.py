@@ -200,8 +200,8 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
 
 @rule
 def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -> bool:
-    """R7.1, A.7: return whether one of two rivals who look alike comes first: a team-mate, then the lower seat. The
-    seat shows if the view has noise.
+    """R7.1, A.7: return whether one of two rivals who look alike comes first: a team-mate, then the lower seat. If
+    the view has noise, the order by seat is visible.
 
     Args:
         one: the seat of one rival.

@@ -70,7 +70,7 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
 def renew_progress_reference(
     block: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
 ) -> None:
-    """Note the nearest target again in one lane where targets have just left, among those alive after the commit.
+    """Note the nearest target again in one lane that targets have just left, among those alive after the commit.
 
     Args:
         reference: the result, three rows: see `memory.Sections`.
@@ -124,10 +124,10 @@ def share_rewards(
     team_rows: Block,
     rewards: Rewards,
 ) -> None:
-    """R11.2: replace what each seat has earned by its share of its team's earnings.
+    """R11.2: replace each seat's own earnings by a mix of them and the mean of its team.
 
     Args:
-        team_rows: see `memory.Sections`; each seat's earnings are read there, and its share is written over them.
+        team_rows: see `memory.Sections`; each seat's own earnings are read there, and its reward is written over them.
         rewards: the result.
     """
     earned = team_rows[s.hunters * LANES :]

@@ -3,9 +3,9 @@
 A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and a copy of
 that column saves it. A row is one number of each arena, and the constants below are offsets: r * LANES.
 
-The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for each slot, then the targets in the
-order in which each seat sees them, and then PREY_ROWS for each prey. Integers are exact in float64; a seed needs two
-of them. Alive targets fill the slots from 0 in spawning order (R8.2); all other slots are zero.
+The rows of a block: the arena's own, HUNTER_ROWS for each seat, a few for each slot, each seat's order of the targets,
+and PREY_ROWS for each prey. Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from
+0 in spawning order (R8.2); all other slots are zero.
 """
 
 from typing import ClassVar, Final, NamedTuple

@@ -111,7 +111,7 @@ def run(
     Args:
         width: number of lanes that play together.
         view_width: number of lanes that observe together.
-        options: what is compiled: see `state.Options`.
+        options: options of the compiled code: see `state.Options`.
         memory: the memory of all arenas: see `memory.Sections`.
         thread: the thread whose scratch sections are used, from 0 up.
         first_block: the first block that is played and observed.

@@ -40,9 +40,9 @@ class BodyTile(NamedTuple):
     cosine: float
     speed: float
     score: float
-    """Catches of a hunter."""
+    """Catches of a hunter; unused for prey."""
     team: float
-    """Seat that stands for a hunter's team."""
+    """Seat that stands for a hunter's team; unused for prey."""
 
 
 class TargetTile(NamedTuple):

@@ -114,7 +114,7 @@ def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
 
 
 def _exchanged(builder: Any, rows: list[Any], sides: tuple[int, ...]) -> list[Any]:
-    """Exchange the upper right and the lower left quarter of all squares of rows of eight lanes, once for each of
+    """Exchange the upper right and the lower left quarter of all squares of rows of eight lanes. Do so once for each of
     `sides`, half the side of the squares. With 1, 2 and 4, columns become rows and rows become columns.
     """
     for side in sides:

@@ -31,8 +31,9 @@ class SavedTurn:
 
 
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
-    """PettingZoo AEC environment, agent by agent; it has `world`, `digest`, `withdraw`, `record`, `replay` of the
-    parallel.
+    """PettingZoo AEC environment of the arena, in which agents act one after the other and move together.
+
+    `world`, `digest`, `withdraw`, `record` and `replay` are methods of the parallel environment.
     """
 
     _has_reset: bool
@@ -134,7 +135,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
 
 
 class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
-    """PettingZoo's wrapper with an early check: it keeps actions until the last turn, and would blame another agent."""
+    """PettingZoo's wrapper with a check in each turn: alone it would raise in the last turn, for another agent."""
 
     env: CatchArenaEnv
 

@@ -227,8 +227,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Begin an episode and return its first observations and infos.
 
         Args:
-            seed: a whole number in [0, 2^64). Without a seed, the operating system gives the first episode's, and each
-                further one follows from the one before it (A.5), so that the first seed repeats a whole run.
+            seed: a whole number in [0, 2^64). Without a seed, the operating system gives the first one, and each later
+                one follows from the one before it (A.5). The first seed then repeats a whole run.
             options: a dict or None; not used.
 
         Returns:

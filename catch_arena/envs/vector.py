@@ -48,7 +48,7 @@ class VectorArena:
 
     Values that an agent's control does not read must be legal too, and are ignored.
 
-    Observations are (B, N, D) float32. If hunters and prey differ in size, zeros fill the shorter observations
+    Observations are (B, N, D) float32. If those of hunters and prey differ in size, zeros fill the shorter ones
     (`observation_space(agent)` has an agent's own size). Rewards are (B, N) float32. Prey that is out keeps its row.
 
     An arena whose episode ends begins the next one immediately (Gymnasium's SAME_STEP autoreset): the observations are
@@ -61,13 +61,14 @@ class VectorArena:
     - `active`, if hunters drop out or there is prey: (B, N) bool, False for hunters that dropped out (R1.7) and for
       prey that is out (R12.3); their rows stay, as under `dropouts="fixed"`;
     - `team_score`, if there are teams: (B, teams) float64, the sums of their hunters' scores (R11.1);
-    - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step. These arenas have
-      `final_obs` (B, N, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (if there are
-      masks), and `episode`, a dict. It has `length` [steps], `return` (rewards summed) and `rank` (1 is best, counted
-      separately for hunters and prey; equal agents and team-mates share it), all (B, N). For hunters it has `score`,
-      `team_score` (without teams the same), `contests_won` and `contests_lost`, all (B, H), and `verdicts`, (B, H, 11),
-      the number of times that each verdict was given, in the order of `Verdict`. For prey it has `times_caught`, (B,
-      P). Rows of other arenas keep the values of their last episode. All but `_final_obs` and `final_mask` are float32.
+    - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step. For these, `final_obs` has
+      the last observations, (B, N, D) float32, and `final_mask` their masks, (B, H, K + 1) int8 (if there are masks).
+      `episode` is a dict of their records. All agents have `length` [steps], `return` (rewards summed) and `rank` (1 is
+      best, counted separately for hunters and prey; equal agents and team-mates share it), each (B, N). Hunters have
+      `score`, `team_score` (without teams the same), `contests_won` and `contests_lost`, each (B, H). They also have
+      `verdicts`, (B, H, 11), the number of times that each verdict was given, in the order of `Verdict`. Prey has
+      `times_caught`, (B, P). Rows of other arenas keep the values of their last episode. All but `_final_obs` and
+      `final_mask` are float32.
 
     All returned arrays lie in buffers that the next call overwrites; `copy=True` returns separate arrays. A step
     allocates no memory, unless actions have other types than int64 and float32.
