@@ -1,8 +1,8 @@
-"""Arrays by their addresses: what compiled code has in the place of Numba's own.
+"""Arrays by their addresses, which compiled code uses in place of Numba's own arrays.
 
-Of an array Numba hands over seven numbers or more, and asks at each index whether it is negative. An `ArrayAt` is where
-the numbers of a C-contiguous array begin, and its shape; indices and slices count from the front alone. With these
-LLVM gets half as much code. For Python both are NumPy's, and rules and phases take both.
+Numba passes an array as seven numbers or more, and tests each index for a negative value. An `ArrayAt` is the address
+of a C-contiguous array's numbers, and its shape; indices and slices only count from the front. With these, LLVM gets
+half as much code. In Python both are NumPy's arrays, and rules and phases accept both.
 """
 
 import operator
@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 
 from catch_arena.core.extending import compiled_as, fields_as, packed, unpacked, whole_number
 
-types: Any = numba.core.types  # Numba has annotations for a part of it only, and not for what is used here
+types: Any = numba.core.types  # Numba annotates only a part of it, without the names used here
 
 # ---- for Python ----
 
 
 def by_address(array: NDArray[Any]) -> NDArray[Any]:
-    """The same array, which must be C-contiguous: what an entry is given becomes what phases hand on."""
+    """Return the array of an entry, which must be C-contiguous, as the `ArrayAt` that phases take."""
     return array
 
 
 def flat(array: NDArray[Any]) -> NDArray[Any]:
-    """All numbers of an array of more dimensions in one."""
+    """Return all numbers of an array in one dimension."""
     return array.reshape(-1)
 
 
@@ -34,7 +34,7 @@ def flat(array: NDArray[Any]) -> NDArray[Any]:
 
 
 class ArrayAt(types.Type):  # type: ignore[misc]
-    """`ndim` dimensions of numbers of one type."""
+    """Compiler type of an array of numbers of one type, with `ndim` dimensions."""
 
     def __init__(self, dtype: Any, ndim: int) -> None:
         self.dtype, self.ndim = dtype, ndim
@@ -42,7 +42,7 @@ class ArrayAt(types.Type):  # type: ignore[misc]
 
     @property
     def row(self) -> "ArrayAt":
-        """What one index of several gives."""
+        """Type of an array's item at one index, if it has several dimensions."""
         return ArrayAt(self.dtype, self.ndim - 1)
 
 
@@ -54,7 +54,7 @@ class _ArrayAtModel(models.StructModel):
 
 
 def product(builder: Any, numbers: list[Any]) -> Any:
-    """The product of one or more numbers."""
+    """Return the product of one or more numbers."""
     result, *others = numbers
     for number in others:
         result = builder.mul(result, number)
@@ -66,7 +66,7 @@ def _least(builder: Any, a: Any, b: Any) -> Any:
 
 
 def _find(context: Any, builder: Any, array: Any, indices: list[Any]) -> Any:
-    """Where the numbers at these indices begin; there may be fewer than dimensions."""
+    """Return the pointer to the numbers at these indices; there may be fewer indices than dimensions."""
     first, *shape = unpacked(builder, array)
     offset = indices[0].type(0)
     for axis, extent in enumerate(shape):
@@ -87,7 +87,7 @@ def _indices(context: Any, builder: Any, index: Any, of: Any) -> list[Any]:
 
 
 def _indexes(index: Any) -> int:
-    """How many dimensions an index is of; 0 for what is none."""
+    """Return the number of dimensions of an index; 0 for anything that is not an index."""
     each = list(index) if isinstance(index, types.BaseTuple) else [index]
     return len(each) if all(isinstance(one, types.Integer) for one in each) else 0
 
@@ -118,9 +118,9 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     (array, bounds), of = arguments, signature.return_type
     begin, end, _ = unpacked(builder, bounds)
     first, extent, *inner = unpacked(builder, array)
-    end = _least(builder, end, extent)  # where nothing is said, it is the largest number
+    end = _least(builder, end, extent)  # an omitted bound is the largest number
     begin = _least(builder, begin, end)
-    if context.enable_boundscheck:  # counted from the back it would be before the front
+    if context.enable_boundscheck:  # a bound counted from the back would lie before the front
         cgutils.do_boundscheck(context, builder, begin, builder.add(extent, extent.type(1)), 0)
     first = builder.gep(first, [product(builder, [begin, *inner])])
     return packed(context, builder, of, [first, builder.sub(end, begin), *inner])

@@ -1,9 +1,9 @@
-"""Rulebook chapter 5: who caught what.
+"""Rulebook chapter 5: decisions on catch requests.
 
 The arbiter judges a *request table*: one row for each request of one step in one arena, in the columns below. It reads
 distances and eligibility from there alone, so nothing that it grants can change another request (R5.1). The engine
-and `catch_arena.arbitrate` fill the table; both are judged by the same code. It says nothing of teams: team-mates
-contest a target like anybody (R11.3).
+and `catch_arena.arbitrate` fill the table; the same code judges both. It ignores teams: team-mates contest a target
+like all other hunters (R11.3).
 """
 
 from typing import Final
@@ -19,15 +19,15 @@ from catch_arena.core.vectors import floor, select, sqrt
 from catch_arena.verdicts import Verdict
 
 RequestTable = NDArray[np.int64]
-"""(requests, REQUEST_COLUMNS)."""
+"""Table of requests, (requests, REQUEST_COLUMNS)."""
 
 REQUEST_SEAT: Final = 0
-REQUEST_TARGET: Final = 1  # which target is asked for: any number that tells targets apart, or a code of core/state.py
-REQUEST_NUMBER: Final = 2  # its spawn number, for the lot
-REQUEST_DISTANCE: Final = 3  # [micrometres]; `judge` writes -1 where reach was not tested
+REQUEST_TARGET: Final = 1  # requested target: any number that differs by target, or a code of core/state.py
+REQUEST_NUMBER: Final = 2  # the target's spawn number, for the lot
+REQUEST_DISTANCE: Final = 3  # [micrometres]; `judge` writes -1 if reach was not tested
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
-REQUEST_REACH: Final = 6  # [micrometres]: of the hunter that asks
+REQUEST_REACH: Final = 6  # [micrometres]: reach of the hunter
 REQUEST_VERDICT: Final = 7  # output
 REQUEST_WINNER: Final = 8  # output: seat, -1 for none
 REQUEST_COLUMNS: Final = 9
@@ -38,7 +38,7 @@ CAPSTONE: Final = 2
 POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAPSTONE}
 
 ELIGIBLE: Final = -1
-"""In place of a verdict: no test of R5.2 fails. NO_REQUEST is 0."""
+"""Value in place of a verdict: no test of R5.2 fails. NO_REQUEST is 0."""
 _MATCH_OVER: Final = int(Verdict.MATCH_OVER)
 _MALFORMED: Final = int(Verdict.MALFORMED)
 _HUNTER_INACTIVE: Final = int(Verdict.HUNTER_INACTIVE)
@@ -54,19 +54,19 @@ _GRANTED: Final = int(Verdict.GRANTED)
 
 @rule
 def to_micrometres(metres: float) -> float:
-    """R5.3: in whole micrometres."""
+    """R5.3: return a length in whole micrometres."""
     return floor(1000000.0 * metres + 0.5)
 
 
 @rule
 def measure_um(dx: float, dy: float) -> float:
-    """R5.3: the distance between two centres in whole micrometres."""
+    """R5.3: return the distance between two centres in whole micrometres."""
     return to_micrometres(sqrt(dx * dx + dy * dy))
 
 
 @rule
 def within_reach(distance_um: float, reach_um: float) -> bool:
-    """R5.3: strictly less than reach."""
+    """R5.3: return whether a distance is strictly less than reach."""
     return distance_um < reach_um
 
 
@@ -74,16 +74,16 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 def first_failed_test(
     target: int, distance_um: float, reach_um: float, inactive: bool, duplicate: bool, over: bool, service_up: bool
 ) -> int:
-    """R5.2: the first test that a request fails by itself, or ELIGIBLE if only other requests can stand in its way.
+    """R5.2: return the first test that a request fails regardless of other requests, or ELIGIBLE if it fails none.
 
     `controllers.look_up_choices` finds ranks without a target; `judge` finds duplicates.
 
     Args:
-        target: the slot or number asked for, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
-        distance_um: [micrometres].
-        reach_um: [micrometres].
+        target: the requested slot or number, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
+        distance_um: distance to the target [micrometres].
+        reach_um: reach of the hunter [micrometres].
         inactive: whether the hunter is withdrawn.
-        duplicate: whether it has asked before in this step.
+        duplicate: whether the hunter has an earlier request in this step.
         over: whether the episode has ended.
         service_up: whether the kill service answers.
     """
@@ -100,7 +100,7 @@ def first_failed_test(
 
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
-    """R9.1: the original's service says yes to everybody whom it can answer at all."""
+    """R9.1: return the verdict of the original's service, which grants every request that it can answer at all."""
     verdict = select(service_up, _GRANTED, _SERVICE_DOWN)  # from the last test to the first, as in first_failed_test
     verdict = select(inactive, _HUNTER_INACTIVE, verdict)
     verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
@@ -118,17 +118,17 @@ def is_preferred(
     rival_seat: int,
     rival_distance_um: int,
 ) -> bool:
-    """R5.4, R5.5, R5.9: whether a seat is preferred to a rival for the target that both may catch.
+    """R5.4, R5.5, R5.9: return whether a seat is preferred to a rival for the target that both may catch.
 
     Args:
         policy: NEAREST or FIRST_COME.
-        seed: the arena's.
-        step: how many steps were played before.
+        seed: the arena's seed.
+        step: number of steps played before this one.
         number: the target's spawn number, for the lot.
-        seat: who may be preferred.
-        distance_um: its distance [micrometres].
-        rival_seat: the other.
-        rival_distance_um: its distance [micrometres].
+        seat: the seat that may be preferred.
+        distance_um: distance of that seat [micrometres].
+        rival_seat: the rival's seat.
+        rival_distance_um: distance of the rival [micrometres].
     """
     if policy == FIRST_COME:
         mine = service_lot(seed, step, seat)
@@ -138,23 +138,23 @@ def is_preferred(
             return distance_um < rival_distance_um
         mine = tie_lot(seed, step, number, seat)
         other = tie_lot(seed, step, number, rival_seat)
-    return bool(mine < other)  # those of two seats are never equal: A.5's mix is a permutation
+    return bool(mine < other)  # lots of two seats are never equal: A.5's mix is a permutation
 
 
 @phase
 def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
-    """R5.1 to R5.7: write the verdict and the winner of every request of one step: first the tests of R5.2 by which a
-    request fails alone, then the contests among those that are left.
+    """R5.1 to R5.7: write the verdict and the winner of every request of one step. First come R5.2's tests, which a
+    request fails alone, and then the contests among the other requests.
 
-    In a match most requests that fail alone have been answered by `catching.refuse_requests`, by the same tests, and
-    do not come here; under `capstone` all come.
+    In a match `catching.refuse_requests` has already answered most requests that fail alone, by the same tests; they
+    are not in the table. Under `capstone` the table has all requests.
 
     Args:
         requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes -1
-            where reach was not tested.
+            if reach was not tested.
         policy: NEAREST, FIRST_COME or CAPSTONE (R5.9, R9.1).
-        seed: the arena's, from which lots are drawn (A.5).
-        step: how many steps were played before this one.
+        seed: the arena's seed, from which lots are drawn (A.5).
+        step: number of steps played before this one.
         over: whether the episode has ended (R1.5).
         service_up: whether the kill service answers in this step (R8.3).
     """
@@ -186,14 +186,14 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
 
 @outlined
 def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint64, step: int) -> None:
-    """R5.4 to R5.7: the verdicts of all requests that may catch the same target as one of them.
+    """R5.4 to R5.7: write the verdicts of all requests in one contest, those that may catch the same target.
 
     Args:
-        requests: the request table; those that may catch a target have the verdict ELIGIBLE so far.
+        requests: the request table; requests that may catch a target have the verdict ELIGIBLE so far.
         one: the row of a request of this contest, the first in the table.
         policy: NEAREST or FIRST_COME (R5.9).
-        seed: the arena's, from which lots are drawn (A.5).
-        step: how many steps were played before this one.
+        seed: the arena's seed, from which lots are drawn (A.5).
+        step: number of steps played before this one.
     """
     target = requests[one, REQUEST_TARGET]
     best = one
@@ -224,5 +224,5 @@ def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint6
 
 @entry
 def judge_alone(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
-    """`judge`, for who has no arena."""
+    """Judge a request table without an arena: see `judge`."""
     judge(by_address(requests), policy, seed, step, over, service_up)

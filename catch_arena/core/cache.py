@@ -32,7 +32,7 @@ _MOST_KEPT: Final = 16
 def _cache_directory() -> Path | None:
     """Return the folder for this state of the sources; None if none can be written."""
     digest = _sources_digest()
-    kind = f"{'-checked' if CHECKED else ''}{'' if USABLE else '-numba'}"  # other code of the same sources
+    kind = f"{'-checked' if CHECKED else ''}{'' if USABLE else '-numba'}"  # other code from the same sources
     for parent in _cache_parents():
         folder = parent / f"core-{digest}{kind}"
         with contextlib.suppress(OSError):
@@ -55,8 +55,8 @@ def _sources_digest() -> str:
 
 
 def _cache_parents() -> Iterator[Path]:
-    """Yield the folders that may hold the cache, the best first: NUMBA_CACHE_DIR alone if it is set. No other user can
-    write the one among temporary files, since code that is read from it runs.
+    """Yield the folders that may hold the cache, the best first; only NUMBA_CACHE_DIR if it is set. No other user can
+    write the folder among temporary files, since code that is read from it runs.
     """
     if chosen := os.environ.get("NUMBA_CACHE_DIR"):
         yield Path(chosen)
@@ -80,11 +80,11 @@ def _drop_old_folders(current: Path) -> None:
 
 
 CACHE_DIRECTORY: Final = None if INTERPRETED else _cache_directory()
-"""The folder for these sources; None if nothing is kept."""
+"""Folder for these sources; None if no code is kept."""
 
 
 on_miss: Final[list[Callable[[], None]]] = []
-"""Functions that are called when the cache lacks code, which is then compiled."""
+"""Functions to call when the cache lacks code, which is then compiled."""
 
 
 class _CheckedForm(caching.CompileResultCacheImpl):  # type: ignore[misc]
@@ -114,10 +114,10 @@ class _Cache(caching.FunctionCache):  # type: ignore[misc]
             found = (self._load_overload if USABLE else super().load_overload)(types, context)
             if found is not None and found.signature.args != tuple(types):  # two processes saved at the same time
                 raise ValueError("for other types")
-        except Exception:  # noqa: BLE001 - a damaged file makes pickle raise whatever it likes
+        except Exception:  # noqa: BLE001 - pickle may raise any exception for a damaged file
             found = None
-            with contextlib.suppress(OSError):  # `save_overload` says that nothing can be written
-                self.flush()  # the index may be what is damaged, and it is read again before anything is saved
+            with contextlib.suppress(OSError):  # `save_overload` reports if the cache cannot be written
+                self.flush()  # the index may be damaged, and it is read again before anything is saved
         for tell in () if found else on_miss:
             tell()
         return found
@@ -142,7 +142,7 @@ def kept(compiled: Any) -> Any:
 
 @cache
 def _tell_not_kept(reason: str) -> None:
-    """Say once for each reason that the cache cannot be written."""
+    """Print once for each reason that the cache cannot be written."""
     sys.stderr.write(
         f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them anew, "
         "unless NUMBA_CACHE_DIR names a folder with room\n"

@@ -1,4 +1,4 @@
-"""Rulebook R1.4's phases 3 and 4: the requests of a step are judged (core/arbiter.py), and what was granted is done."""
+"""Rulebook R1.4's phases 3 and 4: judge the requests of a step (core/arbiter.py), and carry out the grants."""
 
 from typing import Final
 
@@ -61,10 +61,10 @@ from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
-"""Above every seat."""
+"""Value in place of a seat, above every seat: the target is not caught."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 _UNANSWERED: Final = float(NO_REQUEST)
-"""In the place of a verdict: the hunter asks for nothing, or has no answer yet."""
+"""Value in place of a verdict: the hunter has no request, or no answer yet."""
 
 
 @phase
@@ -102,9 +102,9 @@ def refuse_requests(
     sections: Sections,
     service_up: Block,
 ) -> None:
-    """R5.2: answer the requests that fail a test whatever others ask for, several lanes at the same time.
+    """R5.2: answer the requests that fail a test regardless of other requests, several lanes at the same time.
 
-    This is for speed alone, since under full control most requests fail so: `judge` gives the same verdicts without it.
+    This only saves time, since under full control most requests fail so: `judge` gives the same verdicts without it.
 
     Args:
         block: the block without verdicts; verdicts, evidence and tallies of these requests are written.
@@ -134,7 +134,7 @@ def refuse_requests(
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
                 me[WINNER + lane] = select(refused, -1.0, me[WINNER + lane])
-                for verdict in range(1, OUT_OF_REACH + 1):  # those of first_failed_test
+                for verdict in range(1, OUT_OF_REACH + 1):  # verdicts of first_failed_test
                     happened = refused & (failed == float(verdict))
                     if any_of(happened):
                         tally = TALLIES + verdict * LANES + lane
@@ -143,7 +143,7 @@ def refuse_requests(
 
 @rule
 def is_open(me: Block, requested: Block, lane: int) -> bool:
-    """Return whether a hunter asks for something and has no answer yet."""
+    """Return whether a hunter has a request without an answer."""
     asks: bool = (requested[lane] != float(NO_TARGET)) & (me[VERDICT + lane] == _UNANSWERED)
     return asks
 
@@ -184,7 +184,7 @@ def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -
 def fill_requests(
     block: Block, s: Settings, lane: int, targets: Block, limits: NDArray[np.float64], requests: RequestTable
 ) -> None:
-    """Write what the arbiter has to know of each request, as it is in S_t.
+    """Write the arbiter's facts about each request, as they are in S_t.
 
     Args:
         requests: the request table of the lane with its seats and slots, or codes in the place of slots; the columns
@@ -231,7 +231,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     judge(requests, s.policy, seed, int(block[STEP + lane]), block[ENDED + lane] != RUNNING, service_up)
     contested = has_verdict(requests, _LOST_CONTEST)
-    for i in range(len(requests) - 1, -1, -1):  # backwards: the first of a hunter's is written last
+    for i in range(len(requests) - 1, -1, -1):  # backwards: a hunter's first request is written last
         me = seat_of(block, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
@@ -273,7 +273,7 @@ def commit(
             1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
         )
     removed = 0
-    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
+    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         catcher = _NO_CATCHER
         for i in range(len(requests)):
             granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
@@ -301,11 +301,11 @@ def resolve_requests(
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
-    """R1.4's phases 3 and 4: refuse what fails by itself, several lanes at once, and judge the rest lane by lane.
+    """R1.4's phases 3 and 4: refuse requests that fail alone, several lanes together, and judge the rest lane by lane.
 
     Args:
-        given_requests: requests that are judged instead of what the hunters ask for, in a block of one arena: their
-            seats and slots, or the codes instead of a slot; or none.
+        given_requests: requests that replace those of the hunters, in a block of one arena: their seats and slots, or
+            the codes in place of slots; or empty.
     """
     service_up, counts = sections.scratch_rows[:LANES], sections.scratch_rows[LANES : 2 * LANES]
     clear_verdicts(block, s, width)

@@ -1,12 +1,12 @@
-"""Numba compiles the core as one piece.
+"""Compilation of the core as one piece, with Numba.
 
 Numba optimises each function and makes machine code of it, then links it into its callers and does so again there.
-Here the parts are only translated; the whole is linked, optimised and emitted once; branches that are never taken,
-since a setting is 0, are left out; and what Numba says of arrays in much code is said in little (`addresses`). What is
-calculated reaches LLVM as it is in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
+Here the parts are only translated, and the whole is linked, optimised and emitted once. Branches that are never taken,
+since a setting is 0, are left out. Arrays take less code than Numba's own (`addresses`). The calculations reach
+LLVM as they do in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
 
-What is not public in Numba, and may change, stands in this file and in `cache`. `USABLE` is false if this Numba lacks
-what is needed here, and then all is compiled in Numba's own way.
+Everything that is not public in Numba, and may change, is in this file and in `cache`. `USABLE` is false if this Numba
+lacks something needed here; then everything is compiled in Numba's own way.
 """
 
 import os
@@ -30,7 +30,7 @@ import numba.core.types
 import numba.core.typing.templates
 import numba.core.untyped_passes
 
-# typed here and there, and not where it matters
+# typed in a few places, but not in those used here
 _dynfunc: Any = numba._dynfunc  # noqa: SLF001
 codegen: Any = numba.core.codegen
 compiler: Any = numba.core.compiler
@@ -64,23 +64,24 @@ _NEEDED: Final[dict[Any, str]] = {
 USABLE: Final = os.environ.get("CATCH_ARENA_COMPILER") != "numba" and all(
     hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split()
 )
-"""False if this Numba lacks what is needed here, or CATCH_ARENA_COMPILER=numba: then all is compiled in its own way."""
+"""True if this Numba has all that is needed here, unless CATCH_ARENA_COMPILER=numba; False selects Numba's own way."""
 numba_settings: Any = numba.core.config
-"""Numba's settings; the module fills itself, so that type checkers see none of them."""
+"""Numba's settings; the module fills itself at run time, so that type checkers see none of them."""
 INTERPRETED: Final = bool(numba_settings.DISABLE_JIT)
-"""NUMBA_DISABLE_JIT=1: the core runs as plain Python, for debuggers, coverage and doubters."""
+"""True with NUMBA_DISABLE_JIT=1: the core runs as plain Python, for debuggers, coverage and comparisons."""
 CHECKED: Final = bool(numba_settings.BOUNDSCHECK)
-"""NUMBA_BOUNDSCHECK=1: compiled code tests each index."""
+"""True with NUMBA_BOUNDSCHECK=1: compiled code tests each index."""
 
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Signals that end a program are handled behind this block. LLVM calls back into Python as soon as it has made the
-    machine code; what is raised there is lost, and so is the code. Until then no signal would be handled anyway.
+    """Hold back the signals that end a program, and handle them after this block. LLVM calls Python when it has made
+    the machine code; an exception there would be lost, and so would the code. No signal would be handled earlier
+    anyway.
     """
     heard: list[tuple[Any, tuple[Any, ...]]] = []
     held = []
-    if threading.current_thread() is threading.main_thread():  # no other one handles signals
+    if threading.current_thread() is threading.main_thread():  # only the main thread handles signals
         held = [(number, handler) for number in _ENDING if callable(handler := signal.getsignal(number))]
     try:
         for number, handler in held:
@@ -94,10 +95,10 @@ def interrupts_held() -> Iterator[None]:
 
 
 class _Translated(_Library):  # type: ignore[misc]
-    """Functions as LLVM's code, not optimised one by one."""
+    """Library of functions as LLVM's code, not optimised one by one."""
 
     def add_llvm_module(self, module: Any) -> None:
-        """As it stands."""
+        """Link in a module without optimising it."""
         try:
             self._final_module.link_in(module)
         except BaseException:  # Ctrl-C: LLVM has the module already, and llvmlite would free it once more
@@ -106,16 +107,16 @@ class _Translated(_Library):  # type: ignore[misc]
 
 
 class _Part(_Translated):
-    """A function that only others of ours call: never optimised alone, never emitted."""
+    """Library of a function that only the core's functions call: never optimised alone, never emitted."""
 
     def finalize(self) -> None:
-        """There is nothing to be done: see `Whole.finalize`."""
+        """Mark the part as final; `Whole.finalize` does the work."""
         self._raise_if_finalized()
         self._finalized = True
 
 
 class Whole(_Translated):
-    """What Python calls, and all that it calls."""
+    """Library of a function that Python calls, with all that it calls."""
 
     def finalize(self) -> None:
         """Link all parts, each once; optimise and emit them."""
@@ -133,7 +134,7 @@ class Whole(_Translated):
             self._reload_init.update(library._reload_init)  # noqa: SLF001
             self.add_llvm_module(library._get_module_for_linking().clone())  # noqa: SLF001
         self._final_module.data_layout = self._codegen._data_layout  # noqa: SLF001
-        # once, where Numba does so three times; and without the search for loops that could be vectors
+        # once, although Numba does so three times; and without the search for loops that could be vectors
         manager, builder = self._codegen._module_pass_manager(opt=2, loop_vectorize=False, slp_vectorize=False)  # noqa: SLF001
         manager.run(self._final_module, builder)
         self._final_module.verify()
@@ -143,8 +144,8 @@ class Whole(_Translated):
 
 @_machinery.register_pass(mutates_CFG=False, analysis_only=False)
 class _Substitute(_machinery.FunctionPass):  # type: ignore[misc]
-    """Fields of a parameter that its type has in `zero` become zeros: Numba then leaves out the branches that would be
-    taken if they were not, before it looks at what is called there.
+    """Replace fields of a parameter by zeros if its type has them in `zero`. Numba then leaves out the branches for
+    other values, before it compiles the functions that are called there.
     """
 
     _name = "catch_arena_substitute"
@@ -180,7 +181,7 @@ class _LowerPart(typed_passes.NativeLowering):  # type: ignore[misc]
         super().run_pass(state)
         lowered = state["cr"]
         name, module = lowered.fndesc.qualname, lowered.fndesc.lookup_module()
-        # what Numba finds the function by: an object without an address, as for every function without a wrapper
+        # key by which Numba finds the function: an object without an address, as for every function without a wrapper
         key = _dynfunc.make_function(module, name.rpartition(".")[2], "", 0, lowered.env, (state.library,))
         state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
         state["cr"] = lowered._replace(cfunc=key)
@@ -210,15 +211,15 @@ _SKIPPED: Final = {
     untyped_passes.RewriteDynamicRaises,
     untyped_passes.WithLifting,
 }
-"""The core has no closures, contexts and exceptions, nothing that is inlined before it is translated, no loops over
-literals and no arithmetic with whole arrays; and nothing that is counted and freed, for which Numba notes where each
-variable is used last.
+"""Passes that the core does not need. It has no closures, contexts and exceptions, no inlining before translation, no
+loops over literals and no arithmetic with whole arrays. It has no reference counts either, for which Numba notes the
+last use of each variable.
 """
 
 
 @_machinery.register_pass(mutates_CFG=True, analysis_only=False)
 class _LowerOutlined(_LowerPart):
-    """One copy of the code, made small and not fast."""
+    """Pass that makes one copy of the code, small and not fast."""
 
     _name = "catch_arena_lower_outlined"
 
@@ -232,10 +233,10 @@ class _LowerOutlined(_LowerPart):
 
 class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
     lowering: Any
-    """The last of the passes."""
+    """Pass that takes the place of the last one."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's passes, but for those that the core does not need, with one more, and ours in place of the last."""
+        """Return Numba's passes without those that the core does not need, with `_Substitute` and our last pass."""
         builder = compiler.DefaultPassBuilder
         manager = _machinery.PassManager("catch_arena")
         for part in (
@@ -255,18 +256,18 @@ class _Compiler(compiler.CompilerBase):  # type: ignore[misc]
 
 
 class OutlinedCompiler(_Compiler):
-    """For outlined phases."""
+    """Compiler of outlined phases."""
 
     lowering = _LowerOutlined
 
 
 class PartCompiler(_Compiler):
-    """For rules and phases."""
+    """Compiler of rules and phases."""
 
     lowering = _LowerPart
 
 
 class WholeCompiler(_Compiler):
-    """For what Python calls."""
+    """Compiler of functions that Python calls."""
 
     lowering = _LowerWhole

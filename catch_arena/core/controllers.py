@@ -1,4 +1,4 @@
-"""Rulebook chapter 4: from an action to a velocity command and a catch request. All of it reads S_t only."""
+"""Rulebook chapter 4: velocity commands and catch requests from actions. All functions read S_t only."""
 
 from typing import Final
 
@@ -53,16 +53,16 @@ CONTROLS: Final = {"target": TARGET_CONTROL, "velocity": VELOCITY_CONTROL, "full
 def pi_step(
     error: float, integral: float, kp: float, ki: float, low: float, high: float, dt: float
 ) -> tuple[float, float]:
-    """R4.3: one step of a PI loop: its limited output, and the integral to go on with, which does not grow while the
+    """R4.3: return the limited output of one step of a PI loop, and its new integral, which does not grow while the
     output saturates.
 
     Args:
-        error: [m] or [rad].
-        integral: of the error so far [m s] or [rad s].
+        error: the error [m] or [rad].
+        integral: integral of the error so far [m s] or [rad s].
         kp: the gain of the error [1/s].
         ki: the gain of the integral [1/s^2].
         low: the least output [m/s] or [rad/s].
-        high: the greatest.
+        high: the greatest output [m/s] or [rad/s].
         dt: the control period [s].
     """
     grown = integral + error * dt
@@ -113,7 +113,7 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
     Args:
         me: the rows of the seat; its velocities, integrals and active target are written.
         goals: see `look_up_choices`.
-        requested: what `look_up_choices` has written; NO_TARGET is written where the target is out of reach.
+        requested: the result of `look_up_choices`; NO_TARGET is written if the target is out of reach.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -156,7 +156,7 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
 def request_nearest(
     me: Block, order: Block, targets: Block, lanes: int, s: Settings, limits: SeatLimits, requested: Block
 ) -> None:
-    """R4.4: under velocity control the nearest target is requested whenever it is within reach.
+    """R4.4: request the nearest target whenever it is within reach, under velocity control.
 
     Args:
         requested: the result, one row: see `memory.Sections`.
@@ -175,8 +175,8 @@ def request_nearest(
 def drive_by_command(
     me: Block, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
 ) -> None:
-    """R2.5, R4.4: velocities as fractions of the limits; a request for a rank without a target makes the hunter hold
-    (R5.2).
+    """R2.5, R4.4: set velocities from fractions of the limits; a hunter whose request names a rank without a target
+    holds (R5.2).
 
     Args:
         me: the rows of the seat; its velocities are written.
@@ -225,7 +225,7 @@ def steer_seat(
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
     else:
         look_up_choices(me, order, targets, seat, choices, lanes, s, requested, goals)
-        for first in range(0, span(width), len(width)):  # R4.4: the target requested is the active one, for this step
+        for first in range(0, span(width), len(width)):  # R4.4: the requested target is active in this step
             lane = group(first, width)
             me[ACTIVE + lane] = goals[GOAL_NUMBER + lane]
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
@@ -290,10 +290,10 @@ def apply_actions(
     commands: NDArray[np.float32],
     sections: Sections,
 ) -> None:
-    """R1.4's phases 1 and 2: from actions to velocities and requested slots, on S_t.
+    """R1.4's phases 1 and 2: turn actions into velocities and requested slots, on S_t.
 
     Args:
-        sections: see `memory.Sections`; the requested slots and the progress references are set.
+        sections: see `memory.Sections`; the requested slots and the progress references are written.
     """
     targets, goals = targets_of(block, s), sections.scratch_rows
     for seat in range(s.hunters):

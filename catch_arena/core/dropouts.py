@@ -1,4 +1,4 @@
-"""Rulebook R1.6, R1.7: hunters that are withdrawn, and that drop out by chance."""
+"""Rulebook R1.6, R1.7: withdrawal of hunters, by a call or by chance."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from catch_arena.core.state import (
 
 @outlined
 def withdraw(me: Block, lane: int) -> None:
-    """R1.6: a hunter stands still from now on, and the others do not see it; `me` has the rows of its seat."""
+    """R1.6: withdraw a hunter: it stands still, and the others do not see it; `me` has the rows of its seat."""
     me[WITHDRAWN + lane] = 1.0
     for offset in AT_REST:
         me[offset + lane] = 0.0
@@ -31,7 +31,7 @@ def withdraw(me: Block, lane: int) -> None:
 
 @outlined
 def drop_out(block: Block, s: Settings, lanes: int) -> None:
-    """R1.7: before everything else, whoever drops out in this step is withdrawn."""
+    """R1.7: withdraw the hunters that drop out in this step, before everything else."""
     for lane in range(lanes):
         seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
         for seat in range(s.hunters):
@@ -42,8 +42,8 @@ def drop_out(block: Block, s: Settings, lanes: int) -> None:
 
 @outlined
 def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
-    """R1.6, R1.7, R12.3: 1 for hunters that take part and for prey that is in play; `active`, (lanes, N), is the
-    result.
+    """R1.6, R1.7, R12.3: write 1 for hunters that take part and for prey that is in play, else 0; `active`, (lanes, N),
+    is the result.
     """
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -57,9 +57,9 @@ def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]
 
 @entry
 def withdraw_at(memory: Bytes, arena: int, seat: int) -> None:
-    """R1.6: the hunter in one seat is withdrawn.
+    """R1.6: withdraw the hunter in one seat.
 
     Args:
-        seat: whose.
+        seat: the hunter's seat.
     """
     withdraw(seat_of(sections_of(memory, 0).blocks[arena // LANES], seat), arena % LANES)

@@ -1,4 +1,4 @@
-"""How an episode begins and ends, and what is kept of it."""
+"""Begin, end and records of episodes."""
 
 from typing import Any
 
@@ -48,7 +48,7 @@ from catch_arena.core.vectors import Width, group, select
 
 @outlined
 def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
-    """An episode in figures, as it stands in one lane.
+    """Write the records of one lane's episode as it is now.
 
     Args:
         record: the result, (N, figures); the rows of the hunters are written.
@@ -63,7 +63,7 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
             record[seat, FINAL_TALLIES + verdict] = me[TALLIES + (1 + verdict) * LANES + lane]
     if s.has_teams:
         for seat in range(s.hunters):
-            first = teams[seat]  # of its team, and the lowest: it comes before the others
+            first = teams[seat]  # first of its team, and the lowest: it comes before the others
             record[first, score] = record[seat, FINAL_SCORE] + (record[first, score] if seat != first else 0.0)
         for seat in range(s.hunters):
             record[seat, score] = record[teams[seat], score]
@@ -76,11 +76,11 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
 
 @outlined
 def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
-    """R2.6, R3.1, A.6: one arena at the beginning of an episode.
+    """R2.6, R3.1, A.6: set one arena to the beginning of an episode.
 
     Args:
         start_poses: (H, 3), x, y [m] and heading [rad]; or (0, 3) for the fair circle (R2.6).
-        seed: the episode's.
+        seed: the episode's seed.
     """
     for row in range(len(block) // LANES):
         block[row * LANES + lane] = 0.0
@@ -111,7 +111,7 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
 
 @phase
 def end_test(block: Block, s: Settings, width: Width) -> None:
-    """R1.1, R1.5, R12.6, R1.4's phase 6: the clock goes on in whole milliseconds, and the episode may end."""
+    """R1.1, R1.5, R12.6, R1.4's phase 6: advance the clock by whole milliseconds, and end finished episodes."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         time = block[TIME + lane] + s.period_ms
@@ -123,7 +123,7 @@ def end_test(block: Block, s: Settings, width: Width) -> None:
 
 @phase
 def some_ended(block: Block, lanes: int) -> bool:
-    """Whether an episode is over in some lane."""
+    """Return whether an episode is over in some lane."""
     most = RUNNING
     for lane in range(lanes):
         most = block[ENDED + lane] if block[ENDED + lane] > most else most
@@ -132,7 +132,7 @@ def some_ended(block: Block, lanes: int) -> bool:
 
 @phase
 def write_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
-    """R1.5: for those who look from outside.
+    """R1.5: write the state of each episode for callers outside the core.
 
     Args:
         ends: the result, (lanes,): RUNNING, TERMINATED or TRUNCATED.
@@ -154,13 +154,13 @@ def take_snapshot(block: Block, snapshot: Block) -> None:
 
 @phase
 def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, rewards: Rewards, parts: Parts) -> None:
-    """R1.5: arenas that had ended are played with the others of their block, and then put back as they were kept, but
-    for the answers, which were MATCH_OVER (R5.2): nothing moves after the end.
+    """R1.5: restore the arenas that had ended before this step, since nothing moves after the end. They were played
+    with their block; only their answers stay, which are MATCH_OVER (R5.2).
 
     Args:
-        sections: see `memory.Sections`, for the block before the step.
-        rewards: those of arenas that had ended become 0.
-        parts: the same.
+        sections: see `memory.Sections`; its snapshot is the block before the step.
+        rewards: rewards of arenas that had ended are set to 0.
+        parts: reward parts of arenas that had ended are set to 0.
     """
     for lane in range(lanes):
         if sections.snapshot[ENDED + lane] == RUNNING:
@@ -178,7 +178,7 @@ def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, 
 
 @outlined
 def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
-    """The observations or masks of one arena, (agents, columns), as the last ones.
+    """Copy the observations or masks of one arena to those of its last ended episode.
 
     Args:
         seen: (agents, columns).
@@ -191,7 +191,7 @@ def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
 
 @phase
 def begin_again(block: Block, s: Settings, lanes: int, first_arena: int, sections: Sections) -> None:
-    """A.5: where an episode has just ended, its last observations and figures are kept, and the next one begins."""
+    """A.5: keep the last observations and records of each episode that has just ended, and begin the next one."""
     for lane in range(lanes):
         if block[ENDED + lane] == RUNNING:
             continue

@@ -1,4 +1,4 @@
-"""What the compiler is told of our own functions and types, over Numba's extension interface."""
+"""Registration of our own functions and types with the compiler, over Numba's extension interface."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Final, cast
@@ -17,16 +17,16 @@ INT64: Final = ir.IntType(64)
 
 
 def compiled_as(function: Callable[..., Any], typer: Typer, arity: int, *formal: Any) -> Callable[[Emitter], Emitter]:
-    """What a function is for the compiler: `typer` gives its signature, or None where it is not for these types; what
-    is decorated emits its code.
+    """Return a decorator that registers the code of a function: `typer` gives its signature, or None for types that it
+    does not take; the decorated emitter makes its code.
     """
     type_callable(function)(lambda _context: typer)
     return cast("Callable[[Emitter], Emitter]", lower_builtin(function, *(formal or (types.Any,) * arity)))
 
 
 def fields_as(of: Any, type_of: Typer) -> Callable[[Emitter], Emitter]:
-    """The same of the fields of a type: `type_of` a type and a name gives the field's type, or None where there is no
-    such field; what is decorated emits the code that reads it.
+    """Return a decorator that registers the fields of a type: `type_of` a type and a name gives the field's type, or
+    None if there is no such field; the decorated emitter makes the code that reads it.
     """
 
     class Fields(AttributeTemplate):  # type: ignore[misc]
@@ -40,7 +40,7 @@ def fields_as(of: Any, type_of: Typer) -> Callable[[Emitter], Emitter]:
 
 
 def packed(context: Any, builder: Any, of: Any, members: Sequence[Any]) -> Any:
-    """The members of a type that is made of some."""
+    """Return a value of a compound type, made of its members."""
     whole = ir.Constant(context.get_value_type(of), ir.Undefined)
     for place, member in enumerate(members):
         whole = builder.insert_value(whole, member, place)
@@ -48,17 +48,17 @@ def packed(context: Any, builder: Any, of: Any, members: Sequence[Any]) -> Any:
 
 
 def unpacked(builder: Any, whole: Any) -> list[Any]:
-    """The members of what `packed` has made."""
+    """Return the members of a value that `packed` has made."""
     return [builder.extract_value(whole, place) for place in range(len(whole.type.elements))]
 
 
 def constant_at(builder: Any, pointer: Any) -> Any:
-    """What stands there. Nothing that is compiled together with this writes it, so that LLVM reads it once."""
+    """Return the value at a pointer. No code compiled together with this writes it, so that LLVM reads it once."""
     value = builder.load(pointer)
     value.set_metadata("invariant.load", builder.module.add_metadata([]))
     return value
 
 
 def whole_number(context: Any, builder: Any, value: Any, of: Any) -> Any:
-    """A bound or an index, as an int64."""
+    """Return a bound or an index, as an int64."""
     return context.cast(builder, value, types.unliteral(of), types.int64)

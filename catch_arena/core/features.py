@@ -1,5 +1,5 @@
-"""Rulebook R7.1, R7.4, R12.4: what is seen of one target, rival or other body, in the order of layout.py's table;
-and of the time.
+"""Rulebook R7.1, R7.4, R12.4: features of one target, rival or other body in an observation, in the order of
+layout.py's table, and the time left.
 """
 
 from typing import Any, NamedTuple
@@ -29,21 +29,21 @@ from catch_arena.layout import (
 
 
 class Observer(NamedTuple):
-    """What has to be known of who looks, in one lane; read once for all that it sees."""
+    """Numbers of an observer, in one lane; read once for all bodies that it sees."""
 
     x: float
     y: float
     sine: float
     cosine: float
     active: float
-    """Of a hunter: the number of its active target."""
+    """Number of a hunter's active target, 0 for none; unused for prey."""
     score: float
-    """Of a hunter."""
+    """Catches of a hunter; unused for prey."""
 
 
 @rule
 def observer_of(me: Block, lane: int) -> Observer:
-    """A body as an observer, of its rows up to SCORE."""
+    """Return a body as an observer, from its rows up to SCORE."""
     return Observer(
         x=me[X + lane],
         y=me[Y + lane],
@@ -56,18 +56,18 @@ def observer_of(me: Block, lane: int) -> Observer:
 
 @rule
 def in_frame_of(me: Observer, east: float, north: float) -> tuple[float, float]:
-    """R7.1: of a direction how much of it is ahead of an observer, and how much to its left.
+    """R7.1: return the parts of a direction ahead of an observer, and to its left.
 
     Args:
-        east: from the observer to a place [m], or the cosine of a heading.
-        north: the same, or the sine.
+        east: eastern distance from the observer to a place [m], or the cosine of a heading.
+        north: northern distance from the observer to a place [m], or the sine of a heading.
     """
     return me.cosine * east + me.sine * north, me.cosine * north - me.sine * east
 
 
 @rule
 def body_seen(me: Observer, body: BodyTile) -> BodyFeatures:
-    """R12.4: what one body sees of another."""
+    """R12.4: return the features of a body in another body's view."""
     forward, left = in_frame_of(me, body.x - me.x, body.y - me.y)
     heading_cos, heading_sin = in_frame_of(me, body.cosine, body.sine)
     return BodyFeatures(
@@ -82,7 +82,7 @@ def body_seen(me: Observer, body: BodyTile) -> BodyFeatures:
 
 @rule
 def rival_seen(me: Observer, rival: BodyTile) -> RivalFeatures:
-    """R7.1: what one hunter sees of another."""
+    """R7.1: return the features of a hunter in another hunter's view."""
     body = body_seen(me, rival)
     return RivalFeatures(
         forward=body.forward,
@@ -97,14 +97,14 @@ def rival_seen(me: Observer, rival: BodyTile) -> RivalFeatures:
 
 @rule
 def team_rival_seen(me: Observer, rival: BodyTile, team: float) -> Any:
-    """R7.4: the same where there are teams, a `layout.TeamRivalFeatures`; `team`, the observer's own."""
+    """R7.4: return the features of a rival if there are teams, a `layout.TeamRivalFeatures`; `team`: the observer's."""
     seen, in_teams = rival_seen(me, rival), TeamFeatures(mate=select(rival.team == team, 1.0, 0.0))
     return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
 
 
 @rule
 def target_seen(me: Observer, target: TargetTile) -> TargetFeatures:
-    """R7.1: what a hunter sees of a target."""
+    """R7.1: return the features of a target in a hunter's view."""
     forward, left = in_frame_of(me, target.x - me.x, target.y - me.y)
     return TargetFeatures(
         forward=forward,
@@ -117,7 +117,7 @@ def target_seen(me: Observer, target: TargetTile) -> TargetFeatures:
 
 @rule
 def moving_target_seen(me: Observer, target: TargetTile, motion: MotionTile) -> Any:
-    """R7.4: the same where targets move, a `layout.MovingTargetFeatures`; `motion`, of the target."""
+    """R7.4: return the features of a moving target in a hunter's view, a `layout.MovingTargetFeatures`."""
     heading_cos, heading_sin = in_frame_of(me, motion.cosine, motion.sine)
     moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=motion.speed)
     seen = target_seen(me, target)
@@ -126,7 +126,7 @@ def moving_target_seen(me: Observer, target: TargetTile, motion: MotionTile) -> 
 
 @rule
 def time_left_at(block: Block, s: Settings, lane: int) -> float:
-    """R7.1, R12.4: until the time limit [s].
+    """R7.1, R12.4: return the time left until the time limit [s].
 
     Args:
         block: the block, for its row TIME [ms].

@@ -27,47 +27,47 @@ if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each compil
 F = TypeVar("F", bound=Callable[..., Any])
 
 Block = NDArray[np.float64]
-"""A slice of the arena memory (core/state.py): fields lie LANES apart, one lane is one arena."""
+"""Slice of the arena memory (core/state.py): fields lie LANES apart, and one lane is one arena."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
 _WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": WholeCompiler} if USABLE else _FLAGS
 _ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""What only compiled code calls needs no entry point for Python: that halves the time to compile."""
+"""Flags of functions that only compiled code calls: without an entry point for Python they compile in half the time."""
 _INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": PartCompiler} if USABLE else _ALONE
 _OUTLINED: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": OutlinedCompiler} if USABLE else _ALONE
 
 
 def rule(function: F) -> F:
-    """A rule: a value, or a few, of one lane or a group of lanes, from numbers or from what it reads in arrays; it
-    writes nothing, and is branch-free where it runs in a lane loop. Compiled code has it written out where it is used;
-    Python runs it as it stands, which gives the same bits.
+    """Compile a rule: it computes one or a few values of one lane or a group of lanes, from numbers and arrays. It
+    writes nothing, and is branch-free if it runs in a lane loop. Compiled code has it inline; Python runs it as it is
+    written, which gives the same bits.
     """
     return numba.extending.register_jitable(forceinline=True, **_INNER)(function)
 
 
 def phase(function: F) -> F:
-    """A phase: one block, a loop over its lanes, or one group of them; or phases in their order, or a name for a part
-    of the memory. LLVM decides whether it is written out where it is called.
+    """Compile a phase: one block, a loop over its lanes, or one group of them; or a sequence of phases, or a name for a
+    part of the memory. LLVM decides whether to inline it.
     """
     return cast(F, numba.njit(**_INNER)(function))
 
 
 def outlined(function: F) -> F:
-    """A phase that is compiled once, small, and called: since few steps come to it; or since few scenarios have it, and
-    it goes lane by lane, so that it would take longer to compile and hardly be faster. Not for what all steps do with
-    every lane.
+    """Compile a phase once, as small code, and call it. It suits work that few steps do. It also suits work lane by
+    lane in few scenarios, which would take longer to compile and hardly be faster. Do not use it for work that all
+    steps do with every lane.
     """
     return cast(F, numba.njit(forceinline=False, **_OUTLINED)(function))
 
 
 def unkept_entry(function: F) -> F:
-    """What Python calls, compiled in each process anew: for where nothing can be kept, and for experiments."""
+    """Compile a function that Python calls, in each process again: for experiments, or if no cache can be written."""
     return cast(F, numba.njit(**_WHOLE)(function))
 
 
 def entry(function: F) -> F:
-    """What Python calls: `tick.run`, which plays the blocks of a batch, or something smaller. Only entries are kept in
-    the cache: they contain all that they call.
+    """Compile a function that Python calls: `tick.run`, which plays the blocks of a batch, or a smaller one. The cache
+    only keeps entries: they contain all that they call.
     """
     if INTERPRETED:
         return _with_silent_overflow(function)

@@ -31,14 +31,14 @@ _PI_LOW: Final = 1.2246467991473532e-16
 
 @rule
 def clamp(value: float, low: float, high: float) -> float:
-    """A.1: the nearest number of [low, high]. Not min and max: their choice between 0.0 and -0.0 is not fixed."""
+    """A.1: return the nearest number of [low, high]. Not by min and max, which may return 0.0 or -0.0."""
     value = select(value < low, low, value)
     return select(value > high, high, value)
 
 
 @rule
 def wrap(angle: float) -> float:
-    """A.2: the same direction in [-pi, pi)."""
+    """A.2: return an angle that has the same direction, in [-pi, pi)."""
     turned = angle - TAU * floor((angle + PI) / TAU)
     turned = select(turned < -PI, turned + TAU, turned)
     return select(turned >= PI, turned - TAU, turned)
@@ -46,13 +46,13 @@ def wrap(angle: float) -> float:
 
 @rule
 def below_pi(angle: float) -> float:
-    """A.2 for an angle of [-pi, pi]: the same bits, without a division."""
+    """A.2: return an angle of [-pi, pi] in [-pi, pi), with the bits of `wrap`, but without a division."""
     return select(angle >= PI, angle - TAU, angle)
 
 
 @rule
 def sincos(angle: float) -> tuple[float, float]:
-    """A.3: sine and cosine of an angle of at most 2000 rad."""
+    """A.3: return sine and cosine of an angle of at most 2000 rad."""
     turns = floor(angle * _TWO_OVER_PI + 0.5)
     r = (angle - turns * _P1) - turns * _P2
     z = r * r
@@ -71,7 +71,7 @@ def sincos(angle: float) -> tuple[float, float]:
 
 @rule
 def atan2(y: float, x: float) -> float:
-    """A.4: the direction of (x, y) in [-pi, pi]; 0 for the origin."""
+    """A.4: return the direction of (x, y) in [-pi, pi]; 0 for the origin."""
     p = select(x < 0.0, -x, x)
     q = select(y < 0.0, -y, y)
     low = select(q < p, q, p)

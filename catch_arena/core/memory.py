@@ -1,9 +1,9 @@
-"""An engine's memory: one piece of bytes, which compiled code gets by one address. An array for each of its sections
-would cost a microsecond a call to hand over.
+"""Memory of an engine: one array of bytes, which compiled code gets by one address. Passing an array for each of its
+sections would cost a microsecond a call.
 
-It begins with its directory: for each field of `Sections` where the section begins and its shape.
-`Settings` are a section, and have no numbering either: names, order and types stand in these two classes alone.
-Each thread has scratch sections of its own; nothing in them outlives a step.
+It begins with a directory: for each field of `Sections` the offset of the section, and its shape. `Settings` are a
+section, and have no numbering either: only these two classes define names, order and types. Each thread has scratch
+sections of its own, whose content is not kept after a step.
 """
 
 import contextlib
@@ -36,9 +36,9 @@ from catch_arena.core.vectors import WIDE
 Bytes = NDArray[np.uint8]
 
 CACHE_LINE: Final = 64
-"""[bytes] Each section begins where a cache line begins. Else many SIMD accesses would need two lines."""
+"""Alignment of the sections [bytes], a cache line. Without it, many SIMD accesses would need two lines."""
 _HUGE_PAGE: Final = 1 << 21
-"""[bytes]"""
+"""Size of a huge page [bytes]."""
 
 
 class Section(NamedTuple):
@@ -47,10 +47,10 @@ class Section(NamedTuple):
     dtype: type[np.generic]
     ndim: int
     by_thread: bool = False
-    """Whether the first dimension is that of the threads, each of which sees its own part alone."""
+    """True if the first dimension counts threads, each of which uses only its own part."""
 
 
-# What a section holds stands beside its type, since NumPy's own annotations are for type checkers only.
+# `Section` repeats the element type and dimensions for the program: NumPy's annotations serve type checkers only.
 Floats1 = Annotated[NDArray[np.float32], Section(np.float32, 1)]
 Floats2 = Annotated[NDArray[np.float32], Section(np.float32, 2)]
 Floats3 = Annotated[NDArray[np.float32], Section(np.float32, 3)]
@@ -69,90 +69,90 @@ Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
 
 
 class Sections(NamedTuple):
-    """B arenas in blocks; N agents, H hunters and then P prey; K targets seen.
+    """Sections of an engine's memory: B arenas in blocks; N agents, H hunters and then P prey; K targets seen.
 
-    Each field's type names its elements and the number of dimensions. What a scenario or a batch does not need has no
-    numbers. The order matters where a line says so: sections are saved and copied together with their neighbours.
+    Each field's type gives its element type and its number of dimensions. A section that a scenario or a batch does not
+    need is empty. The order matters where a line says so: adjacent sections are saved and copied together.
     """
 
     # ---- tables and scratch: not saved ----
 
     settings: Doubles1
-    """`Settings`, in the order of its fields."""
+    """Values of `Settings`, in the order of its fields."""
     start_poses: Doubles2
-    """(H, 3), or (0, 3) for the fair circle (R2.6)."""
+    """Start poses of the hunters, x, y [m] and heading [rad]: (H, 3), or (0, 3) for the fair circle (R2.6)."""
     controls: Flags2
-    """R4.1, R4.4: control of each hunter, a number of `controllers.CONTROLS`: (B, H). A caller that changes it has to
+    """R4.1, R4.4: control of each hunter, a number of `controllers.CONTROLS`: (B, H). A caller that changes it must
     pass matching `choices` and `commands`.
     """
     limits: Doubles2
-    """(H, 5): `SeatLimits`, in the order of its fields."""
+    """Limits of the hunters, `SeatLimits` in the order of its fields: (H, 5)."""
     teams: Integers1
-    """(H,): the lowest seat of each seat's team, which stands for that (R11.1)."""
+    """R11.1: lowest seat of each seat's team, which stands for the team: (H,)."""
     team_seats: Integers1
-    """(teams,): and those seats, in the order of the teams; none where there are no teams."""
+    """R11.1: lowest seat of each team, in the order of the teams: (teams,); empty without teams."""
     keys: ScratchKeys1
     """Sorting keys, by slot or seat: rows of LANES."""
     positions: ScratchDoubles1
-    """Where the hunters are, in one group of lanes: see `ranking.note_positions`."""
+    """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: ScratchDoubles1
-    """What is known of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
+    """Tiles of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
     body_tiles: ScratchDoubles1
-    """The same of the hunters, or of all prey."""
+    """Tiles of the hunters, or of all prey, in one group of lanes: see `tiles.tile_index`."""
     staging: ScratchFloats1
-    """The observations of one group of lanes, as they lie in memory."""
+    """Observations of one group of lanes, in the order of the memory."""
     requests: ScratchIntegers2
-    """The open requests of one lane: see `arbiter`."""
+    """Open requests of one lane: see `arbiter`."""
     scratch_rows: ScratchDoubles1
-    """A few rows of LANES for whatever a phase counts."""
+    """Rows of LANES, for counts and other temporary numbers of a phase."""
     requested_slots: ScratchDoubles2
-    """(H, LANES): what each seat asks for in this step: a slot, NO_TARGET or MALFORMED_REQUEST."""
+    """Request of each seat in this step: a slot, NO_TARGET or MALFORMED_REQUEST: (H, LANES)."""
     rival_orders: ScratchDoubles2
-    """R7.1, by seat: the rivals, nearest first, as `state.slot_at_rank` reads them."""
+    """R7.1: rivals of each seat, nearest first, packed as for `state.slot_at_rank`."""
     progress_references: ScratchDoubles2
-    """R6.2's progress, by seat, three rows: where the target is that was nearest after the commit, x and y [m], and how
-    far it was [m], -1 for none.
+    """R6.2's progress, by seat, three rows: position x and y [m] of the target that was nearest after the commit, and
+    its distance then [m], -1 for none.
     """
     team_rows: ScratchDoubles1
-    """R11.2, of as many as there are hunters, or none: the catches of each team, by the seat that stands for it; and
-    then what each seat has earned by itself.
+    """R11.2: two groups of rows, one row for each hunter; empty without teams. The first has the catches of each team,
+    under the seat that stands for it; the second has the earnings of each seat before they are shared.
     """
     prey_references: ScratchDoubles2
-    """R12.5's gain, by index, four rows: see `prey.IN_PLAY` and those that follow."""
+    """R12.5's gain, by index, four rows: see `prey.IN_PLAY` and the constants after it."""
     gathered_prey: ScratchDoubles2
-    """R12.4, by index: the body of one prey, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
+    """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
     snapshot: ScratchDoubles1
-    """The block as it was, if some of its arenas have ended."""
+    """Copy of the block before the step, if some of its arenas had ended."""
     # ---- saved, from here to the end; all but the blocks have a row for each arena ----
     blocks: Doubles2
-    """(blocks, rows * LANES): see `state`."""
+    """Arena memory, (blocks, rows * LANES): see `state`."""
     rewards: Doubles2
-    """R6.2, R12.5: (B, N)."""
+    """R6.2, R12.5: rewards of the last step, (B, N)."""
     parts: Doubles3
-    """R6.2: (B, H, parts), in the order of `state.PART_NAMES`; or none."""
+    """R6.2: parts of the hunters' rewards, (B, H, parts), in the order of `state.PART_NAMES`; or empty."""
     prey_parts: Doubles3
-    """R12.5: (B, P, parts), in the order of `state.PREY_PART_NAMES`; or none."""
+    """R12.5: parts of prey's rewards, (B, P, parts), in the order of `state.PREY_PART_NAMES`; or empty."""
     observations: Floats3
-    """R7.1, R12.4: (B, N, columns); those of the side that sees less are followed by zeros."""
+    """R7.1, R12.4: observations, (B, N, columns); zeros fill those of the side that sees less."""
     masks: Flags3
-    """R7.2: (B, H, K + 1)."""
+    """R7.2: masks of ranks, 0 or 1, (B, H, K + 1)."""
     ends: Flags1
-    """R1.5: how the last step ended each episode: RUNNING, TERMINATED or TRUNCATED, (B,)."""
+    """R1.5: state of each episode after the last step: RUNNING, TERMINATED or TRUNCATED, (B,)."""
     active: Flags2
-    """R1.7, R12.3: 1 for hunters that take part and prey that is in play, (B, N); or none where nobody drops out and
-    there is no prey.
+    """R1.7, R12.3: 1 for hunters that take part and prey that is in play, else 0, (B, N); empty if hunters cannot drop
+    out and there is no prey.
     """
     team_scores: Doubles2
-    """R11.1: (B, teams)."""
-    # ---- what only auto_reset keeps: last, since engines without it take a saved state up to here ----
+    """R11.1: scores of the teams, (B, teams)."""
+    # ---- kept by auto_reset only: last, since engines without it take a saved state up to here ----
     final_observations: Floats3
-    """(B, N, columns): of the latest episode that ended; or none, and then arenas that have ended stand still."""
+    """Last observations of each arena's latest ended episode, (B, N, columns); empty without auto_reset."""
     final_masks: Flags3
-    """(B, H, K + 1): the masks that belong to them."""
+    """Masks that belong to `final_observations`, (B, H, K + 1)."""
     lengths: Floats1
-    """(B,): that episode's steps."""
+    """Length of that episode [steps], (B,)."""
     records: Floats3
-    """(B, N, figures): that episode in figures, see FINAL_SCORE and what follows it in state.py."""
+    """Records of that episode, (B, N, figures): see FINAL_SCORE and the constants after it in state.py."""
 
 
 _KINDS_OF_SECTIONS: Final[dict[str, Section]] = {
@@ -161,15 +161,15 @@ _KINDS_OF_SECTIONS: Final[dict[str, Section]] = {
 DTYPES: Final = {name: np.dtype(kind.dtype) for name, kind in _KINDS_OF_SECTIONS.items()}
 NDIMS: Final = tuple(kind.ndim for kind in _KINDS_OF_SECTIONS.values())
 _DIRECTORY: Final = sum(1 + ndim for ndim in NDIMS)
-"""How many numbers of int64: where each section begins, and its shape."""
+"""Length of the directory, in int64: for each section its offset and its shape."""
 
 
 _INDICES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in NDIMS), initial=0), strict=False))
-"""Where in the directory a section has its numbers."""
+"""Index in the directory at which the numbers of a section begin."""
 
 
 _ROWS: Final = 2 + len(PART_NAMES)
-"""Rows that `rewards.reward_hunters` needs, which needs the most."""
+"""Number of rows that `rewards.reward_hunters` needs, the most of all phases."""
 
 
 def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_play: bool) -> dict[str, tuple[int, ...]]:
@@ -182,7 +182,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
         columns: number of columns of an arena's observations, of all agents together.
         team_play: whether there are teams.
     """
-    staging = len(WIDE) * columns + STREAMED  # with room for what is written too much
+    staging = len(WIDE) * columns + STREAMED  # `put_rows` writes numbers after the end
     return {
         "keys": (MOST * LANES,),
         "positions": (MOST * 2 * len(WIDE),),
@@ -202,15 +202,15 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
 
 
 def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
-    """For `lay_out`: a section that takes no memory yet."""
+    """Return a section of zeros for `lay_out`, which takes no memory yet."""
     return np.broadcast_to(np.zeros((), dtype=dtype), shape)
 
 
 def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
-    """The bytes with sections of these shapes and values, and the sections as they lie there.
+    """Return the bytes with sections of these shapes and values, and the sections as views of them.
 
     Raises:
-        TypeError: for a section that is not of its field's type.
+        TypeError: for a section whose type is not that of its field.
     """
     arrays: tuple[NDArray[Any], ...] = wanted
     for (name, dtype), ndim, array in zip(DTYPES.items(), NDIMS, arrays, strict=True):
@@ -226,29 +226,29 @@ def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
     memory = _new_bytes(size)
     memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
     for section, array in zip(_arrays_in(memory), arrays, strict=True):
-        if any(array.strides):  # the others are zeros, as all is
+        if any(array.strides):  # the others are zeros, as new memory is
             section[:] = array
     return memory, sections_of(memory)
 
 
 def offset_of(section: str, memory: Bytes) -> int:
-    """Where in the memory a section begins [bytes]."""
+    """Return the offset of a section in the memory [bytes]."""
     return int(memory[: 8 * _DIRECTORY].view(np.int64)[_INDICES[section]])
 
 
 def copy_of(memory: Bytes) -> Bytes:
-    """A memory of its own that holds the same."""
+    """Return an independent copy of a memory."""
     copied = _new_bytes(len(memory))
     copied[:] = memory
     return copied
 
 
 def _new_bytes(size: int) -> Bytes:
-    """Zeros, from a cache line on. Many have pages of their own, huge ones where the system has them: from NumPy they
-    could be those that the process has used before, and a step in such memory takes a tenth longer.
+    """Return zeros that begin at a cache line. Large sizes get new pages, huge ones if the system has them. NumPy could
+    reuse pages of this process, and a step in such memory takes a tenth longer.
     """
     if size >= _HUGE_PAGE and hasattr(mmap, "MADV_HUGEPAGE"):
-        with contextlib.suppress(OSError, OverflowError):  # there is no room, which NumPy says better
+        with contextlib.suppress(OSError, OverflowError):  # if there is no room, NumPy gives the better error
             pages = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
             pages.madvise(mmap.MADV_HUGEPAGE)
             return np.frombuffer(pages, dtype=np.uint8)
@@ -257,12 +257,12 @@ def _new_bytes(size: int) -> Bytes:
 
 
 def whole_lines(size: int) -> int:
-    """What a section of that size takes [bytes]."""
+    """Return the size of a section, rounded up to whole cache lines [bytes]."""
     return -(-size // CACHE_LINE) * CACHE_LINE
 
 
 def sections_of(memory: Bytes, thread: int = 0) -> Sections:
-    """Return the sections of a memory, those of scratch as one thread sees them."""
+    """Return the sections of a memory, with the scratch sections of one thread."""
     arrays = _arrays_in(memory)
     kinds = _KINDS_OF_SECTIONS.values()
     return Sections(*(array[thread] if kind.by_thread else array for array, kind in zip(arrays, kinds, strict=True)))
@@ -278,30 +278,30 @@ def _arrays_in(memory: Bytes) -> list[NDArray[Any]]:
 
 
 def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
-    """The settings from their section; the options are for the compiler: see `state.Options`."""
+    """Return the settings from their section; the options are for the compiler: see `state.Options`."""
     del options
     kinds = Settings.__annotations__.values()
     return Settings(*(kind(number) for kind, number in zip(kinds, numbers.tolist(), strict=True)))
 
 
-# ---- for the compiler: settings and sections are where their memory is, and each is read where it is asked for ----
+# ---- for the compiler: settings and sections are addresses, and a field is read where code uses it ----
 
 _NUMBERS: Final = ir.DoubleType().as_pointer()
 _DIRECTORY_AT: Final = INT64.as_pointer()
 
 
 class SettingsAt(types.Type):
-    """`Settings`, or `PlainSettings`."""
+    """Compiler type of `Settings` or `PlainSettings`: the address of their numbers."""
 
     def __init__(self, fields: type[Settings]) -> None:
         known = PlainSettings.ZERO if fields is PlainSettings else ()
         self.zero = {name: Settings.__annotations__[name]() for name in known}
-        """What is 0, or 0.0: see `compiler`."""
+        """Fields that are 0 or 0.0, with that value: see `compiler`."""
         super().__init__(fields.__name__)
 
 
 class SectionsAt(types.Type):
-    """`Sections`: the memory, and which thread looks."""
+    """Compiler type of `Sections`: the memory, and the number of the thread."""
 
 
 SECTIONS: Final = SectionsAt("Sections")

@@ -1,4 +1,4 @@
-"""Rulebook chapter 7: what each hunter sees, written in the order of layout.py's table."""
+"""Rulebook chapter 7: observations of hunters, in the order of layout.py's table."""
 
 from typing import Final
 
@@ -83,7 +83,7 @@ from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
 
 Masks = NDArray[np.int8]
-"""(lanes, H, K + 1)."""
+"""R7.2: masks of ranks, (lanes, H, K + 1)."""
 Numbers = NDArray[np.float32]
 
 SELF_WIDTH: Final = len(SelfFeatures._fields)
@@ -93,16 +93,16 @@ RIVAL_WIDTH: Final = len(RivalFeatures._fields)
 TEAM_RIVAL_WIDTH: Final = len(TeamRivalFeatures._fields)
 
 _STREAMED: Final = 1 << 21
-"""From so many numbers on, what a batch sees would push everything else out of the caches."""
+"""Size of a batch's observations from which they go past the caches: they would displace everything else."""
 _CACHED: Final = 1 << 19
-"""So many numbers of state stay in the caches from one step to the next; of more, each block comes from the memory."""
+"""Number of float64 of state that stay in the caches between steps; each block of a larger batch comes from memory."""
 _LARGE: Final = 1 << 14
-"""A block of so many numbers is not asked for early: it would push out of the second cache what is being played."""
+"""Size of a block from which it is not prefetched: it would displace the current block from the second cache."""
 
 
 @phase
 def update_heading(me: Block, width: Width) -> None:
-    """The heading's sine and cosine, which the observation and the next step's controller read.
+    """Write the heading's sine and cosine, which the observation and the next step's controller read.
 
     Args:
         me: the rows of one body; SINE and COSINE are written.
@@ -116,7 +116,7 @@ def update_heading(me: Block, width: Width) -> None:
 
 @phase
 def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block) -> None:
-    """R7.1: until the time limit.
+    """R7.1: compute the time left until the time limit.
 
     Args:
         block: the block, for its row TIME [ms].
@@ -129,10 +129,10 @@ def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block)
 
 @phase
 def write_self(me: Block, time_left: Block, first: int, width: Width, place: Place) -> None:
-    """R7.1: what a hunter knows of itself, in the lanes of one group.
+    """R7.1: write a hunter's view of itself, in the lanes of one group.
 
     Args:
-        time_left: until the time limit [s], one row, (LANES,).
+        time_left: time until the time limit [s], one row, (LANES,).
         place: see `transfers.Place`; the columns of `layout.SelfFeatures` are written.
     """
     lane = group(first, width)
@@ -153,7 +153,7 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, place: Pla
 
 @phase
 def write_targets(block: Block, seat: int, s: Settings, first: int, width: Width, tiles: Block, place: Place) -> None:
-    """R7.1, R7.4: the targets that one seat sees, in the lanes of one group."""
+    """R7.1, R7.4: write the targets that one seat sees, in the lanes of one group."""
     order, lane = target_order_of(block, seat, s), group(first, width)
     me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.targets_seen):
@@ -184,7 +184,7 @@ def write_rivals(
     tiles: Block,
     place: Place,
 ) -> None:
-    """R7.1, R7.4: the rivals that one seat sees, in the lanes of one group.
+    """R7.1, R7.4: write the rivals that one seat sees, in the lanes of one group.
 
     Args:
         order: seats by rank, packed: see `state.slot_at_rank`.
@@ -217,7 +217,7 @@ def blur_seen(
     tiles: Block,
     place: Place,
 ) -> None:
-    """R7.6: what one seat sees is written again, some way from where it is.
+    """R7.6: add the errors to the positions that one seat sees, and write them again.
 
     Args:
         kind: TARGET_KIND or RIVAL_KIND.
@@ -243,20 +243,20 @@ def blur_seen(
 
 @rule
 def target_width(s: Settings) -> int:
-    """R7.4: how many columns there are of each target."""
+    """R7.4: return the number of columns of each target."""
     return MOVING_TARGET_WIDTH if s.targets_move else TARGET_WIDTH
 
 
 @rule
 def rival_width(s: Settings) -> int:
-    """R7.4: how many columns there are of each rival."""
+    """R7.4: return the number of columns of each rival."""
     return TEAM_RIVAL_WIDTH if s.has_teams else RIVAL_WIDTH
 
 
 @phase
 def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
-    """R7.2: hold and the ranks that have a target. They change rarely, and where all see everything for all seats of an
-    arena.
+    """R7.2: update the masks, 1 for hold and for ranks that have a target. They change rarely; with a full view, all
+    seats of an arena change together.
 
     Args:
         masks: the result, (lanes, H, K + 1).
@@ -276,17 +276,17 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
 
 @phase
 def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) -> None:
-    """Observations that were put together apart from where they belong; they go past the caches.
+    """Copy observations from the staging section to their place, past the caches.
 
     Args:
         staging: the observations of a group of lanes.
-        count: how many numbers they are.
+        count: number of numbers to copy.
         out: observations, flat.
-        at: where in `out` they belong.
+        at: offset of the copy in `out`.
     """
     whole = count - count % STREAMED
     offset = 0
-    while offset < whole:  # and not a range: with Numba's a large batch is a quarter slower
+    while offset < whole:  # not a range: with Numba's a large batch is a quarter slower
         stream_eight(out, at + offset, staging, offset)
         offset += STREAMED
     for offset in range(whole, count):
@@ -304,7 +304,7 @@ def write_seat(
     sections: Sections,
     place: Place,
 ) -> None:
-    """R7.1: the observations of one seat, in the lanes of one group.
+    """R7.1: write the observations of one seat, in the lanes of one group.
 
     Args:
         sections: see `memory.Sections`; tiles, the time left (its first row) and the rivals' orders are read.
@@ -318,12 +318,12 @@ def write_seat(
 
 @phase
 def prefetch_part(ahead: Block, part: int, parts: int) -> None:
-    """Ask for one of as many parts of what is played next. All at once would make this block wait too.
+    """Prefetch one of several equal parts of the next block. All parts together would make the current block wait too.
 
     Args:
-        ahead: the next block; or nothing.
-        part: which one, from 0.
-        parts: how many there are.
+        ahead: the next block; or empty.
+        part: number of the part, from 0.
+        parts: number of parts.
     """
     at, end = len(ahead) * part // parts, len(ahead) * (part + 1) // parts
     while at < end:  # see `copy_to_observations`
@@ -344,13 +344,13 @@ def write(
     first_arena: int,
     ahead: Block,
 ) -> None:
-    """R7.1: the observations of a block, one group of lanes after the other.
+    """R7.1: write the observations of a block, one group of lanes after the other.
 
-    They are written at once, unless the group has lanes that are no arenas, or the batch is so large that they
-    had better go past the caches, in the order of the memory.
+    They are written in place, with two exceptions that use the staging section: a group with lanes without an arena,
+    and a batch so large that its observations should go past the caches, in the order of the memory.
 
     Args:
-        slots: how many slots are in use in any lane.
+        slots: number of slots in use in the lane that uses most.
         observations: those of the whole batch, (B, N, columns); the hunters' are written.
         first_arena: the number of the arena in the first lane.
         ahead: see `prefetch_part`.
@@ -376,11 +376,11 @@ def write(
 
 @phase
 def block_after(blocks: NDArray[np.float64], first_arena: int) -> Block:
-    """The block that is played next, if it has to come from the memory and is not large; or nothing.
+    """Return the block that is played next, if it comes from memory and is not large; otherwise an empty one.
 
     Args:
         blocks: see `memory.Sections`.
-        first_arena: the first arena of the block that is played.
+        first_arena: the first arena of the current block.
     """
     size = blocks.shape[1]
     begin = (first_arena // LANES + 1) * size
@@ -389,11 +389,11 @@ def block_after(blocks: NDArray[np.float64], first_arena: int) -> Block:
 
 @phase
 def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections) -> None:
-    """R7.1: who sees whom in which order, in the lanes of one group: what is read of all hunters again and again stays
-    in the first cache.
+    """R7.1: rank the targets and rivals that each hunter sees, in the lanes of one group. One group's numbers, which
+    are read again and again, stay in the first cache.
 
     Args:
-        slots: how many slots are in use in any lane.
+        slots: number of slots in use in the lane that uses most.
         sections: see `memory.Sections`; the rivals' orders are the result, and in the block those of the targets.
     """
     keys, teams, targets = sections.keys, sections.teams, targets_of(block, s)
@@ -406,7 +406,7 @@ def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, s
         pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
         if s.hunters_seen > 0:
             measure_rivals(block, seat, first, width, s, reach_limit_m2, sections.positions, keys)
-            # one rank more than is seen: a tie at the edge of the view has to be noticed
+            # one rank more than is seen, to notice a tie at the edge of the view
             sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
             resolve_ties(block, seat, first, width, lanes, s, teams, keys, sections.scratch_rows[:LANES])
             pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
@@ -414,7 +414,7 @@ def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, s
 
 @phase
 def observe(block: Block, s: Settings, width: Width, first_arena: int, stop_arena: int, sections: Sections) -> None:
-    """R7.1, R7.2: who sees whom in which order, and then the observations and masks of a block: of the arenas from
+    """R7.1, R7.2: rank each hunter's view, and then write the observations and masks of a block, for the arenas from
     `first_arena` up to, but not including, `stop_arena`.
 
     The order of the targets stays in the arena: the next step's choices are ranks in it.

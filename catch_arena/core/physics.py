@@ -1,4 +1,4 @@
-"""Rulebook chapter 2: how turtles move. Blocks of LANES arenas; metres, radians, seconds."""
+"""Rulebook chapter 2: motion of turtles. Blocks of LANES arenas; metres, radians, seconds."""
 
 from typing import Final
 
@@ -24,11 +24,11 @@ from catch_arena.core.state import (
 from catch_arena.core.vectors import Width, any_of, floor, group, select
 
 TICK_MS: Final = 16
-"""R1.2: from one tick to the next."""
+"""R1.2: time from one tick to the next [ms]."""
 DT: Final = TICK_MS / 1000
-"""What one tick integrates [s]."""
+"""Time step of one tick [s]."""
 WATCHDOG_MS: Final = 1000
-"""R2.4: a velocity command older than this is dropped."""
+"""R2.4: age [ms] after which a velocity command is dropped."""
 
 
 @rule
@@ -42,17 +42,17 @@ def next_pose(
     turn_cosine: float,
     side: float,
 ) -> tuple[float, float, float, float, bool]:
-    """R2.2, R2.3: position and heading after one tick, and whether a wall held it; the heading turns first.
+    """R2.2, R2.3: return position and heading after one tick, and whether a wall held it; the heading turns first.
 
     Args:
         x: the position [m].
         y: the position [m].
-        sine: of the heading.
-        cosine: of the heading.
-        stride: what a tick moves [m].
-        turn_sine: of the angle by which a tick turns.
-        turn_cosine: of the same.
-        side: of the arena [m].
+        sine: sine of the heading.
+        cosine: cosine of the heading.
+        stride: distance moved in a tick [m].
+        turn_sine: sine of the angle turned in a tick.
+        turn_cosine: cosine of the angle turned in a tick.
+        side: side of the arena [m].
     """
     next_sine = sine * turn_cosine + cosine * turn_sine
     next_cosine = cosine * turn_cosine - sine * turn_sine
@@ -65,32 +65,32 @@ def next_pose(
 
 @rule
 def turned(theta: float, turn: float, ticks: float) -> float:
-    """R2.2: the heading after so many ticks, each of which turns it by `turn`.
+    """R2.2: return the heading after a number of ticks, each of which turns it by `turn`.
 
     Args:
         theta: the heading [rad].
-        turn: [rad] a tick.
-        ticks: how many.
+        turn: angle turned in a tick [rad].
+        ticks: number of ticks.
     """
     return wrap(theta + turn * ticks)
 
 
 @rule
 def ticks_until(time_ms: float) -> float:
-    """R1.2, R1.3: how many ticks fall in (0, time]."""
+    """R1.2, R1.3: return the number of ticks in (0, time]."""
     return floor(time_ms / TICK_MS)
 
 
 @phase
 def move_body(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
-    """R2.2, R2.3: all ticks of one body in a step.
+    """R2.2, R2.3: move one body by all ticks of a step.
 
     Args:
         me: the rows of the body; its pose and AT_WALL are written.
-        side: of the arena [m].
-        fewest: how many ticks each lane has at least.
-        most: and at most: as many, or one more.
-        ticks: how many each lane has, one row.
+        side: side of the arena [m].
+        fewest: least number of ticks in any lane.
+        most: greatest number of ticks in any lane: `fewest`, or one more.
+        ticks: number of ticks of each lane, one row.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -102,7 +102,7 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
         for _ in range(fewest):
             x, y, sine, cosine, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
             at_wall = at_wall | held
-        if fewest < most:  # steps are of one length, so that no lane has more than one tick more than another
+        if fewest < most:  # steps have one length, so that the numbers of ticks differ by one at most
             moves = ticks[lane] > fewest
             next_x, next_y, _, _, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
             x = select(moves, next_x, x)
@@ -116,10 +116,10 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
 
 @outlined
 def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -> None:
-    """R2.4: what the watchdog leaves, where it fired in this step; it stops whatever moved.
+    """R2.4: stop the hunters whose commands the watchdog dropped in this step.
 
     Args:
-        stale: one row: 1 where the watchdog has fired, else 0.
+        stale: one row: 1 if the watchdog has fired, else 0.
     """
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -131,10 +131,10 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
 
 @phase
 def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
-    """How many ticks there are in the lane that has fewest, and in the lane that has most.
+    """Return the least and the greatest number of ticks of a lane.
 
     Args:
-        ticks: how many each lane has, one row.
+        ticks: number of ticks of each lane, one row.
     """
     fewest, most = 1e18, 0.0
     for lane in range(lanes):
@@ -145,14 +145,14 @@ def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
 
 @phase
 def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, counts: Block) -> None:
-    """R1.3: all ticks in (t, t + period], one after the other.
+    """R1.3: play all ticks in (t, t + period], one after the other.
 
-    R2.4's watchdog stops a hunter at the first tick more than a second after its command: from there on it has no ticks
-    that move it. Targets have no watchdog (R3.8).
+    R2.4's watchdog stops a hunter at the first tick more than a second after its command: later ticks do not move it.
+    Targets have no watchdog (R3.8).
 
     Args:
-        counts: room for three rows: how many ticks each lane has, how many before its commands are stale, and whether
-            they become so in this step.
+        counts: room for three rows: the number of ticks of each lane, the number before its commands are stale, and
+            whether they become stale in this step.
     """
     due, fresh, stale = counts[:LANES], counts[LANES : 2 * LANES], counts[2 * LANES : 3 * LANES]
     any_stale = False

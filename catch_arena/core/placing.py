@@ -1,4 +1,4 @@
-"""Bodies put where somebody wants them, for tests, lessons, and positions to learn from."""
+"""Placement of bodies at given poses, for tests, lessons, and positions to learn from."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ Table = NDArray[np.float64]
 
 @phase
 def put_body(body: Block, lane: int, pose: Table) -> None:
-    """A body is at a pose: x, y [m] and heading [rad]."""
+    """Put a body at a pose: x, y [m] and heading [rad]."""
     body[X + lane] = pose[0]
     body[Y + lane] = pose[1]
     body[THETA + lane] = wrap(pose[2])
@@ -47,7 +47,7 @@ def put_body(body: Block, lane: int, pose: Table) -> None:
 
 @phase
 def put_target(block: Block, targets: Block, lane: int, s: Settings, target: Table) -> None:
-    """A target appears, with the next number, or as one that has been there.
+    """Add a target with the next number, which may have appeared earlier.
 
     Args:
         target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
@@ -60,11 +60,11 @@ def put_target(block: Block, targets: Block, lane: int, s: Settings, target: Tab
 
 @entry
 def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table) -> None:
-    """Bodies are at rest at these poses; targets, as far as there is room, take the place of those that nobody plays.
+    """Put bodies at rest at these poses. Targets replace those that no prey plays, as far as there is room.
 
     Args:
-        hunters: (n, 3), the poses of the first ones.
-        prey: (P, 3), of those that are in play; or (0, 3), and prey stays as it is.
+        hunters: (n, 3), poses of the first hunters.
+        prey: (P, 3), poses of all prey, used for prey in play; or (0, 3), and prey stays as it is.
         targets: (n, 5): see `put_target`.
     """
     sections = sections_of(memory, 0)
@@ -77,7 +77,7 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
         for offset in AT_REST:
             me[offset + lane] = 0.0
     every = targets_of(block, s)
-    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: those behind a removed slot move up
+    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         if not is_played(block, slot, lane, s):
             remove_target(block, every, lane, slot, s)
     for index in range(len(prey)):
@@ -96,13 +96,13 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
 def place_all(
     memory: Bytes, arenas: NDArray[np.int64], hunters: Table, targets: Table, steps: NDArray[np.int64]
 ) -> None:
-    """Episodes begin with these bodies; the seeds stay. Not for arenas with prey.
+    """Begin episodes with these bodies; the seeds stay. Do not call it for arenas with prey.
 
     Args:
-        arenas: (n,), which of the batch.
-        hunters: (n, H, 4): x, y, heading, linear velocity; NaN: withdrawn.
-        targets: (n, T, 5): see `put_target`; the oldest first, and NaN behind the last.
-        steps: (n,), how many have been played.
+        arenas: (n,), numbers of the arenas.
+        hunters: (n, H, 4): x, y, heading, linear velocity; NaN for a withdrawn hunter.
+        targets: (n, T, 5): see `put_target`; the oldest first, then rows of NaN.
+        steps: (n,), number of steps already played.
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)

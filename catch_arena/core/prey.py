@@ -1,6 +1,7 @@
-"""Rulebook chapter 12: targets that agents play: their commands, their catches and returns, and what they gained.
+"""Rulebook chapter 12: targets that agents play: their commands, their catches and returns, and their rewards.
 
-One lane at a time, since each plays a target in any slot; it moves there like any other (`physics.move`).
+The functions work lane by lane, since each prey plays a target in any slot. It moves there like any other
+(`physics.move`).
 """
 
 from typing import Final
@@ -47,16 +48,16 @@ from catch_arena.core.state import (
 from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import sqrt
 
-# rows of a reference, of each prey from phase 2 to its reward
-IN_PLAY: Final = 0 * LANES  # 1 where it was not out on S_t, else 0
-HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t, -1 where there is none or nobody asks
-HUNTER_X: Final = 2 * LANES  # [m] where that was
+# rows of a prey's reference, kept from phase 2 to its reward
+IN_PLAY: Final = 0 * LANES  # 1 if it was not out on S_t, else 0
+HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t; -1 if there is none or the gain is not needed
+HUNTER_X: Final = 2 * LANES  # [m] position of that hunter
 HUNTER_Y: Final = 3 * LANES
 
 
 @outlined
 def begin_prey(block: Block, s: Settings, lane: int) -> None:
-    """R12.1: the first targets are prey's, by index."""
+    """R12.1: give the first targets to prey, by index."""
     for index in range(s.prey):
         me = prey_of(block, index, s)
         me[PREY_SLOT + lane] = index
@@ -68,7 +69,7 @@ def begin_prey(block: Block, s: Settings, lane: int) -> None:
 def command_prey(
     block: Block, s: Settings, lanes: int, targets: Block, commands: NDArray[np.float32], sections: Sections
 ) -> None:
-    """R12.2: prey's velocities for this step, and from where R12.5's gain is counted.
+    """R12.2, R12.5: set prey's velocities for this step, and note the distances from which the gain is counted.
 
     Args:
         sections: see `memory.Sections`; the references are written.
@@ -106,10 +107,10 @@ def command_prey(
 
 @rule
 def distance(targets: Block, at: int, x: float, y: float) -> float:
-    """Between a target and a position [m].
+    """Return the distance between a target and a position [m].
 
     Args:
-        at: where in `targets` the slot begins, its lane included.
+        at: offset of the slot in `targets`, its lane included.
         x: the position [m].
         y: the position [m].
     """
@@ -119,11 +120,11 @@ def distance(targets: Block, at: int, x: float, y: float) -> float:
 
 @outlined
 def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> None:
-    """R12.3: whoever plays the target in one slot is out, caught by that seat; before the target leaves.
+    """R12.3: mark the prey that plays the target in one slot as caught by a seat; called before the target leaves.
 
     Args:
-        slot: of the target that was caught.
-        seat: who caught it.
+        slot: the slot of the caught target.
+        seat: the seat that caught it.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
@@ -136,7 +137,7 @@ def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> No
 
 @outlined
 def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
-    """R12.3: after all firings of a step, whoever was out long enough plays the next target, where there is room."""
+    """R12.3: give prey that was out long enough the next target, after all firings of a step, if there is room."""
     for index in range(s.prey):
         me = prey_of(block, index, s)
         for lane in range(lanes):
@@ -153,7 +154,7 @@ def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
 
 @rule
 def prey_parts(me: Block, reference: Block, targets: Block, lane: int, s: Settings) -> tuple[float, float, float]:
-    """R12.5: the parts of what one prey gets that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
+    """R12.5: return the reward parts of one prey that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
     if me[CAUGHT_BY + lane] >= 0.0:
         return 1.0, 0.0, 0.0
     if reference[IN_PLAY + lane] == 0.0:
@@ -177,12 +178,12 @@ def reward_prey(
     rewards: NDArray[np.float64],
     parts: NDArray[np.float64],
 ) -> None:
-    """R12.5: the weighted sum of the parts, and the parts where there is room for them.
+    """R12.5: write the weighted sum of the parts, and the parts if they are kept.
 
     Args:
-        had_ended: whether some of them had ended before this step: those get nothing.
+        had_ended: whether some arenas had ended before this step: prey in those gets nothing.
         rewards: (lanes, N), of which prey's are written.
-        parts: (lanes, P, parts), in the order of `state.PREY_PART_NAMES`; or none.
+        parts: (lanes, P, parts), in the order of `state.PREY_PART_NAMES`; or empty.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
@@ -204,7 +205,7 @@ def reward_prey(
 
 @rule
 def is_ahead(one: Block, other: Block, lane: int) -> bool:
-    """R12.5: whether one prey ranks before another: withdrawn prey is last, else the fewest catches come first.
+    """R12.5: return whether one prey ranks before another: withdrawn prey is last, then fewer catches come first.
 
     Args:
         one: the rows of one prey.
@@ -217,7 +218,7 @@ def is_ahead(one: Block, other: Block, lane: int) -> bool:
 
 @outlined
 def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
-    """An episode in figures, as it stands in one lane.
+    """Write the records of one lane's episode as it is now.
 
     Args:
         record: the result, (N, figures); the rows of prey are written.
@@ -234,10 +235,10 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
 
 @entry
 def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
-    """R12.5: prey is withdrawn: it stands still from now on.
+    """R12.5: withdraw one prey: it stands still from now on.
 
     Args:
-        index: which prey.
+        index: the prey.
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)

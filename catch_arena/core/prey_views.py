@@ -1,7 +1,7 @@
-"""Rulebook R12.4: what prey sees of itself, of the hunters and of other prey, in the order of layout.py's table.
+"""Rulebook R12.4: prey's view of itself, of the hunters and of other prey, in the order of layout.py's table.
 
-Prey's bodies lie in slots that differ by lane. They are gathered first, with rows like a seat's, so that hunters and
-prey are seen by the same code.
+Prey's bodies lie in slots that differ by lane. They are gathered first, with rows like a seat's, so that the same code
+observes hunters and prey.
 """
 
 from typing import Final, NamedTuple
@@ -55,15 +55,16 @@ Numbers = NDArray[np.float32]
 _SELF_WIDTH: Final = len(PreySelfFeatures._fields)
 _BODY_WIDTH: Final = len(BodyFeatures._fields)
 _NOT_AMONG_THEM: Final = -1
-"""Instead of an index: the observer is not one of the bodies that are ranked."""
+"""Value in place of an index: the observer is not one of the ranked bodies."""
 
 
 @outlined
 def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, sections: Sections) -> None:
-    """The bodies of all prey, from their slots; those of prey that is out are zero, and hidden like a withdrawn hunter.
+    """Gather the bodies of all prey from their slots. Prey that is out has zeros, and is hidden like a withdrawn
+    hunter.
 
     Args:
-        sections: see `memory.Sections`; the result.
+        sections: see `memory.Sections`; its gathered prey is the result.
     """
     for index in range(s.prey):
         me, gathered = prey_of(block, index, s), sections.gathered_prey[index]
@@ -76,30 +77,30 @@ def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, sections:
 
 
 class Bodies(NamedTuple):
-    """What one prey may see: all hunters, or all prey."""
+    """Bodies that one prey may see: all hunters, or all prey."""
 
     rows: Block
-    """Of all of them, one body behind the other."""
+    """Rows of all bodies, one body after the other."""
     size: int
-    """How many numbers there are of each."""
+    """Length of each body's rows."""
     total: int
     myself: int
-    """Which of them is the observer, or _NOT_AMONG_THEM."""
+    """Index of the observer among the bodies, or _NOT_AMONG_THEM."""
     ranks: int
-    """How many are seen."""
+    """Number of bodies that are seen."""
     first_column: int
-    """Of rank 1, in the observation of one prey."""
+    """First column of rank 1, in the observation of one prey."""
     exactly: bool
-    """Whether the last rank is copied only so far as it goes, since nothing is written behind it."""
+    """True if the last rank must be copied without extra numbers, since no later column overwrites them."""
 
 
 @phase
 def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_prey: Block) -> Bodies:
-    """R12.4: the hunters, or the prey, as one prey looks at them.
+    """R12.4: return the hunters, or the prey, as bodies that one prey may see.
 
     Args:
-        of_hunters: whether it is the hunters.
-        index: which prey looks.
+        of_hunters: whether to return the hunters.
+        index: the prey that observes.
         gathered_prey: see `memory.Sections`.
     """
     hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
@@ -117,13 +118,13 @@ def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_
 
 @phase
 def body_in(bodies: Bodies, item: int) -> Block:
-    """The rows of one of them."""
+    """Return the rows of one of the bodies."""
     return bodies.rows[item * bodies.size : (item + 1) * bodies.size]
 
 
 @phase
 def rank_bodies(me: Block, bodies: Bodies, first: int, width: Width, lanes: int, keys: Keys, tied: Block) -> None:
-    """R12.4: bodies by distance, then as R7.1 has rivals, in the lanes of one group.
+    """R12.4: rank bodies by distance, then in R7.1's order of rivals, in the lanes of one group.
 
     Args:
         bodies: see `Bodies`.
@@ -146,14 +147,14 @@ def rank_bodies(me: Block, bodies: Bodies, first: int, width: Width, lanes: int,
 
 @outlined
 def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: int, keys: Keys, tied: Block) -> None:
-    """R12.4: in each lane the sorted bodies that are equally far are put in order among themselves, by insertion.
+    """R12.4: sort equally far bodies among themselves, in each lane, by insertion.
 
-    `ranking.sort_ties` does the same with rivals, which differ in catches, team and seat too; bodies have none.
+    `ranking.sort_ties` does so with rivals, which differ in catches, team and seat too; bodies have none of these.
 
     Args:
         bodies: see `Bodies`.
         first: the first lane.
-        last: the lane behind the last.
+        last: the lane after the last.
         ranks: see `ranking.some_tied`.
         keys: sorted by distance, rows of LANES.
         tied: one row, flags: see `ranking.some_tied`.
@@ -176,11 +177,11 @@ def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: in
 
 @phase
 def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, sections: Sections, place: Place) -> None:
-    """R12.4: what one prey sees of bodies, in the lanes of one group.
+    """R12.4: write one prey's view of bodies, in the lanes of one group.
 
     Args:
         bodies: see `Bodies`.
-        sections: see `memory.Sections`; its keys are as `rank_bodies` leaves them.
+        sections: see `memory.Sections`; its keys are the result of `rank_bodies`.
     """
     lane = group(first, width)
     observer = observer_of(me, lane)
@@ -198,10 +199,10 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, sections: 
 
 @phase
 def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, width: Width, place: Place) -> None:
-    """R12.4: what one prey knows of itself, in the lanes of one group.
+    """R12.4: write one prey's view of itself, in the lanes of one group.
 
     Args:
-        caught: how often it was caught, one row.
+        caught: number of times it was caught, one row.
     """
     lane = group(first, width)
     own = PreySelfFeatures(
@@ -220,15 +221,15 @@ def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, 
 
 @phase
 def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: int, out: Numbers, at: int) -> None:
-    """What was put together apart, since the group has lanes that are no arenas.
+    """Copy observations from the staging section: their group has lanes without an arena.
 
     Args:
         staging: see `memory.Sections`.
-        start: where that of the first lane begins there.
-        columns: how many are there, from the first on.
+        start: offset of the first lane's observation in `staging`.
+        columns: number of columns to copy, from the first on.
         stride: see `transfers.Place`.
         out: observations, flat.
-        at: where in `out` that of the first lane begins.
+        at: offset of the first lane's observation in `out`.
     """
     for lane in range(lanes):
         for column in range(columns):
@@ -237,7 +238,7 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
 
 @outlined
 def observe_as_prey(block: Block, s: Settings, width: Width, first_arena: int, lanes: int, sections: Sections) -> None:
-    """R12.4, R12.3: the observations of all prey of a block.
+    """R12.4, R12.3: write the observations of all prey of a block.
 
     Args:
         first_arena: the number of the arena in the first lane.
@@ -249,7 +250,7 @@ def observe_as_prey(block: Block, s: Settings, width: Width, first_arena: int, l
     stride = sections.observations.shape[1] * columns
     for index in range(s.prey):
         me, caught = sections.gathered_prey[index], prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
-        for side in range(2):  # in a loop, so that what it calls is compiled once
+        for side in range(2):  # a loop, so that the functions it calls are compiled once
             of_hunters = side == 0
             bodies = bodies_of(block, s, of_hunters, index, flat(sections.gathered_prey))
             if bodies.ranks == 0:

@@ -1,5 +1,5 @@
-"""Rulebook R7.1: who sees whom in which order. Nearest first; then targets by spawn number, and rivals by how they are
-seen.
+"""Rulebook R7.1: order in which hunters see targets and rivals. Nearest first; then targets by spawn number, and rivals
+by their appearance to the hunter.
 """
 
 from typing import Final
@@ -36,17 +36,17 @@ Keys = NDArray[np.int32]
 
 _SLOTS: Final = MOST - 1
 FAR: Final = 0x7F800000
-"""The key of what is not there, that of an infinite distance: no key from it on is of something that is seen."""
+"""Key of an absent or unseen target or hunter, that of an infinite distance; keys of seen ones are smaller."""
 
 
 @rule
 def key_of(dx: float, dy: float, item: int) -> int:
-    """R7.1: an int32 that sorts by distance and then by slot or seat: the squared distance as float32, whose bits sort
-    as it does, rounded to where the last six of them have room for `item`.
+    """R7.1: return an int32 that sorts by distance and then by slot or seat. It holds the squared distance as float32,
+    whose bits sort as it does, rounded so that the last six bits have room for `item`.
 
     Args:
-        dx: east of the observer [m].
-        dy: north of it [m].
+        dx: eastern distance from the observer [m].
+        dy: northern distance from the observer [m].
         item: the slot or seat, below MOST.
     """
     return ((single_bits(dx * dx + dy * dy) + 32) & ~_SLOTS) | item
@@ -54,24 +54,24 @@ def key_of(dx: float, dy: float, item: int) -> int:
 
 @rule
 def item_of(key: int) -> int:
-    """The slot or seat in a key."""
+    """Return the slot or seat in a key; ABSENT for none."""
     return select(key < FAR, key & _SLOTS, ABSENT)
 
 
 @rule
 def equally_far(nearer: int, farther: int) -> bool:
-    """Whether two keys, the second of which is not smaller, have the same distance."""
+    """Return whether two keys have the same distance; `farther` must not be the smaller one."""
     return (nearer < FAR) & ((nearer & ~_SLOTS) == (farther & ~_SLOTS))
 
 
 @phase
 def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> None:
-    """Sort the keys of every lane of a group as far as somebody reads them.
+    """Sort the keys of every lane of a group, as far as they are read.
 
     Args:
         keys: by slot or seat, rows of LANES; sorted in place, the smallest first.
-        count: how many rows have keys.
-        ranks: how many of the smallest are wanted in order; the others follow in any.
+        count: number of rows that have keys.
+        ranks: number of the smallest keys that are needed in order; the others follow in any order.
     """
     lane = group(first, width)
     for rank in range(min(ranks, count)):
@@ -86,12 +86,12 @@ def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> N
 
 @phase
 def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Block) -> None:
-    """The slots or seats of the first keys, packed as `state.slot_at_rank` reads them.
+    """Pack the slots or seats of the first keys, as `state.slot_at_rank` reads them.
 
     Args:
         keys: sorted as far as they are read: rows of LANES.
-        there: how many rows have keys.
-        ranks: how many ranks are wanted.
+        there: number of rows that have keys.
+        ranks: number of ranks to pack.
         packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
     """
     lane = group(first, width)
@@ -118,12 +118,12 @@ def rank_targets(
     reach_limit_m2: float,
     keys: Keys,
 ) -> None:
-    """R7.1, R7.5: the alive targets by distance, then by spawn number; slots are in spawning order.
+    """R7.1, R7.5: rank the alive targets by distance, then by spawn number; slots are in spawning order.
 
     Args:
         block: the block, for its row ALIVE.
         me: the rows of the seat that sees them.
-        slots: how many slots are in use in any lane.
+        slots: number of slots in use in the lane that uses most.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     lane = group(first, width)
@@ -141,8 +141,8 @@ def rank_targets(
 
 @phase
 def note_positions(block: Block, first: int, width: Width, s: Settings, positions: Block) -> None:
-    """Where all hunters are, side by side for those who look, in the lanes of one group; who has withdrawn is seen by
-    nobody (R1.6): infinitely far.
+    """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
+    is infinitely far, so that no hunter sees it (R1.6).
 
     Args:
         positions: the result [m]: x and y by seat, each as many numbers as the group has lanes.
@@ -159,7 +159,7 @@ def note_positions(block: Block, first: int, width: Width, s: Settings, position
 def measure_rivals(
     block: Block, seat: int, first: int, width: Width, s: Settings, reach_limit_m2: float, positions: Block, keys: Keys
 ) -> None:
-    """R7.1, R7.5: how far the other hunters are, of those who are seen, in the lanes of one group.
+    """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
 
     Args:
         positions: see `note_positions`.
@@ -179,14 +179,15 @@ def measure_rivals(
 
 @rule
 def lead(me: Block, one: Block, other: Block, lane: int) -> float:
-    """R7.1, R12.4: of two bodies equally far, the one seen further left comes first, then further forward, and so on.
+    """R7.1, R12.4: compare two equally far bodies: the one seen further left comes first, then further forward, and so
+    on.
 
     Args:
-        one: the rows of a body that it sees.
-        other: and of another.
+        one: the rows of one body that the observer sees.
+        other: the rows of the other body.
 
     Returns:
-        a number above 0 where `one` comes first, below 0 where `other` does, and 0 where they look alike.
+        a number above 0 if `one` comes first, below 0 if `other` does, and 0 if they look alike.
     """
     observer = observer_of(me, lane)
     a, b = body_seen(observer, body_tile(one, 0.0, lane)), body_seen(observer, body_tile(other, 0.0, lane))
@@ -199,12 +200,12 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
 
 @rule
 def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -> bool:
-    """R7.1, A.7: of two rivals who look alike, a team-mate comes first; then the seat tells them apart, which shows
-    where the view has noise.
+    """R7.1, A.7: return whether one of two rivals who look alike comes first: a team-mate, then the lower seat. If
+    the view has noise, the order by seat is visible.
 
     Args:
-        one: the seat of a rival.
-        other: and of another.
+        one: the seat of one rival.
+        other: the seat of the other rival.
     """
     mate = bool(teams[one] == teams[seat])
     return one < other if mate == (teams[other] == teams[seat]) else mate
@@ -212,8 +213,8 @@ def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -
 
 @rule
 def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) -> bool:
-    """R7.1: of two rivals who look alike, the one with more catches comes first, then who `is_listed_first`; arguments
-    as of `precedes`.
+    """R7.1: return whether one of two rivals who look alike comes first: the one with more catches, then the one that
+    `is_listed_first`; arguments as for `precedes`.
     """
     catches, others_catches = one[SCORE + lane], other[SCORE + lane]
     more: bool = select(catches == others_catches, listed_first, catches > others_catches)
@@ -222,12 +223,12 @@ def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) ->
 
 @rule
 def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool) -> bool:
-    """R7.1: of two rivals equally far, the one that `lead`s, then the one that `has_more_catches`.
+    """R7.1: return whether one of two equally far rivals comes first: by `lead`, then by `has_more_catches`.
 
     Args:
-        one: the rows of a rival that it sees.
-        other: and of another.
-        listed_first: whether `one` comes first where nothing else tells them apart.
+        one: the rows of one rival that the hunter sees.
+        other: the rows of the other rival.
+        listed_first: whether `one` comes first if they do not differ otherwise.
     """
     first = lead(me, one, other, lane)
     return select(first == 0.0, has_more_catches(one, other, lane, listed_first), first > 0.0)
@@ -235,7 +236,7 @@ def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool)
 
 @rule
 def stand_together(one: Block, other: Block, lane: int) -> bool:
-    """Whether two bodies are in one place and move alike: then they look alike, whoever looks."""
+    """Return whether two bodies are in one place and move alike: then they look alike to every observer."""
     in_one_place = (one[X + lane] == other[X + lane]) & (one[Y + lane] == other[Y + lane])
     head_alike = (one[SINE + lane] == other[SINE + lane]) & (one[COSINE + lane] == other[COSINE + lane])
     together: bool = in_one_place & head_alike & (one[SPEED + lane] == other[SPEED + lane])
@@ -244,11 +245,11 @@ def stand_together(one: Block, other: Block, lane: int) -> bool:
 
 @rule
 def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
-    """R7.1, R12.4: in which lanes two that are seen, or the last one and the next, are equally far.
+    """R7.1, R12.4: return for each lane whether two seen bodies, or the last one and the next, are equally far.
 
     Args:
-        keys: sorted by distance as far as one beyond `ranks`, two rows of LANES at least.
-        ranks: how many are seen.
+        keys: sorted by distance up to one rank after `ranks`, at least two rows of LANES.
+        ranks: number of bodies that are seen.
     """
     tied = equally_far(keys[lane], keys[LANES + lane])
     for rank in range(1, ranks):
@@ -258,16 +259,16 @@ def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
 
 @phase
 def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
-    """R7.1: where the first rival beyond the view is as far as the last one that is seen, it may have to come before
-    it. Then all others who are as far come right after it, in the place of those farther away.
+    """R7.1: gather all bodies that are as far as the last seen one, if the first beyond the view is equally far: it may
+    have to come before the last one. They then follow right after it, in the place of those farther away.
 
     Args:
-        ranks: how many rivals are seen, at least one; the next one is the first beyond the view.
-        total: how many bodies there are.
+        ranks: number of bodies that are seen, at least one; the next one is the first beyond the view.
+        total: number of bodies.
         keys: as `sort_keys` leaves them, rows of LANES.
 
     Returns:
-        how many keys, from the first on, have to be put in order.
+        number of keys, from the first on, that must be sorted.
     """
     edge = keys[ranks * LANES + lane]
     if not equally_far(keys[(ranks - 1) * LANES + lane], edge):
@@ -293,11 +294,11 @@ def sort_ties(
     keys: Keys,
     tied: Block,
 ) -> None:
-    """R7.1: in each lane the sorted rivals who are equally far are put in order among themselves, by insertion.
+    """R7.1: sort equally far rivals among themselves, in each lane, by insertion.
 
     Args:
         first: the first lane.
-        last: the lane behind the last.
+        last: the lane after the last.
         ranks: see `some_tied`.
         keys: sorted by distance, rows of LANES.
         tied: one row, flags: see `some_tied`.
@@ -316,7 +317,7 @@ def sort_ties(
                 one, other = item_of(key), item_of(before)
                 newer, older = seat_of(block, one), seat_of(block, other)
                 listed_first = is_listed_first(seat, one, other, teams)
-                if stand_together(newer, older, lane):  # as most who are tied do, late in an episode
+                if stand_together(newer, older, lane):  # so do most ties late in an episode
                     ahead = has_more_catches(newer, older, lane, listed_first)
                 else:
                     ahead = precedes(me, newer, older, lane, listed_first)
@@ -339,11 +340,11 @@ def resolve_ties(
     keys: Keys,
     tied: Block,
 ) -> None:
-    """R7.1: lanes in which two rivals that are seen, or the last one and the next, are equally far. This is the order
-    in which they are listed; who wins a target is `arbiter.is_preferred`.
+    """R7.1: sort the rivals in lanes in which two seen ones, or the last one and the next, are equally far. This is the
+    order in observations; `arbiter.is_preferred` decides contests.
 
     Args:
-        keys: sorted by distance, rows of LANES; put right in place.
+        keys: sorted by distance, rows of LANES; ties are sorted in place.
         tied: room for one row.
     """
     ranks = min(s.hunters_seen, s.hunters - 2)

@@ -40,17 +40,17 @@ _GRANTED: Final = float(Verdict.GRANTED)
 _named: Any = namedtuple  # for type checkers, which want to see the names  # noqa: PYI024
 _PartRows: Final = _named("_PartRows", PART_NAMES)
 _ROW_OF: Final = _PartRows(*range(LANES, (1 + len(PART_NAMES)) * LANES, LANES))
-"""Of each part: where its row begins in scratch memory, behind that of the sum."""
+"""Offset of each part's row in scratch memory, which begins with the row of the sum."""
 
 Rewards = NDArray[np.float64]
-"""(lanes, N), of which the hunters' are written here."""
+"""Rewards of all agents, (lanes, N); this module writes those of the hunters."""
 Parts = NDArray[np.float64]
-"""(lanes, H, parts): R6.2's parts, in the order of `state.PART_NAMES`; or none."""
+"""R6.2: parts of the hunters' rewards, (lanes, H, parts), in the order of `state.PART_NAMES`; or empty."""
 
 
 @phase
 def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, s: Settings, reference: Block) -> None:
-    """R6.2's progress: the nearest target that is seen on S_t, from where the hunter stands.
+    """R6.2's progress: note the nearest target that the hunter sees on S_t, and its distance.
 
     Args:
         reference: the result, three rows: see `memory.Sections`.
@@ -70,7 +70,7 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
 def renew_progress_reference(
     block: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
 ) -> None:
-    """The same in one lane where targets have just left: among those that are alive after the commit.
+    """Note the nearest target again in one lane that targets have just left, among those alive after the commit.
 
     Args:
         reference: the result, three rows: see `memory.Sections`.
@@ -93,12 +93,12 @@ def renew_progress_reference(
 def count_catches(
     block: Block, s: Settings, width: Width, teams: NDArray[np.int64], in_teams: bool, catches: Block, team_rows: Block
 ) -> None:
-    """How many grants there are in this step, and how many each team has (R11.2), by the seat that stands for it.
+    """R11.2: count the grants of this step, in total and for each team, under the seat that stands for the team.
 
     Args:
         in_teams: see `reward_hunters`.
         catches: the result, one row.
-        team_rows: the result where there are teams: see `memory.Sections`.
+        team_rows: the result if there are teams: see `memory.Sections`.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -108,7 +108,7 @@ def count_catches(
             total = total + granted
             if in_teams:
                 at = teams[seat] * LANES
-                if teams[seat] != seat:  # which is the first of its team
+                if teams[seat] != seat:  # the first seat of its team comes first
                     granted = granted + team_rows[at + lane]
                 team_rows[at + lane] = granted
         catches[lane] = total
@@ -124,10 +124,10 @@ def share_rewards(
     team_rows: Block,
     rewards: Rewards,
 ) -> None:
-    """R11.2: what each seat gets of what its team has earned, instead of what it has earned by itself.
+    """R11.2: replace each seat's own earnings by a mix of them and the mean of its team.
 
     Args:
-        team_rows: see `memory.Sections`; what each seat has earned is there, and what it gets is written over it.
+        team_rows: see `memory.Sections`; each seat's own earnings are read there, and its reward is written over them.
         rewards: the result.
     """
     earned = team_rows[s.hunters * LANES :]
@@ -168,15 +168,15 @@ def reward_hunters(
     rewards: Rewards,
     parts: Parts,
 ) -> None:
-    """R6.2: the weighted sum of the parts, and the parts where there is room for them.
+    """R6.2: write the weighted sum of the parts, and the parts if they are kept.
 
     Args:
-        in_teams: whether there are teams: as it stands where this is called, so that nothing asks for it in the loops.
+        in_teams: whether there are teams: a constant at each call, so that the loops do not test it.
         rewards: the result.
-        parts: the result, or none.
+        parts: the result, or empty.
     """
     catches = sections.scratch_rows[:LANES]
-    amounts = sections.scratch_rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and the parts in their order
+    amounts = sections.scratch_rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and then the parts in their order
     parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
     count_catches(block, s, width, teams, in_teams, catches, sections.team_rows)
     for seat in range(s.hunters):
@@ -243,7 +243,7 @@ def reward_teams(
     rewards: Rewards,
     parts: Parts,
 ) -> None:
-    """R11.2: the same where there are teams; arguments as of `reward_hunters`."""
+    """R11.2: write the rewards of a scenario with teams; arguments as for `reward_hunters`."""
     reward_hunters(block, s, width, lanes, teams, True, sections, rewards, parts)
     if s.team_share > 0.0:
         share_rewards(block, s, width, lanes, teams, sections.team_rows, rewards)
@@ -260,7 +260,7 @@ def write_team_scores(
     row: Block,
     scores: NDArray[np.float64],
 ) -> None:
-    """R11.1: the sum of the scores of each team's hunters.
+    """R11.1: write the sum of the scores of each team's hunters.
 
     Args:
         row: scratch memory, one row.
@@ -289,7 +289,7 @@ def reward(
     rewards: Rewards,
     parts: Parts,
 ) -> None:
-    """R6.2, R11.2: what each hunter gets for this step; arguments as of `reward_hunters`."""
+    """R6.2, R11.2: write the rewards of all hunters for this step; arguments as for `reward_hunters`."""
     if s.has_teams:
         reward_teams(block, s, width, lanes, teams, sections, rewards, parts)
     else:

@@ -1,4 +1,4 @@
-"""Rulebook chapter 3: when and where targets appear. One lane at a time: spawns are rare."""
+"""Rulebook chapter 3: times and places at which targets appear. One lane at a time: spawns are rare."""
 
 import numpy as np
 
@@ -34,13 +34,13 @@ from catch_arena.core.state import (
 
 @rule
 def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: float) -> tuple[float, float, float]:
-    """R3.2, R3.3: where the target of that number appears: x, y [m], theta [rad] in [0, 2 pi).
+    """R3.2, R3.3: return the pose at which the target of a number appears: x, y [m], theta [rad] in [0, 2 pi).
 
     Args:
-        seed: the arena's.
+        seed: the arena's seed.
         number: the spawn number, from 1.
         low: the least coordinate [m].
-        high: the bound above it [m].
+        high: the upper bound of coordinates, not included [m].
         last: the greatest number below that bound [m].
     """
     key = stream(seed, PLACE)
@@ -55,13 +55,13 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 def add_target(
     block: Block, targets: Block, lane: int, s: Settings, x: float, y: float, theta: float, time_ms: float
 ) -> None:
-    """R3.4, R3.8, R8.2: a target of the latest number at the end of the alive list, at rest.
+    """R3.4, R3.8, R8.2: add a target with the latest number at the end of the alive list, at rest.
 
     Args:
-        x: [m].
-        y: [m].
-        theta: [rad].
-        time_ms: when it appears [ms] since reset.
+        x: position [m].
+        y: position [m].
+        theta: heading [rad].
+        time_ms: time at which it appears [ms since reset].
     """
     slot = int(block[ALIVE + lane]) * s.slot_size + lane
     targets[slot + NUMBER] = block[LAST_NUMBER + lane]
@@ -75,7 +75,7 @@ def add_target(
 
 @phase
 def is_played(block: Block, slot: int, lane: int, s: Settings) -> bool:
-    """Whether prey plays the target in a slot."""
+    """Return whether prey plays the target in a slot."""
     played = False
     for index in range(s.prey):
         played = played or prey_of(block, index, s)[PREY_SLOT + lane] == slot
@@ -84,10 +84,10 @@ def is_played(block: Block, slot: int, lane: int, s: Settings) -> bool:
 
 @outlined
 def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
-    """R8.2: one target leaves the alive list; those behind it move up, so that the order stays.
+    """R8.2: remove one target from the alive list; later ones move up, so that the order stays.
 
     Args:
-        slot: whose target leaves.
+        slot: the slot of the target.
     """
     for index in range(s.prey):
         me = prey_of(block, index, s)
@@ -103,11 +103,11 @@ def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Setting
 
 @phase
 def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
-    """R3.3: a target appears, with the next number and at that number's pose.
+    """R3.3: add a target with the next number, at that number's pose.
 
     Args:
-        seed: the arena's.
-        time_ms: when it appears [ms] since reset.
+        seed: the arena's seed.
+        time_ms: time at which it appears [ms since reset].
     """
     block[LAST_NUMBER + lane] += 1.0
     x, y, theta = spawn_pose(seed, block[LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
@@ -116,10 +116,10 @@ def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Sett
 
 @phase
 def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) -> None:
-    """R3.1, R3.5, R3.6, R8.3: one firing of the spawn timer.
+    """R3.1, R3.5, R3.6, R8.3: play one firing of the spawn timer.
 
     Args:
-        seed: the arena's.
+        seed: the arena's seed.
     """
     block[FIRINGS + lane] += 1.0
     if block[SPAWNED + lane] >= s.target_budget:
@@ -137,10 +137,10 @@ def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) 
 
 @phase
 def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None:
-    """R1.4's phase 5, its spawning half: all firings in (t, t + period].
+    """R1.4's phase 5, its spawning half: play all firings in (t, t + period].
 
-    Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8), so
-    that these firings may follow the step's ticks.
+    Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8).
+    Therefore these firings may follow the step's ticks.
     """
     for lane in range(lanes):
         while (block[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= block[TIME + lane] + s.period_ms:
@@ -149,15 +149,15 @@ def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None
 
 @entry
 def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int:
-    """R8.1: a target outside the timer.
+    """R8.1: add a target outside the timer.
 
     Args:
-        x: [m].
-        y: [m].
-        theta: [rad].
+        x: position [m].
+        y: position [m].
+        theta: heading [rad].
 
     Returns:
-        its number; 0 where the arena is full (R3.5).
+        its number; 0 if the arena is full (R3.5).
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
@@ -171,8 +171,8 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
 
 @entry
 def kill(memory: Bytes, arena: int, number: int) -> bool:
-    """R8.1, R5.8: an alive target leaves uncaught, and no longer counts as spawned. False where it is not alive, and
-    where prey plays it.
+    """R8.1, R5.8: remove an alive target uncaught, which then no longer counts as spawned. Return False if it is not
+    alive, or if prey plays it.
 
     Args:
         number: the target's spawn number.

@@ -1,11 +1,11 @@
-"""The arena memory: everything that an arena is, as rows of float64 in blocks of LANES arenas.
+"""The arena memory: the whole state of an arena, as rows of float64 in blocks of LANES arenas.
 
-A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and to save it is
-to copy that column. A row is one number of each arena, and the constants below are offsets: r * LANES.
+A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and a copy of
+that column saves it. A row is one number of each arena, and the constants below are offsets: r * LANES.
 
-The rows of a block: the arena's own, then HUNTER_ROWS for each seat, then a few for each slot, then the targets in the
-order in which each seat sees them, and then PREY_ROWS for each prey. Integers are exact in float64; a seed needs two
-of them. Alive targets fill the slots from 0 in spawning order (R8.2), all others are zero.
+The rows of a block: the arena's own, HUNTER_ROWS for each seat, a few for each slot, each seat's order of the targets,
+and PREY_ROWS for each prey. Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from
+0 in spawning order (R8.2); all other slots are zero.
 """
 
 from typing import ClassVar, Final, NamedTuple
@@ -18,13 +18,13 @@ from catch_arena.core.vectors import Width, bits_of
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
-"""Arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
+"""Number of arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
 
 
 @rule
 def span(width: Width) -> int:
-    """Return the number of a block's lanes that are played: one if there is one arena. The lanes after a batch's last
-    arena are played too, and not read: to leave them out would mostly cost more than to play them.
+    """Return the number of a block's lanes that are played: one if there is one arena. Lanes after a batch's last arena
+    are played too, and not read: to leave them out would mostly cost more than to play them.
     """
     return LANES if len(width) > 1 else 1
 
@@ -35,7 +35,7 @@ TIME: Final = 0 * LANES  # since reset [ms], from 0
 STEP: Final = 1 * LANES  # steps played, from 0
 SPAWNED: Final = 2 * LANES  # targets that appeared, from 0
 LAST_NUMBER: Final = 3 * LANES  # the last spawn number, from 1; 0 before the first
-FIRINGS: Final = 4 * LANES  # of the spawn timer, from 0
+FIRINGS: Final = 4 * LANES  # firings of the spawn timer, from 0
 SKIPPED_FULL: Final = 5 * LANES  # R3.5: firings in a full arena, from 0
 SKIPPED_DOWN: Final = 6 * LANES  # R3.6: firings while the spawn service was down, from 0
 SPAWNS_REFUSED: Final = 7 * LANES  # R3.6: firings that were refused, from 0
@@ -43,10 +43,10 @@ ARENA_DIGEST_ROWS: Final = 8
 ALIVE: Final = 8 * LANES  # targets alive, which fill the slots from 0: 0 to MOST
 ENDED: Final = 9 * LANES  # RUNNING, TERMINATED or TRUNCATED (R1.5)
 SEED_HIGH: Final = 10 * LANES  # the seed's upper 32 bits: 0 to 2^32 - 1
-SEED_LOW: Final = 11 * LANES  # its lower 32 bits: 0 to 2^32 - 1
+SEED_LOW: Final = 11 * LANES  # the seed's lower 32 bits: 0 to 2^32 - 1
 ARENA_ROWS: Final = 12
 
-# body rows: of a hunter or a target; of still targets only the first three are there
+# body rows: of a hunter or a target; still targets have only the first three
 X: Final = 0 * LANES  # [m], 0 to the arena's side
 Y: Final = 1 * LANES  # [m], 0 to the arena's side
 THETA: Final = 2 * LANES  # heading [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi)
@@ -54,8 +54,8 @@ STILL_BODY_ROWS: Final = 3
 SPEED: Final = 3 * LANES  # commanded [m/s], within the limits of the hunter, the targets or the prey
 TURN_RATE: Final = 4 * LANES  # commanded [rad/s], within the same limits
 AT_WALL: Final = 5 * LANES  # R2.3's flag: 0 or 1
-SINE: Final = 6 * LANES  # of theta, -1 to 1: `observe` writes it, and the next step moves by it
-COSINE: Final = 7 * LANES  # of theta, -1 to 1, as SINE
+SINE: Final = 6 * LANES  # sine of theta, -1 to 1: `observe` writes it, and the next step moves by it
+COSINE: Final = 7 * LANES  # cosine of theta, -1 to 1, as SINE
 BODY_ROWS: Final = 8
 
 # hunter rows: a body's, and these
@@ -66,11 +66,11 @@ SCORE: Final = 11 * LANES  # granted catches, from 0
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag: 0 or 1
 REQUESTED_NUMBER: Final = 13 * LANES  # spawn number of the requested target, from 1; 0 for none
 VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then ANSWER's other rows are old
-DISTANCE: Final = 15 * LANES  # R5.6: to the target [micrometres], from 0; -1 if reach was not tested
+DISTANCE: Final = 15 * LANES  # R5.6: distance to the target [micrometres], from 0; -1 if reach was not tested
 WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0; -1 for none
-REWARD_SUM: Final = 17 * LANES  # of this episode, any number
-TALLIES: Final = 18 * LANES  # row TALLIES + v * LANES: how often verdict v, from 1, was met in this episode; from 0
-CONTESTS_WON: Final = TALLIES  # kills, granted or refused, that a rival could have had, from 0: no verdict has number 0
+REWARD_SUM: Final = 17 * LANES  # sum of rewards in this episode, any number
+TALLIES: Final = 18 * LANES  # row TALLIES + v * LANES: number of verdicts v, from 1, in this episode; from 0
+CONTESTS_WON: Final = TALLIES  # kills, granted or refused, won against a rival's claim, from 0: no verdict has number 0
 HUNTER_ROWS: Final = 19 + len(Verdict)
 SEAT_SIZE: Final = HUNTER_ROWS * LANES
 HUNTER_DIGEST: Final = (
@@ -86,13 +86,13 @@ HUNTER_DIGEST: Final = (
     AT_WALL,
     WITHDRAWN,
 )
-"""What stands of a hunter in the digest, in this order (A.8)."""
+"""A.8: rows of a hunter in the digest, in this order."""
 ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
-"""Rows with the answer to a hunter's request (R5.6), one after the other."""
+"""R5.6: rows with the answer to a hunter's request, one after the other."""
 AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
-"""The rows of a hunter that are zero while nothing drives it."""
+"""Rows of a hunter that are zero while no action drives it."""
 
-# slot rows: two, and a body's; where targets move, these and two more
+# slot rows: two, and a body's; if targets move, two more
 NUMBER: Final = 0 * LANES  # the target's spawn number, from 1
 APPEARED: Final = 1 * LANES  # when it appeared [ms since reset]; less than 0 if it was placed with an age
 BODY: Final = 2 * LANES  # the first row of the target's body
@@ -103,17 +103,17 @@ MOVING_SLOT_ROWS: Final = 4 + BODY_ROWS
 TARGET_X: Final = BODY + X
 TARGET_Y: Final = BODY + Y
 TARGET_DIGEST: Final = (NUMBER, TARGET_X, TARGET_Y, BODY + THETA, APPEARED)
-"""What stands of a target in the digest, in this order (A.8)."""
+"""A.8: rows of a target in the digest, in this order."""
 MOVING_TARGET_DIGEST: Final = (*TARGET_DIGEST, BODY + SPEED, BODY + TURN_RATE, BODY + AT_WALL)
-"""And of one that moves."""
+"""A.8: rows of a moving target in the digest, in this order."""
 
-# prey rows (chapter 12); where prey is and how it moves stands in its target's slot
+# prey rows (chapter 12); the slot of prey's target has its pose and motion
 PREY_SLOT: Final = 0 * LANES  # slot of the target that it plays, from 0; NO_TARGET while it is out
-TIMES_CAUGHT: Final = 1 * LANES  # in this episode, from 0
+TIMES_CAUGHT: Final = 1 * LANES  # catches in this episode, from 0
 CAUGHT_AT: Final = 2 * LANES  # time of the state on which it was caught [ms since reset], from 0; -1 if it is in play
 CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, from 0; -1 for none
 PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag: 0 or 1
-PREY_REWARD_SUM: Final = 5 * LANES  # of this episode, any number
+PREY_REWARD_SUM: Final = 5 * LANES  # sum of rewards in this episode, any number
 PREY_ROWS: Final = 6
 PREY_SIZE: Final = PREY_ROWS * LANES
 
@@ -121,21 +121,21 @@ STILL: Final = 0
 WANDERING: Final = 1
 FLEEING: Final = 2
 MOTIONS: Final = {"still": STILL, "wander": WANDERING, "flee": FLEEING}
-"""R3.8."""
+"""R3.8: numbers of the target motions."""
 
-# instead of a slot, or of what else tells targets apart
-NO_TARGET: Final = -1  # nothing is asked for; prey is out
-MALFORMED_REQUEST: Final = -2  # what is asked for is no rank with a target, or not even a name
+# codes in place of a slot or of another number of a target
+NO_TARGET: Final = -1  # no target is requested; prey is out
+MALFORMED_REQUEST: Final = -2  # the request is not a rank with a target, or not even a name
 NEVER_SPAWNED: Final = -3  # no target has had the name
-ALREADY_GONE: Final = -4  # a target had it
+ALREADY_GONE: Final = -4  # a target had the name and is gone
 
 # columns of a record: an agent's episode in figures
-FINAL_SCORE: Final = 0  # of prey, how often it was caught
-FINAL_RANK: Final = 1  # R6.1, R11.1, R12.5: 1 + how many teams have more, or how many prey are ahead
+FINAL_SCORE: Final = 0  # of prey, the number of times it was caught
+FINAL_RANK: Final = 1  # R6.1, R11.1, R12.5: 1 + the number of teams that have more, or of prey that is ahead
 FINAL_REWARD_SUM: Final = 2
-FINAL_CONTESTS_WON: Final = 3  # of hunters, as all that follows
-FINAL_TALLIES: Final = 4  # how often each verdict was met, in the order of Verdict
-FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # where there are teams
+FINAL_CONTESTS_WON: Final = 3  # of hunters, as all columns that follow
+FINAL_TALLIES: Final = 4  # number of times each verdict was given, in the order of Verdict
+FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # if there are teams
 
 PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
 """R6.2's parts of a hunter's reward, in the order in which they are written."""
@@ -148,10 +148,10 @@ TRUNCATED: Final = 2.0
 
 
 class Settings(NamedTuple):
-    """The config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1.
+    """Config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1.
 
-    They are handed on as a parameter of their own, and never within another tuple: what `PlainSettings.ZERO` names is
-    left out only where a field of a parameter is read (`compiler._Substitute`).
+    Pass them as a parameter of their own, never within another tuple: the compiler leaves out branches by
+    `PlainSettings.ZERO` only if a function reads a field of a parameter (`compiler._Substitute`).
     """
 
     hunters: int
@@ -224,25 +224,25 @@ class PlainSettings(Settings):
         "targets_move",
         "view_noise_m",
     )
-    """These are 0, and what is played where they are not is left out."""
+    """Fields that are 0; the compiler leaves out the branches for other values."""
 
 
 Options = tuple[int, ...]
-"""Whether there is code for what most scenarios do not have, as the compiler sees it: a tuple that is empty or not. The
-code for all of it takes half as long again to compile.
+"""Type that decides for the compiler if code for rarely used settings is included: an empty tuple or not. The code for
+all of them takes half as long again to compile.
 """
 NO_OPTIONS: Final[Options] = ()
 ALL_OPTIONS: Final[Options] = (0,)
 
 
 def options_of(s: Settings) -> Options:
-    """What has to be compiled for these settings."""
+    """Return the options that the compiled code needs for these settings."""
     return ALL_OPTIONS if any(getattr(s, name) for name in PlainSettings.ZERO) else NO_OPTIONS
 
 
 class SeatLimits(NamedTuple):
-    """R2.5, R2.7, R5.3: what one hunter can: speeds [m/s], a turn rate [rad/s], a reach [micrometres], and the same as
-    `visibility.is_seen` has it [m2].
+    """R2.5, R2.7, R5.3: limits of one hunter: speeds [m/s], a turn rate [rad/s], a reach [micrometres], and the reach
+    as `visibility.is_seen` reads it [m2].
     """
 
     max_speed: float
@@ -253,14 +253,14 @@ class SeatLimits(NamedTuple):
 
 
 MOST: Final = 64
-"""Of hunters and of targets, in one arena: a key of `ranking` has room for as many."""
+"""Greatest number of hunters, and of targets, in one arena: a key of `ranking` has room for no more."""
 RANKS_PER_WORD: Final = 8
-"""Slots or seats in an order are kept eight to a number, a byte each, the first in the lowest bits: one to a number
-would cost a batch a tenth of its speed.
+"""Number of slots or seats in one number of an order, a byte each, the first in the lowest bits. With one to a number a
+batch would lose a tenth of its speed.
 """
 RANK_BITS: Final = 8
 ABSENT: Final = MOST
-"""Instead of a slot or seat: nothing has this rank."""
+"""Value in place of a slot or seat if nothing has the rank."""
 
 
 @rule
@@ -276,7 +276,9 @@ def slot_rows(targets_move: bool) -> int:
 
 
 class Regions(NamedTuple):
-    """Where in a block the rows of a kind begin, behind each other, and where the last ones end: offsets."""
+    """Offsets in a block at which the rows of each kind begin, one kind after the other, and at which the last ones
+    end.
+    """
 
     hunters: int
     targets: int
@@ -297,20 +299,20 @@ def regions_of(s: Settings) -> Regions:
 
 @phase
 def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
-    """Return the limits of one hunter, from the section of all."""
+    """Return the limits of one hunter, from the section with those of all."""
     return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3], limits[seat, 4])
 
 
 @phase
 def targets_of(block: Block, s: Settings) -> Block:
-    """The target slots of a block: slot n begins at n * s.slot_size."""
+    """Return the target slots of a block: slot n begins at n * s.slot_size."""
     regions = regions_of(s)
     return block[regions.targets : regions.target_orders]
 
 
 @phase
 def most_alive(block: Block, lanes: int) -> int:
-    """Return the number of alive targets in the lane that has most; `lanes` is the number of lanes that are arenas."""
+    """Return the greatest number of alive targets in a lane; `lanes` is the number of lanes that are arenas."""
     most = 0.0
     for lane in range(lanes):
         most = block[ALIVE + lane] if block[ALIVE + lane] > most else most
@@ -319,7 +321,7 @@ def most_alive(block: Block, lanes: int) -> int:
 
 @phase
 def body_of(targets: Block, slot: int, s: Settings) -> Block:
-    """The body of the target in one slot, where targets move."""
+    """Return the body of the target in one slot; only for targets that move."""
     first = slot * s.slot_size + BODY
     return targets[first : first + BODY_ROWS * LANES]
 
@@ -332,21 +334,21 @@ def seat_at(seat: int) -> int:
 
 @phase
 def seat_of(block: Block, seat: int) -> Block:
-    """The rows of one seat."""
+    """Return the rows of one seat."""
     first = seat_at(seat)
     return block[first : first + SEAT_SIZE]
 
 
 @phase
 def prey_of(block: Block, index: int, s: Settings) -> Block:
-    """The rows of one prey."""
+    """Return the rows of one prey."""
     first = regions_of(s).prey + index * PREY_SIZE
     return block[first : first + PREY_SIZE]
 
 
 @phase
 def target_order_of(block: Block, seat: int, s: Settings) -> Block:
-    """The targets in the order in which one seat sees them: see `slot_at_rank`."""
+    """Return the targets in the order in which one seat sees them: see `slot_at_rank`."""
     size = target_order_rows(s.targets_seen) * LANES
     first = regions_of(s).target_orders + seat * size
     return block[first : first + size]
@@ -365,7 +367,7 @@ def slot_at_rank(order: Block, rank: int, lane: int) -> int:
 
 @phase
 def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
-    """R7.1, R7.5: return the number of targets that a seat sees: those have a rank.
+    """R7.1, R7.5: return the number of targets that a seat sees; each of them has a rank.
 
     Args:
         block: the block, for its row ALIVE.

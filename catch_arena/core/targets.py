@@ -1,4 +1,4 @@
-"""Rulebook R3.8 to R3.10: what a target that moves decides in phase 2. All of it reads S_t only.
+"""Rulebook R3.8 to R3.10: decisions of moving targets in phase 2. They all read S_t only.
 
 Blocks of LANES arenas; metres, radians, seconds.
 """
@@ -42,33 +42,33 @@ from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
 STEERING_GAIN: Final = 6.0
 """R3.9, R3.10: turn rate for each radian of bearing error [1/s]."""
 _NO_THREAT: Final = 1e300
-"""How far a threat is that is none, in micrometres or squared."""
+"""Distance of no threat, in micrometres or squared metres."""
 _TIED_M: Final = 4e-6
-"""For each metre of the side: the squares of two distances in the arena that round to the same micrometre differ by
-less, as one of them is less than a micrometre longer, and neither is longer than 1.5 sides.
+"""Bound for each metre of the side [m2 / m]: squares of two distances that round to the same micrometre differ by less.
+One of them is less than a micrometre longer, and neither is longer than 1.5 sides.
 """
 
 
 @rule
 def push(position: float, side: float) -> float:
-    """R3.10: how strongly a wall nearer than a metre pushes back [m]: up or right where that is positive.
+    """R3.10: return the push of a wall nearer than a metre [m]: positive to the right or up.
 
     Args:
-        position: along one axis [m].
-        side: of the arena [m].
+        position: position along one axis [m].
+        side: side of the arena [m].
     """
     return select(position < 1.0, 1.0 - position, select(position > side - 1.0, (side - 1.0) - position, 0.0))
 
 
 @rule
 def steered(east: float, north: float, sine: float, cosine: float, most: float) -> float:
-    """R3.9, R3.10: the turn rate towards a direction, within [-most, most] [rad/s]; the error is R4.2's.
+    """R3.9, R3.10: return the turn rate towards a direction, in [-most, most] [rad/s]; the error is R4.2's.
 
     Args:
-        east: of the direction, in any unit.
-        north: of the same.
-        sine: of the target's heading.
-        cosine: of the same.
+        east: eastern part of the direction, in any unit.
+        north: northern part of the direction, in that unit.
+        sine: sine of the target's heading.
+        cosine: cosine of the target's heading.
         most: the greatest turn rate [rad/s].
     """
     error = below_pi(atan2(cosine * north - sine * east, cosine * east + sine * north))
@@ -77,10 +77,10 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
 
 @outlined
 def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) -> None:
-    """R3.9: the draw of the period that a target is in, where its last one has ended; it is kept until it ends.
+    """R3.9: draw the turn of a target's current period after the last period has ended.
 
     Args:
-        at: where in `targets` the slot begins, its lane included.
+        at: offset of the slot in `targets`, its lane included.
     """
     period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
@@ -90,10 +90,10 @@ def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) 
 
 @phase
 def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Settings) -> None:
-    """R3.9: the targets in one slot have the draws of the periods that they are in.
+    """R3.9: draw the turns of the targets in one slot whose periods have ended.
 
     Args:
-        slot: which target.
+        slot: the slot of the targets.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -107,10 +107,10 @@ def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Set
 
 @outlined
 def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings) -> int:
-    """R3.10, R12.5: the seat nearest to one target, by lot where several are equally near; -1 where all are withdrawn.
+    """R3.10, R12.5: return the seat nearest to a target, by lot if several are equally near; -1 if all are withdrawn.
 
     Args:
-        at: where in `targets` the target is, its lane included.
+        at: offset of the target in `targets`, its lane included.
     """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step, number = block[STEP + lane], targets[NUMBER + at]
@@ -129,18 +129,18 @@ def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings
 
 @phase
 def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
-    """R3.10: the nearest hunter of one target.
+    """R3.10: find the nearest hunter of the targets in one slot.
 
     Args:
-        slot: which target.
-        threats: the result, three rows: the square of its distance [m2], and where the target is from it, east and
-            north [m].
+        slot: the slot of the targets.
+        threats: the result, three rows: the square of the hunter's distance [m2], and the target's position relative to
+            it, east and north [m].
     """
     margin = _TIED_M * s.side_m
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
-        # times 0: a number for each lane, as the loop below has them
+        # times 0: makes a number for each lane, as the loop below needs
         nearest, second, east, north = 0.0 * x + _NO_THREAT, 0.0 * x + _NO_THREAT, 0.0 * x, 0.0 * x
         for seat in range(s.hunters):
             me = seat_of(block, seat)
@@ -166,12 +166,12 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
 
 @phase
 def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
-    """R3.9, R3.10: the command of the targets in one slot: away from a threat, else to the centre where a wall held
-    them, else on in an arc.
+    """R3.9, R3.10: command the targets in one slot: away from a threat, else to the centre if a wall held them, else on
+    in an arc.
 
     Args:
-        slot: which target; its speed and turn rate are written.
-        threats: as `find_threats` writes them; read where targets flee.
+        slot: the slot of the targets; their speeds and turn rates are written.
+        threats: as `find_threats` writes them; read if targets flee.
     """
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
@@ -202,7 +202,7 @@ def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, th
 
 @phase
 def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets: Block, threats: Block) -> None:
-    """R3.8: what every target that moves does in this step.
+    """R3.8: command every moving target for this step.
 
     Args:
         threats: room for three rows: see `find_threats`.

@@ -45,7 +45,7 @@ def play(
     `stop_arena`.
 
     Args:
-        width: how many lanes play at a time.
+        width: number of lanes that play together.
         first_arena: the number of the arena in the block's first lane.
         stop_arena: the number after that of the last arena.
         choices: see `run`.
@@ -109,19 +109,19 @@ def run(
     """Begin the requested episodes, play one step (R1.4) if `playing` is true, and write the observations.
 
     Args:
-        width: how many lanes play at a time.
-        view_width: how many lanes observe at a time.
-        options: what is compiled: see `state.Options`.
-        memory: of all arenas: see `memory.Sections`.
+        width: number of lanes that play together.
+        view_width: number of lanes that observe together.
+        options: options of the compiled code: see `state.Options`.
+        memory: the memory of all arenas: see `memory.Sections`.
         thread: the thread whose scratch sections are used, from 0 up.
         first_block: the first block that is played and observed.
         stop_block: the block after the last one.
         resets: (n, 2), arenas and the seeds with which they begin.
         playing: whether a step is played.
         choices: (B, H), ranks or 0; may be empty if no seat's control reads them.
-        commands: (B, N, 2), fractions of the limits in [-1, 1], of the hunters and then of prey; may be empty if nobody
-            reads them.
-        given_requests: of a single arena: see `catching.resolve_requests`; they are judged in place.
+        commands: (B, N, 2), fractions of the limits in [-1, 1], of the hunters and then of prey; may be empty if no
+            agent reads them.
+        given_requests: for a single arena: see `catching.resolve_requests`; they are judged in place.
     """
     sections = sections_of(memory, thread)
     s = settings_in(sections.settings, options)

@@ -1,8 +1,8 @@
-"""What is known of each target and of each body, side by side.
+"""Tiles: numbers of each target and each body, side by side.
 
-What stands at a rank is another thing in each lane, so its numbers lie in other places. They are made for all things
-first, once for all who look: a *tile* has those of one thing in one lane, a cache line long, and those of another one
-in each lane are fetched by one load a lane.
+Each lane has another target or body at a rank, so its numbers lie in other places. They are therefore computed for all
+targets and bodies first, once for all observers. A *tile* has the numbers of one of them in one lane, a cache line
+long. One load for each lane then fetches the tile at the lane's rank.
 """
 
 from typing import Final, NamedTuple
@@ -32,7 +32,7 @@ from catch_arena.core.vectors import Width, each, group
 
 
 class BodyTile(NamedTuple):
-    """What is known of a hunter, or of prey, in one lane."""
+    """Tile of a hunter, or of prey, in one lane."""
 
     x: float
     y: float
@@ -40,23 +40,23 @@ class BodyTile(NamedTuple):
     cosine: float
     speed: float
     score: float
-    """Of a hunter."""
+    """Catches of a hunter; unused for prey."""
     team: float
-    """The seat that stands for a hunter's team."""
+    """Seat that stands for a hunter's team; unused for prey."""
 
 
 class TargetTile(NamedTuple):
-    """What is known of a target in one lane: half a tile."""
+    """Tile of a target in one lane: half a cache line."""
 
     x: float
     y: float
     number: float
     age: float
-    """[s]"""
+    """Age of the target [s]."""
 
 
 class MotionTile(NamedTuple):
-    """And of one that moves."""
+    """Second half of the tile of a moving target."""
 
     sine: float
     cosine: float
@@ -65,7 +65,7 @@ class MotionTile(NamedTuple):
 
 TILE_X: Final = 0
 TILE_Y: Final = 1
-"""Of both kinds."""
+"""Index of the position in tiles of bodies and of targets."""
 TILE_NUMBER: Final = TargetTile._fields.index("number")
 _BODY_NUMBERS: Final = len(BodyTile._fields)
 _TARGET_NUMBERS: Final = len(TargetTile._fields)
@@ -74,7 +74,7 @@ _MOVING_NUMBERS: Final = _TARGET_NUMBERS + len(MotionTile._fields)
 
 @rule
 def body_tile(body: Block, team: float, lane: int) -> BodyTile:
-    """The tile of a body, of its rows up to SCORE and its team."""
+    """Return the tile of a body, from its rows up to SCORE and its team."""
     return BodyTile(
         x=body[X + lane],
         y=body[Y + lane],
@@ -88,11 +88,11 @@ def body_tile(body: Block, team: float, lane: int) -> BodyTile:
 
 @rule
 def target_tile(block: Block, targets: Block, at: int, lane: int) -> TargetTile:
-    """The tile of a target.
+    """Return the tile of a target.
 
     Args:
         block: the block, for its row TIME [ms].
-        at: where in `targets` its slot begins, its lane included.
+        at: offset of its slot in `targets`, its lane included.
     """
     age = (block[TIME + lane] - targets[APPEARED + at]) / 1000.0
     return TargetTile(targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age)
@@ -100,46 +100,46 @@ def target_tile(block: Block, targets: Block, at: int, lane: int) -> TargetTile:
 
 @rule
 def motion_tile(targets: Block, at: int) -> MotionTile:
-    """And where targets move; arguments as of `target_tile`."""
+    """Return the second half of a moving target's tile; arguments as for `target_tile`."""
     return MotionTile(targets[BODY + SINE + at], targets[BODY + COSINE + at], targets[BODY + SPEED + at])
 
 
 @rule
 def body_of_tile(tile: tuple[float, ...]) -> BodyTile:
-    """Its numbers by their names."""
+    """Return the numbers of a body's tile by name."""
     return BodyTile(*tile[:_BODY_NUMBERS])
 
 
 @rule
 def target_of_tile(tile: tuple[float, ...]) -> TargetTile:
-    """Its numbers by their names."""
+    """Return the numbers of a target's tile by name."""
     return TargetTile(*tile[:_TARGET_NUMBERS])
 
 
 @rule
 def motion_of_tile(tile: tuple[float, ...]) -> MotionTile:
-    """Its numbers by their names."""
+    """Return the numbers in the second half of a moving target's tile by name."""
     return MotionTile(*tile[_TARGET_NUMBERS:_MOVING_NUMBERS])
 
 
 @rule
 def tile_index(item: int, width: Width) -> int:
-    """Where the tiles of a slot, seat or prey stand, in the lanes of one group: see `transfers.take_tile`."""
+    """Return the indices of the tiles of a slot, seat or prey, in the lanes of one group: see `transfers.take_tile`."""
     return item * len(width) + each(0, width)
 
 
 @phase
 def put_tile(tiles: Block, item: int, width: Width, tile: tuple[float, ...]) -> None:
-    """The tiles of a slot, seat or prey, in the lanes of one group; a tuple of four numbers is half of each."""
+    """Write the tiles of a slot, seat or prey, in the lanes of one group; a tuple of four numbers is half of each."""
     put_rows(tiles, item * len(width) * TILE, TILE, tile)
 
 
 @phase
 def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: int, s: Settings, tiles: Block) -> None:
-    """What is known of every target, which all seats read, in the lanes of one group.
+    """Write the tiles of all targets, which all seats read, in the lanes of one group.
 
     Args:
-        slots: how many slots are in use in any lane.
+        slots: number of slots in use in the lane that uses most.
         tiles: the result: see `memory.Sections`.
     """
     for slot in range(slots):
@@ -154,7 +154,7 @@ def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: 
 
 @phase
 def tile_hunters(block: Block, first: int, width: Width, s: Settings, teams: NDArray[np.int64], tiles: Block) -> None:
-    """The same of every hunter.
+    """Write the tiles of all hunters, which all seats read, in the lanes of one group.
 
     Args:
         tiles: the result: see `memory.Sections`.
@@ -165,12 +165,12 @@ def tile_hunters(block: Block, first: int, width: Width, s: Settings, teams: NDA
 
 @phase
 def put_rank(place: Place, there: bool, seen: tuple[float, ...], exactly: bool) -> None:
-    """What is seen at one rank, in the lanes of one group.
+    """Write the columns of one rank, in the lanes of one group.
 
     Args:
-        there: whether anything is.
-        seen: its columns.
-        exactly: whether nothing is written behind them that would write over what is written too much.
+        there: whether anything is at the rank; otherwise zeros are written.
+        seen: columns of the rank.
+        exactly: whether to write no extra numbers, since no later column overwrites them.
     """
     columns = where_there(there, seen)
     if exactly:

@@ -1,7 +1,7 @@
-"""Numbers moved between arrays, many in one instruction: columns become rows and rows columns, stores go past the
-caches, and what is read next is asked for early.
+"""Moves of numbers between arrays, several in one instruction: exchanges of columns and rows, stores past the caches,
+and prefetches.
 
-Each function is written twice, as those of `vectors` are: for Python and for the compiler.
+Each function is written twice, as in `vectors`: for Python and for the compiler.
 """
 
 from collections.abc import Callable
@@ -17,67 +17,67 @@ from catch_arena.core.extending import INT32, compiled_as
 from catch_arena.core.vectors import Vector, like, low_level, pointer_to, select, shuffle
 
 STREAMED: Final = 8
-"""How many numbers `stream_eight` copies."""
+"""Number of float32 that `stream_eight` copies."""
 PREFETCHED: Final = 8
-"""How many numbers of float64 a cache line has: `prefetch` asks for one."""
+"""Number of float64 in a cache line, which `prefetch` requests."""
 TILE: Final = 8
-"""How many numbers of float64 a tile has, a cache line too: see `tiles`."""
+"""Number of float64 in a tile, which is a cache line: see `tiles`."""
 
 
 class Place(NamedTuple):
-    """Where the observations of a group of lanes are written."""
+    """Place at which the observations of a group of lanes are written."""
 
     out: NDArray[np.float32]
     """Observations, flat."""
     at: int
-    """Where those of the first lane begin."""
+    """Offset of the first lane's observation."""
     stride: int
-    """How far behind them those of the next lane begin."""
+    """Distance from one lane's observation to the next lane's."""
 
 
 # ---- for Python ----
 
 
 def put_rows(out: NDArray[Any], at: int, stride: int, columns: tuple[float, ...]) -> None:
-    """Columns become rows: the first lane's numbers, rounded to `out`'s type, stand side by side from out[at] on, the
-    next lane's from out[at + stride] on. Compiled it takes one lane or eight. With eight it writes whole fours: up to
-    three numbers too many.
+    """Write columns as rows: the first lane's numbers, rounded to `out`'s type, are adjacent from out[at] on, and the
+    next lane's from out[at + stride] on. Compiled code takes one lane or eight. With eight it writes whole groups of
+    four: up to three numbers after the end.
     """
     count, lanes = len(columns), max(map(np.size, columns))
     rows = np.empty((count, lanes))
-    for index, column in enumerate(columns):  # a plain number holds in all lanes
+    for index, column in enumerate(columns):  # a plain number is the same in all lanes
         rows[index] = column
     for lane in range(lanes):
         out[at + lane * stride : at + lane * stride + count] = rows[:, lane]
 
 
 def put_exactly(out: NDArray[Any], at: int, stride: int, columns: tuple[float, ...]) -> None:
-    """The same of four columns or more, and none too many: the last four may be written over some before them."""
+    """Write four or more columns as rows, with no number after the end: the last four may overlap others."""
     put_rows(out, at, stride, columns)
 
 
 def take_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
-    """Rows become columns: the numbers of the tile at an index, which may be another one in each lane."""
+    """Return rows as columns: the numbers of the tile at an index, which may differ by lane."""
     return tuple(tiles[index * TILE + number] for number in range(TILE))
 
 
 def take_half_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
-    """Its first four numbers."""
+    """Return the first four numbers of the tile at an index, which may differ by lane."""
     return take_tile(tiles, index)[: TILE // 2]
 
 
 def where_there(there: bool, columns: tuple[float, ...]) -> tuple[float, ...]:
-    """The columns in lanes where there is something, and zeros in the others."""
+    """Return the columns in lanes in which `there` is true, and zeros in the others."""
     return tuple(select(there, column, 0.0) for column in columns)
 
 
 def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
-    """Eight numbers, past the caches; both places lie on 32 bytes."""
+    """Copy eight numbers past the caches; both places are aligned to 32 bytes."""
     out[at : at + STREAMED] = source[start : start + STREAMED]
 
 
 def prefetch(numbers: NDArray[np.float64], at: int) -> None:
-    """Ask for the cache line of numbers[at], which is read later. It comes into the second cache: the first is too
+    """Prefetch the cache line of numbers[at], which is read later. It comes into the second cache: the first is too
     small to keep it until then.
     """
 
@@ -86,10 +86,10 @@ def prefetch(numbers: NDArray[np.float64], at: int) -> None:
 
 
 def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
-    """Eight lanes of four or eight columns of float32, as eight rows.
+    """Return eight lanes of four or eight columns of float32, as eight rows.
 
-    Two rounds of shuffles within the halves of a register, each pairing columns, and one across them, since halves are
-    dear to cross.
+    Two rounds of shuffles within the halves of a register pair columns. One round goes across the halves: crossing them
+    is slow.
     """
     pairs = [
         shuffle(builder, columns[k], columns[k + 1], chosen)
@@ -114,8 +114,8 @@ def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
 
 
 def _exchanged(builder: Any, rows: list[Any], sides: tuple[int, ...]) -> list[Any]:
-    """Of all squares of so many rows of eight lanes, the upper right and the lower left quarter change places: for
-    each of `sides`, half as long as the squares' own. With 1, 2 and 4 that makes columns of rows, and rows of columns.
+    """Exchange the upper right and the lower left quarter of all squares of rows of eight lanes. Do so once for each of
+    `sides`, half the side of the squares. With 1, 2 and 4, columns become rows and rows become columns.
     """
     for side in sides:
         low = [lane & ~side | (8 if lane & side else 0) for lane in range(8)]
@@ -129,7 +129,7 @@ def _exchanged(builder: Any, rows: list[Any], sides: tuple[int, ...]) -> list[An
 
 
 def _transposed_doubles(builder: Any, columns: list[Any]) -> list[Any]:
-    """Eight lanes of four or eight columns of float64, as eight rows."""
+    """Return eight lanes of four or eight columns of float64, as eight rows."""
     if len(columns) == 8:
         return _exchanged(builder, columns, (1, 2, 4))
     both = _exchanged(builder, columns, (1, 2))  # the k-th of them has the rows k and k + 4
@@ -137,7 +137,7 @@ def _transposed_doubles(builder: Any, columns: list[Any]) -> list[Any]:
 
 
 def _columns_of_doubles(builder: Any, rows: list[Any], count: int) -> list[Any]:
-    """Eight rows of four or eight numbers, as columns."""
+    """Return eight rows of four or eight numbers, as columns."""
     if count == 8:
         return _exchanged(builder, rows, (4, 2, 1))
     both = [shuffle(builder, rows[lane], rows[lane + 4], list(range(8))) for lane in range(4)]
@@ -149,7 +149,7 @@ def _type_of_put(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
 
 
 def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int, int]]]) -> None:
-    """`pieces_of` so many columns: where each begins, and how many it has, four or eight."""
+    """Compile a function that writes columns. `pieces_of` their number gives begin and size (4 or 8) of each piece."""
 
     @compiled_as(function, _type_of_put, 4)
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

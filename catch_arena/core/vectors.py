@@ -1,14 +1,15 @@
-"""Several arenas at once: `row[X + lane]`, where `lane` is a group of lanes, is one vector of numbers.
+"""Vectors of several arenas: `row[X + lane]`, for a group of lanes `lane`, is one vector of numbers.
 
-Rules and phases are written for one lane. `group` says what `lane` stands for: with a width of one it is a plain
-index, and everything is a plain number; with more it is that index and the next ones, and what is read there is a
-vector, on which `+ - * /`, comparisons, `&`, `|` and the functions below work number by number, with the same bits.
-A vector of int64 is an index too: a place of its own in each lane. Compiled, a vector is what the processor's own are,
-and stays in registers. Interpreted, it is a NumPy array. There is no `+=`, which would change an array wherever else it
-is known.
+Rules and phases are written for one lane. `group` decides the meaning of `lane`. With a width of one it is a plain
+index, and everything is a plain number. With a larger width it is that index and the next ones, and reading with it
+gives a vector. On vectors `+ - * /`, comparisons, `&`, `|` and the functions below work number by number, with the
+same bits. A vector of int64 is an index too: a separate place in each lane. In compiled code a vector is one of the
+processor's, and stays in registers. In interpreted code it is a NumPy array. Do not use `+=`: it would change an array
+under all its names.
 
-The functions below are what a rule needs besides operators: `select` in place of `a if condition else b`, `floor`,
-`sqrt`, and a few for bits. Each is written twice, for Python and, over Numba's extension interface, for the compiler.
+The functions below are those that a rule needs besides operators: `select` in place of `a if condition else b`,
+`floor`, `sqrt`, and a few for bits. Each is written twice: for Python, and, with Numba's extension interface, for the
+compiler.
 """
 
 import operator
@@ -25,14 +26,14 @@ from catch_arena.core.addresses import ArrayAt
 from catch_arena.core.extending import INT32, Emitter, compiled_as, unpacked
 
 Width = tuple[int, ...]
-"""How many lanes a group has: as many as the tuple is long, which the compiler knows."""
+"""Number of lanes in a group: the length of the tuple, which the compiler knows."""
 SINGLE: Final[Width] = (0,)
 HALF: Final[Width] = (0,) * 4
 WIDE: Final[Width] = (0,) * 8
-"""Of float32 a register of AVX2 holds eight, of float64 four."""
+"""Width of an AVX2 register of float32, which holds eight numbers; one of float64 holds four, as HALF."""
 PLAYED: Final = WIDE if binding.get_host_cpu_features().get("avx512vl", False) else HALF
-"""How many lanes of a batch play at a time. AVX-512VL has 32 registers, enough for eight float64 in two each; with the
-16 of AVX2 such code would keep numbers in memory.
+"""Number of lanes of a batch that play together. AVX-512VL has 32 registers, enough for eight float64 in two each; AVX2
+has 16, with which such code would keep numbers in memory.
 """
 
 T = TypeVar("T")
@@ -42,59 +43,59 @@ T = TypeVar("T")
 
 
 def group(first: int, width: Width) -> int:
-    """The lanes from `first` on, as many as the width says."""
+    """Return the lanes from `first` on, as many as the width has."""
     return first if len(width) == 1 else cast("int", np.arange(first, first + len(width)))
 
 
 def each(first: int, width: Width) -> int:
-    """The lanes from `first` on as numbers, an int64 in each lane."""
+    """Return the lanes from `first` on as numbers, an int64 in each lane."""
     return group(first, width)
 
 
 def select(condition: bool, a: T, b: T) -> T:
-    """`a if condition else b`."""
+    """Return `a if condition else b`, in each lane."""
     if isinstance(condition, np.ndarray):
         return cast("T", np.where(condition, a, b))
     return a if condition else b
 
 
 def any_of(condition: bool) -> bool:
-    """Whether it holds in any lane of a group."""
+    """Return whether a condition holds in any lane of a group."""
     return bool(condition.any() if isinstance(condition, np.ndarray) else condition)
 
 
 def floor(value: float) -> float:
-    """As a float: Python's own makes an int."""
+    """Return the greatest whole number not above a value, as a float: Python's own function makes an int."""
     return cast("float", np.floor(value))
 
 
 def sqrt(value: float) -> float:
-    """The square root, rounded to nearest."""
+    """Return the square root, rounded to nearest."""
     return cast("float", np.sqrt(value))
 
 
 def single_bits(value: float) -> int:
-    """The bits of a number rounded to float32, as an int32: where none is negative, they sort as the numbers do."""
+    """Return the bits of a number rounded to float32, as an int32. If none is negative, they sort as the numbers do."""
     return cast("int", np.float32(value).view(np.int32))
 
 
 def truncate(value: float) -> int:
-    """A number from 0 to 2^31 - 1 without its fraction, as an int32."""
+    """Return a number from 0 to 2^31 - 1 without its fraction, as an int32."""
     return cast("int", np.asarray(value).astype(np.int32)[()])
 
 
 def long(value: int) -> int:
-    """An int32 as an int64."""
+    """Return an int32 as an int64."""
     return cast("int", np.asarray(value).astype(np.int64)[()])
 
 
 def bits_of(value: float) -> int:
-    """The bits of a float64, as an int64."""
+    """Return the bits of a float64, as an int64."""
     return cast("int", np.asarray(value).view(np.int64)[()])
 
 
 def number_of(bits: int) -> float:
-    """The float64 of these bits, an int64."""
+    """Return the float64 with these bits, an int64."""
     return cast("float", np.asarray(bits).view(np.float64)[()])
 
 
@@ -102,20 +103,20 @@ def number_of(bits: int) -> float:
 
 
 class Vector(types.Type):
-    """`count` numbers of one type."""
+    """Compiler type of `count` numbers of one type."""
 
     def __init__(self, dtype: Any, count: int) -> None:
         self.dtype, self.count = dtype, count
         super().__init__(f"Vector({dtype} x {count})")
 
     def can_convert_from(self, context: Any, other: Any) -> Any:
-        """A number becomes a vector that has it in every lane, as safely as an int64 becomes a float64."""
+        """Let a number become a vector that has it in every lane, as safely as an int64 becomes a float64."""
         is_number = isinstance(other, types.Number | types.Boolean)
         return context.can_convert(types.int64, types.float64) if is_number else None
 
 
 class Lanes(types.Type):
-    """The first of `count` lanes."""
+    """Compiler type of an index that stands for `count` lanes, given by the first."""
 
     def __init__(self, count: int) -> None:
         self.count = count
@@ -132,12 +133,12 @@ _LOW_LEVEL: Final = {
 
 
 def low_level(of: Any) -> Any:
-    """LLVM's type, in registers."""
+    """Return LLVM's type of a number or vector in registers."""
     return ir.VectorType(_LOW_LEVEL[of.dtype], of.count) if isinstance(of, Vector) else _LOW_LEVEL[of]
 
 
 def like(of: Any, dtype: Any) -> Any:
-    """As many numbers of another type."""
+    """Return a type with as many numbers as `of`, of another type."""
     return Vector(dtype, of.count) if isinstance(of, Vector) else dtype
 
 
@@ -156,7 +157,7 @@ class _LanesModel(models.PrimitiveModel):
 @lower_cast(types.Number, Vector)
 @lower_cast(types.Boolean, Vector)
 def _spread(context: Any, builder: Any, number: Any, vector: Vector, value: Any) -> Any:
-    """The same number in every lane."""
+    """Return a vector with the same number in every lane."""
     value = context.cast(builder, value, types.unliteral(number), vector.dtype)
     empty = ir.Constant(low_level(vector), ir.Undefined)
     first = builder.insert_element(empty, value, INT32(0))
@@ -165,17 +166,17 @@ def _spread(context: Any, builder: Any, number: Any, vector: Vector, value: Any)
 
 @lower_cast(Vector, Vector)
 def _round(_context: Any, builder: Any, given: Vector, made: Vector, value: Any) -> Any:
-    """To float32, where it is not that already."""
+    """Return the numbers rounded to float32, if they have another type."""
     return value if given == made else builder.fptrunc(value, low_level(made))
 
 
 def shuffle(builder: Any, a: Any, b: Any, chosen: list[int]) -> Any:
-    """A vector of chosen lanes: those of `a` count from 0, those of `b` follow."""
+    """Return a vector of chosen lanes: those of `a` count from 0, and those of `b` follow."""
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(INT32, len(chosen)), chosen))
 
 
 def _common(a: Any, b: Any) -> Any:
-    """The vector that both become, where one of two is a vector and the other can be; else None."""
+    """Return the vector type to which both convert, if one is a vector type and the other can convert; else None."""
     first, second = isinstance(a, Vector), isinstance(b, Vector)
     if first and second:
         return a if a == b else None
@@ -186,7 +187,7 @@ def _common(a: Any, b: Any) -> Any:
 
 
 def _operate(symbol: Callable[..., Any], emit: Emitter, *, compares: bool = False) -> None:
-    """Let an operator work on vectors. `emit` has a builder, the numbers' type and both sides."""
+    """Let an operator work on vectors. `emit` gets a builder, the numbers' type and both sides."""
 
     def typer(a: Any, b: Any) -> Any:
         both = _common(a, b)
@@ -252,7 +253,7 @@ def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
 
 
 def pointer_to(context: Any, builder: Any, array: Any, first: Any, of: Any) -> Any:
-    """Where one or more numbers of an `ArrayAt` stand; `first` is not negative."""
+    """Return a pointer to one or more numbers of an `ArrayAt`; `first` must not be negative."""
     data, size = unpacked(builder, array)
     if context.enable_boundscheck:
         last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
@@ -340,7 +341,7 @@ def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
         return vector(condition, vector, vector)
     number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else types.unliteral(a)
     if number != types.float64 and number != types.unliteral(b):
-        return None  # such as True or 3, of which Python gives one or the other
+        return None  # such as True or 3: the type would depend on the condition
     return number(types.boolean, number, number)
 
 
@@ -363,7 +364,7 @@ def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _rounded_by(name: str) -> Emitter:
-    """LLVM's own function, of one number or of all lanes."""
+    """Return an emitter that calls LLVM's own function, for one number or for all lanes."""
 
     def emit(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         of = low_level(signature.return_type)
@@ -384,7 +385,7 @@ for _function, _name in ((floor, "floor"), (sqrt, "sqrt")):
 
 
 def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instructions: tuple[str, Any]) -> None:
-    """A function that is LLVM's instructions, one after the other, each with the type that it makes."""
+    """Compile a function as LLVM's instructions, one after the other, each with the type that it makes."""
 
     def typer(value: Any) -> Any:
         return like(value, dtype)(like(value, source))

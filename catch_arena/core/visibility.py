@@ -1,4 +1,4 @@
-"""Rulebook R7.5, R7.6: what a hunter sees of the arena, and how blurred."""
+"""Rulebook R7.5, R7.6: limits of a hunter's view, and the noise in it."""
 
 import math
 from typing import Final
@@ -14,20 +14,20 @@ from catch_arena.core.vectors import sqrt
 TARGET_KIND: Final = np.uint64(0)
 RIVAL_KIND: Final = np.uint64(1)
 ALL_ROUND: Final = -2.0
-"""Instead of the cosine of half the angle of view: nothing is behind."""
+"""Value in place of the cosine of half the angle of view: the hunter sees in all directions."""
 _SPREAD: Final = 1.7320508075688772
 
 
 @rule
 def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: float, s: Settings) -> bool:
-    """R7.5: whether a hunter sees what is dx, dy [m] from it: near enough and in front of it, or within its reach.
+    """R7.5: return whether a hunter sees a body: near enough and in front of it, or within its reach.
 
     Args:
-        dx: east of it [m]; infinite for what nobody sees.
-        dy: north of it [m].
-        sine: of the hunter's heading.
-        cosine: of the same.
-        reach_limit_m2: of its own reach: see `squared_limit`.
+        dx: eastern distance to the body [m]; infinite for a body that no hunter sees.
+        dy: northern distance to the body [m].
+        sine: sine of the hunter's heading.
+        cosine: cosine of the hunter's heading.
+        reach_limit_m2: limit of the hunter's own reach: see `squared_limit`.
     """
     square = dx * dx + dy * dy
     seen = square < s.view_limit_m2
@@ -37,10 +37,10 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: fl
 
 
 def squared_limit(limit_um: float) -> float:
-    """R3.10, R5.3, R7.5: the least square [m2] of a distance that is not less than so many whole micrometres.
+    """R3.10, R5.3, R7.5: return the least square [m2] of a distance of at least a number of whole micrometres.
 
-    Squares are compared with it in place of distances, which takes no root, and is the same in every bit: each step
-    from a square to micrometres keeps the order.
+    Comparing squares with it replaces comparing distances: it needs no root, and gives the same result in every bit.
+    The reason is that each operation from a square to micrometres keeps the order.
     """
     limit = (max(limit_um - 0.5, 0.0) / 1e6) ** 2
     while limit > 0.0 and to_micrometres(math.sqrt(limit)) >= limit_um:
@@ -52,11 +52,11 @@ def squared_limit(limit_um: float) -> float:
 
 @rule
 def blur_key(seed: np.uint64, step: float, observer: int, kind: np.uint64) -> np.uint64:
-    """R7.6: the stream of errors of what one hunter sees.
+    """R7.6: return the key of the errors in one hunter's view.
 
     Args:
-        seed: the arena's.
-        step: that of the state that is observed.
+        seed: the arena's seed.
+        step: the step of the observed state.
         observer: the seat that sees.
         kind: TARGET_KIND or RIVAL_KIND.
     """
@@ -65,7 +65,7 @@ def blur_key(seed: np.uint64, step: float, observer: int, kind: np.uint64) -> np
 
 @rule
 def blur(key: np.uint64, axis: int, noise: float) -> float:
-    """R7.6: what is added to where something is seen [m].
+    """R7.6: return the error that is added to a seen position along one axis [m].
 
     Args:
         key: draw(blur_key(...), the target's number or the rival's seat).

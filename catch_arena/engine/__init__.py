@@ -1,10 +1,10 @@
-"""The engine: arenas of one config in one memory, which the compiled core steps. No names, spaces or dicts: envs/ has
-those.
+"""The engine: arenas of one config in one memory, which the compiled core steps. Names, spaces and dicts belong to
+envs/.
 
-- engine: `Engine`. The envs, the service and the replays stand on it.
-- compiling: the core is compiled once in a process, and what is printed meanwhile.
+- engine: `Engine`, which the envs, the service and the replays use.
+- compiling: compilation of the core, once in a process, and its message.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
-- block_views: the memory by what lies in it. world_reading: it is read as a World.
+- block_views: views of the memory by content. world_reading: the memory read as a World.
 """
 
 from catch_arena.engine.engine import Engine as Engine

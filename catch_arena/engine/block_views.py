@@ -1,4 +1,4 @@
-"""The memory of a batch of arenas by what lies in it: views of the blocks of core/state.py, without a copy."""
+"""Views of the memory of a batch of arenas, by content: the blocks of core/state.py, without a copy."""
 
 from typing import Final
 
@@ -11,21 +11,21 @@ from catch_arena.core.state import LANES, Regions, slot_rows, target_order_rows
 
 
 def row_of(offset: int) -> int:
-    """The row at one of core/state.py's offsets, which count numbers, LANES to a row."""
+    """Return the row at one of core/state.py's offsets, which count numbers, LANES to a row."""
     return offset // LANES
 
 
 ANSWER: Final = slice(row_of(state.ANSWER[0]), row_of(state.ANSWER[-1]) + 1)
-"""The rows of a hunter's answer."""
+"""Rows of a hunter's answer."""
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 
 
 class BlockViews:
-    """Views of the blocks, each [block, ..., row, lane]; to write to one is to write to the arena.
+    """Views of the blocks, each [block, ..., row, lane]; writing to a view writes to the arena.
 
     Args:
         config: the arenas' settings.
-        regions: where in a block its rows are.
+        regions: offsets of the rows in a block.
         blocks: (number of blocks, rows * LANES).
     """
 
@@ -35,37 +35,37 @@ class BlockViews:
         slot = slot_rows(config.targets_move)
         first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = blocks.reshape(num_blocks, num_rows, LANES)
-        """All rows; the arena's own come first."""
+        """All rows; the arena's own come first: [block, row, lane]."""
         self.hunters = self.fields[:, first_hunter:first_target].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
-        """[block, seat, row, lane]."""
+        """Rows of the hunters: [block, seat, row, lane]."""
         self.targets = self.fields[:, first_target:first_order].reshape(num_blocks, config.max_targets, slot, LANES)
-        """[block, slot, row, lane]."""
+        """Rows of the target slots: [block, slot, row, lane]."""
         self.target_orders = self.fields[:, first_order:first_prey].reshape(
             num_blocks, hunters, target_order_rows(config.targets_seen), LANES
         )
-        """In which order each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
+        """Order in which each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
         self.prey = self.fields[:, first_prey:end].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
-        """[block, index, row, lane]."""
+        """Rows of prey: [block, index, row, lane]."""
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
         self.target_digest = [row_of(offset) for offset in digest]
-        """A.8: which of a slot's rows stand in the digest, in their order."""
+        """A.8: rows of a slot that the digest reads, in its order."""
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
-        """One arena's hunters: (H, HUNTER_ROWS)."""
+        """Return one arena's hunters: (H, HUNTER_ROWS)."""
         return self.hunters[arena // LANES, :, :, arena % LANES]
 
     def prey_rows(self, arena: int) -> NDArray[np.float64]:
-        """One arena's prey: (P, PREY_ROWS)."""
+        """Return one arena's prey: (P, PREY_ROWS)."""
         return self.prey[arena // LANES, :, :, arena % LANES]
 
     def prey_numbers(self, arena: int) -> NDArray[np.float64]:
-        """R12.1: the numbers of the targets that one arena's prey plays, 0 for prey that is out: (P,), a copy."""
+        """R12.1: return the target numbers that one arena's prey plays, 0 for prey that is out: (P,), a copy."""
         slots = self.prey_rows(arena)[:, row_of(state.PREY_SLOT)].astype(np.int64)
         numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
         return np.where(slots == state.NO_TARGET, 0.0, numbers)
 
     def targets_seen(self, arena: int, seat: int) -> list[int]:
-        """R7.1: the numbers of the targets that one hunter sees, by rank."""
+        """R7.1: return the numbers of the targets that one hunter sees, by rank."""
         block, lane = divmod(arena, LANES)
         slots = self.target_orders[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
         seen = slots[np.cumsum(slots == state.ABSENT) == 0]
@@ -73,14 +73,14 @@ class BlockViews:
         return numbers
 
     def seeds(self) -> NDArray[np.uint64]:
-        """The seeds of the episodes under way, of all lanes: (blocks * LANES,)."""
+        """Return the seeds of the current episodes, of all lanes: (blocks * LANES,)."""
         high, low = (
             self.fields[:, row_of(offset)].reshape(-1).astype(np.uint64) for offset in (state.SEED_HIGH, state.SEED_LOW)
         )
         return (high << np.uint64(32)) | low
 
     def state(self, arena: int) -> NDArray[np.float64]:
-        """A.8: the numbers of one arena's state, (n,), in the order in which the digest reads them."""
+        """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
         block, lane = divmod(arena, LANES)
         own = self.fields[block, :, lane]
         alive = int(own[row_of(state.ALIVE)])

@@ -1,4 +1,4 @@
-"""The rules are compiled once in a process; a line says so, as it takes seconds."""
+"""Compilation of the rules, once in a process, with a printed line, since it takes seconds."""
 
 import gc
 import sys
@@ -11,7 +11,7 @@ from catch_arena.core.compiler import INTERPRETED
 
 _COMMON_S: Final = 5
 _ALL_S: Final = 7
-"""Seconds that compiling takes on a machine of 2025, about."""
+"""Approximate compile time on a machine of 2025 [s]."""
 _KEPT: Final = (
     "kept for later starts"
     if CACHE_DIRECTORY
@@ -20,7 +20,7 @@ _KEPT: Final = (
 
 
 class Variant(NamedTuple):
-    """What of `tick.run` is compiled."""
+    """Part of `tick.run` that is compiled."""
 
     batch: bool
     """True for many arenas, false for one."""
@@ -39,7 +39,7 @@ _begun: Final[set[Variant]] = set()
 
 
 def compile_once(variant: Variant, play: Callable[[], None]) -> None:
-    """Compile, or load from the cache, all that `play` calls, unless this was done before; say so if it is compiled."""
+    """Compile, or load from the cache, all that `play` calls, once in a process; print a line if it is compiled."""
     if INTERPRETED or variant in _compiled or variant in _begun:
         return
     _begun.add(variant)
@@ -74,7 +74,7 @@ def _announced(variant: Variant) -> Iterator[None]:
 
 @contextmanager
 def _without_garbage_collection() -> Iterator[None]:
-    """The collector would look at the compiler's many objects again and again."""
+    """Switch the garbage collector off: it would scan the compiler's many objects again and again."""
     enabled = gc.isenabled()
     gc.disable()
     try:

@@ -21,7 +21,7 @@ _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
 
 def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = False) -> Settings:
-    """The scalars of a config, as the core reads them."""
+    """Return the scalars of a config, as the core reads them."""
     require_type("config", config, ArenaConfig, "scenario(name)")
     high = config.side_m - _SPAWN_WALL_M
     return Settings(
@@ -81,14 +81,14 @@ def _weights(weights: RewardWeights | PreyRewardWeights, parts: Sequence[str]) -
 
 
 def _number_of(setting: str, word: str, numbers: Mapping[str, int], table: str) -> int:
-    """The core's number for a word, which a developer may have added to config.py alone."""
+    """Return the core's number for a word; raise ConfigError if a developer added the word only to config.py."""
     if word not in numbers:
         raise ConfigError(f"{setting} must have a number for {word!r} in the core: add the word to {table}")
     return numbers[word]
 
 
 def _spawned_in_full(config: ArenaConfig) -> float:
-    """R1.5, R12.6: how many targets have appeared when none will any more."""
+    """R1.5, R12.6: return the number of spawned targets after which no more appear; infinity without a limit."""
     if config.prey and config.prey_returns_s is not None:
         return math.inf
     if not config.spawning:
@@ -97,7 +97,7 @@ def _spawned_in_full(config: ArenaConfig) -> float:
 
 
 def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
-    """R2.5, R2.7: the limits of every seat, as the core reads them: (H, 5)."""
+    """R2.5, R2.7: return the limits of every seat, as the core reads them: (H, 5)."""
     limits = zip(config.max_speeds, config.max_turn_rates, config.reaches_um, strict=True)
     return np.array(
         [

@@ -1,5 +1,5 @@
-"""The engine: owns the memory of a batch of arenas, and calls the core. Trusts its callers: envs and
-arbitration check what people give.
+"""The engine: owns the memory of a batch of arenas, and calls the core. It does not check its arguments: envs and
+arbitration do.
 """
 
 import hashlib
@@ -42,7 +42,7 @@ from catch_arena.world import World
 
 SavedBytes = tuple[Bytes, Bytes]
 _HUNTERS_A_CHUNK: Final = 4096
-"""How many hunters a thread plays at a time, at least: fewer are not worth the waking."""
+"""Least number of hunters that a thread plays at a time: fewer are not worth the cost of waking it."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
@@ -56,14 +56,14 @@ class Engine:
     Args:
         config: the arena's settings.
         num_arenas: B, from 1 up.
-        with_infos: whether what infos are made of is kept: R6.2's parts, and the evidence of rulings.
-        auto_reset: whether the next episode begins at once where one has ended.
-        num_threads: how many may play.
+        with_infos: whether to keep the content of infos: R6.2's parts, and the evidence of rulings.
+        auto_reset: whether an arena whose episode ends begins the next one immediately.
+        num_threads: the greatest number of threads that play.
         any_control: whether `controls` may differ by arena.
 
-    `rewards`, `observations` and so on are arrays of `core.memory.Sections`, which gives their shapes. They
-    change with every step: copy what is to be kept. Of N agents the H hunters come first, by seat, and then the P prey,
-    by index.
+    `rewards`, `observations` and so on are arrays of `core.memory.Sections`, which gives their shapes. They change with
+    every step: copy the arrays that must last. Of N agents the H hunters come first, by seat, and then the P prey, by
+    index.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Engine:
         variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
         width, view_width = (SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)
         self._compiled_for = (width, view_width, options)
-        """The first arguments of `tick.run`, by whose types it is compiled."""
+        """First arguments of `tick.run`, whose types determine the compiled code."""
         compile_once(variant, partial(_play_smallest, variant))
         self.config = config
         self.num_arenas = num_arenas
@@ -99,11 +99,11 @@ class Engine:
             )
         )
         spare = num_arenas - (num_blocks - 1) * LANES
-        # in lanes that are no arenas nobody does anything
+        # lanes without an arena hold only withdrawn hunters
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
-        """Give the memory's sections their names."""
+        """Bind the memory's sections to attributes."""
         self._memory = memory
         self._run_tick: Callable[..., None] = partial(tick.run, *self._compiled_for, memory)
         self.blocks = sections.blocks
@@ -144,10 +144,10 @@ class Engine:
     def reset(
         self, seeds: Sequence[int] | NDArray[np.uint64], arenas: Sequence[int] | NDArray[np.int64] | None = None
     ) -> None:
-        """Begin an episode in all arenas, or in those named; one seed in [0, 2^64) for each.
+        """Begin an episode in all arenas, or in the named ones; one seed in [0, 2^64) for each.
 
         Raises:
-            ConfigError: for a number of seeds that is not that of the arenas, and a seed outside [0, 2^64).
+            ConfigError: if the numbers of seeds and arenas differ, and for a seed outside [0, 2^64).
         """
         chosen = np.arange(self.num_arenas) if arenas is None else np.asarray(arenas, dtype=np.int64)
         if len(seeds) != len(chosen):
@@ -171,14 +171,15 @@ class Engine:
         commands: NDArray[np.float32],
         requests: RequestTable = _NO_REQUESTS,
     ) -> None:
-        """R1.4: one step of every arena.
+        """R1.4: play one step of every arena.
 
         Args:
             choices: (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none.
-            commands: (B, N, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. What nobody
-                reads may be an empty array.
-            requests: of a single arena, instead of what the hunters ask for: a table of `arbiter`, (n, columns),
-                of which REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all else is written.
+            commands: (B, N, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. An array
+                that no agent reads may be empty.
+            requests: for a single arena, requests that replace those of the hunters: a table of `arbiter`, (n,
+                columns). REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all other columns
+                are written.
         """
         blocks, chunks = len(self.blocks), self._chunks
         playing = True
@@ -202,7 +203,7 @@ class Engine:
         self._observe(arena // LANES, arena // LANES + 1)
 
     def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations of the blocks in which these arenas are."""
+        """Begin episodes, and write the observations of the blocks that contain these arenas."""
         blocks = np.unique(arenas // LANES)
         gaps = np.flatnonzero(np.diff(blocks) > 1) + 1
         for adjoining in np.split(blocks, gaps) if len(blocks) else ():  # one call for each run of blocks
@@ -210,7 +211,7 @@ class Engine:
             resets = _NO_RESETS  # all episodes have begun
 
     def withdraw(self, arena: int, agent: int) -> None:
-        """R1.6, R12.5: the agent, one of N, stands still from now on; a hunter is not seen by the others any more."""
+        """R1.6, R12.5: withdraw an agent, one of N: it stands still from now on, and the others do not see a hunter."""
         if agent < self.config.hunters:
             dropouts.withdraw_at(self._memory, arena, agent)
         else:
@@ -225,18 +226,18 @@ class Engine:
         prey: Sequence[tuple[float, float, float]] | None = None,
         ages: Sequence[float] = (),
     ) -> None:
-        """A position for tests and lessons: hunters at rest at these poses, and these targets alive instead of those
-        that were and that nobody played.
+        """Set up a position for tests and lessons: hunters at rest at these poses, and these targets instead of the
+        alive targets that no prey plays.
 
-        The targets take the next spawn numbers, in their order, and appear now with theta 0, or are as old as `ages`
-        says [s], to the millisecond. Prey stays as it is, under its numbers; where poses of all prey are given, those
-        who are in play are at rest there.
+        The targets take the next spawn numbers, in their order, and appear now with theta 0, or have the given `ages`
+        [s], rounded to the millisecond. Prey stays as it is, under its numbers; if poses of all prey are given, prey in
+        play is at rest there.
         """
         rows = np.zeros((len(targets), 5))
         rows[:, :2] = np.reshape(targets, (-1, 2))
         if ages:
             rows[:, 4] = _in_ms(np.array(ages))
-        # 0.0 is added so that no zero has a sign
+        # 0.0 is added so that no zero is negative
         poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
         placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
         self._observe_block_of(arena)
@@ -248,15 +249,15 @@ class Engine:
         targets: NDArray[np.float64],
         steps: NDArray[np.int64],
     ) -> None:
-        """Begin episodes with these bodies in place of those that the seeds give; the seeds stay, for all that follows.
-        Not for arenas with prey.
+        """Begin episodes with these bodies instead of those that the seeds give; later draws still follow from the
+        seeds. Do not call it for arenas with prey.
 
         Args:
             arenas: (n,), all different.
-            hunters: (n, H, 4): x, y, theta, linear velocity; NaN: withdrawn.
-            targets: (n, T, 5): x, y, theta, linear velocity, age [s]; NaN: none. They take the numbers from 1, the
-                oldest first.
-            steps: (n,), how many have been played.
+            hunters: (n, H, 4): x, y, theta, linear velocity; NaN for a withdrawn hunter.
+            targets: (n, T, 5): x, y, theta, linear velocity, age [s]; NaN for no target. Their numbers count from 1,
+                the oldest first.
+            steps: (n,), number of steps already played.
         """
         rows = targets + 0.0
         rows[:, :, 4] = _in_ms(targets[:, :, 4])
@@ -271,14 +272,14 @@ class Engine:
         self._observe_blocks_of(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
-        """R8.1: a target outside the timer, with the next number, which is returned; 0 in a full arena (R3.5)."""
-        number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero has a sign
+        """R8.1: add a target outside the timer and return its number, the next one; return 0 in a full arena (R3.5)."""
+        number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero is negative
         self._observe_block_of(arena)
         return number
 
     def kill(self, arena: int, number: int) -> bool:
         """R8.1: remove an alive target, which no longer counts as spawned (R5.8). Return False if it is not alive, or
-        if prey plays it, which is never killed.
+        if prey plays it, since such a target is never killed.
         """
         killed = spawner.kill(self._memory, arena, number)
         self._observe_block_of(arena)
@@ -287,11 +288,11 @@ class Engine:
     # reading
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
-        """R5.6: the verdicts of the last step with their evidence, by seat."""
+        """R5.6: return the verdicts of the last step with their evidence, by seat."""
         return read_rulings(self.config, self._views, arena)
 
     def world(self, arena: int = 0) -> World:
-        """One arena as people read it."""
+        """Return one arena as a World, with names."""
         return read_world(self.config, self._views, arena)
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
@@ -300,39 +301,39 @@ class Engine:
         return next((rank for rank, number in enumerate(numbers, 1) if self.config.target_name(number) == name), 0)
 
     def seeds(self) -> NDArray[np.uint64]:
-        """The seeds of the episodes under way: (B,)."""
+        """Return the seeds of the current episodes: (B,)."""
         return self._views.seeds()[: self.num_arenas]
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
-        """A.8: the numbers of one arena's state, (n,), in the order in which the digest reads them."""
+        """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
         return self._views.state(arena)
 
     def digest(self, arena: int = 0) -> bytes:
-        """A.8: eight bytes that stand for one arena's state."""
+        """A.8: return the digest of one arena's state, eight bytes."""
         return hashlib.blake2b(self.state(arena).astype("<f8", copy=False).tobytes(), digest_size=8).digest()
 
-    # keeping
+    # saving
 
     def save(self) -> SavedBytes:
-        """R10.2: all arenas and what was written of their last step, and apart from it what only `auto_reset` keeps of
-        episodes that have ended; `restore` takes both back, here or in an engine of an equal config and size.
+        """R10.2: return the state of all arenas with the results of their last step, and the records of ended episodes,
+        which only `auto_reset` keeps. `restore` takes both, in this engine or in one of an equal config and size.
         """
         return self._saved.copy(), self._finished.copy()
 
     def restore(self, state_of_all: SavedBytes) -> None:
-        """Go on from a saved state. Its second part is left out if this engine or the other has no `auto_reset`."""
+        """Continue from a saved state. Its second part is ignored if this engine or the other has no `auto_reset`."""
         self._saved[:], finished = state_of_all
         if len(finished) == len(self._finished):
             self._finished[:] = finished
 
     def save_row(self, arena: int) -> SavedBytes:
-        """R10.2: the same of one arena, which any arena of an engine of an equal config can take."""
+        """R10.2: return the state of one arena, which any arena of an engine of an equal config can take."""
         rows = [self._column(arena).copy().view(np.uint8), *(rows[arena] for rows in self._saved_rows)]
         finished = [rows[arena] for rows in self._finished_rows]
         return np.concatenate(rows), np.concatenate(finished) if finished else _NO_BYTES
 
     def restore_row(self, arena: int, state_of_one: SavedBytes) -> None:
-        """The same in one arena."""
+        """Continue from the saved state of one arena, in one arena."""
         saved, finished = state_of_one
         column = self._column(arena)
         column[:] = saved[: column.nbytes].view(np.float64)
@@ -348,16 +349,16 @@ class Engine:
         return self._column(0).nbytes + size, finished
 
     def _column(self, arena: int) -> NDArray[np.float64]:
-        """Return one arena of its block: (rows,), the engine's own memory."""
+        """Return one arena's column of its block: (rows,), a view of the engine's memory."""
         return self._views.fields[arena // LANES, :, arena % LANES]
 
     @cached_property
     def config_digest(self) -> str:
-        """The config's digest, which a saved state has to have: worked out once, as it takes longer than to save."""
+        """Digest of the config, which a saved state must have; computed once, since it takes longer than saving."""
         return self.config.digest
 
     def clone(self) -> "Engine":
-        """An engine of its own in the same state."""
+        """Return an independent engine in the same state."""
         twin = object.__new__(Engine)
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
@@ -371,7 +372,7 @@ class Engine:
         return self.clone()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled by what it is made from: its arrays share their memory, which a plain pickle would part."""
+        """Pickle the constructor's arguments and the memory: arrays share it, which a plain pickle would not keep."""
         make = partial(
             Engine,
             with_infos=self.with_infos,
@@ -382,7 +383,7 @@ class Engine:
         return make, (self.config, self.num_arenas), self._memory
 
     def __setstate__(self, state: Bytes) -> None:
-        """Take the memory of another engine of the same config and size."""
+        """Copy the memory of another engine of the same config and size."""
         self._memory[:] = state
 
 
@@ -434,9 +435,9 @@ def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _play_smallest(variant: Variant) -> None:
-    """Play one step of the smallest engine of this variant, so that all that it calls is compiled."""
+    """Play one step of the smallest engine of this variant, which compiles all that a step calls."""
     config = ArenaConfig(hunters=1, max_targets=1, initial_targets=1)
     num_arenas = 2 if variant.batch else 1
-    smallest = Engine(config, num_arenas, any_control=variant.options)  # one option is enough: all come together
+    smallest = Engine(config, num_arenas, any_control=variant.options)  # one option is enough: it compiles all
     smallest.reset([0] * num_arenas)
     smallest.step(np.zeros((num_arenas, 1), dtype=np.int64), np.zeros((num_arenas, 1, 2), dtype=np.float32))

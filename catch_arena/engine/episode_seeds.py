@@ -1,4 +1,4 @@
-"""A.5: which seed an episode has: one that is given, the one that follows another, or a row's of a batch."""
+"""A.5: seeds of episodes: a given seed, the seed that follows another, or the seed of a batch's row."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,19 +8,19 @@ from catch_arena.seeding import checked_seed, fresh_seed
 
 
 def next_seeds(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """A.5: the seeds of the episodes that follow, where a reset names none: (n,)."""
+    """A.5: return the seeds of the episodes that follow if a reset names none: (n,)."""
     following = seeds.copy()
     advance_seeds(following)
     return following
 
 
 def episode_seed(given: int | None, before: int | None) -> int:
-    """The seed of one arena's next episode.
+    """Return the seed of one arena's next episode.
 
     Args:
         given: a whole number in [0, 2^64), or None.
-        before: the seed of the episode before, which it then follows (A.5); None for a first one, which is the
-            operating system's.
+        before: the seed of the previous episode, from which the next one follows (A.5); None for the first episode,
+            whose seed the operating system gives.
 
     Raises:
         ConfigError: for a seed outside [0, 2^64).
@@ -31,7 +31,7 @@ def episode_seed(given: int | None, before: int | None) -> int:
 
 
 def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:
-    """A.5: the seeds of a batch's rows from one seed: (B,)."""
+    """A.5: return the seeds of a batch's rows, which follow from one seed: (B,)."""
     seeds = np.zeros(num_arenas, dtype=np.uint64)
     derive_row_seeds(np.uint64(seed), seeds)
     return seeds

@@ -1,4 +1,4 @@
-"""From an arena's memory to what people read: its World, and the rulings of its last step."""
+"""Reading of an arena's memory for people: its World, and the rulings of its last step."""
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
@@ -9,7 +9,7 @@ from catch_arena.world import HunterState, PreyState, TargetState, World
 
 
 def read_world(config: ArenaConfig, views: BlockViews, arena: int) -> World:
-    """One arena as people read it."""
+    """Return one arena as a World, with names."""
     block, lane = divmod(arena, LANES)
     own = views.fields[block, : state.ARENA_ROWS, lane]
     alive = int(own[row_of(state.ALIVE)])
@@ -60,7 +60,7 @@ def read_world(config: ArenaConfig, views: BlockViews, arena: int) -> World:
 
 
 def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ruling, ...]:
-    """R5.6: the verdicts of one arena's last step with their evidence, by seat."""
+    """R5.6: return the verdicts of one arena's last step with their evidence, by seat."""
     found = []
     steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
     for seat, me in enumerate(views.hunter_rows(arena).tolist()):
@@ -74,7 +74,7 @@ def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ru
 
 
 def _prey_states(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[tuple[PreyState, ...], dict[int, str]]:
-    """R12.1: one arena's prey, and who plays the target in a slot."""
+    """R12.1: return the states of one arena's prey, and the name of the prey that plays the target in a slot."""
     states, players = [], {}
     numbers = views.prey_numbers(arena).tolist()
     for name, number, me in zip(config.prey_names, numbers, views.prey_rows(arena).tolist(), strict=True):

@@ -1,4 +1,4 @@
-"""Actions: the check of what agents give, and the arrays that the engine gets from it."""
+"""Check of the actions that agents give, and their conversion into the engine's arrays."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +14,7 @@ from catch_arena.text import in_short
 
 
 class ActionReader:
-    """Reads the actions of one arena's agents.
+    """Reader of the actions of one arena's agents.
 
     Args:
         config: the arena's settings.
@@ -30,7 +30,7 @@ class ActionReader:
         """Each agent's row in the engine's arrays."""
         prey_drives: tuple[Control] = ("velocity",)
         self.controls = config.controls + prey_drives * config.prey
-        """By row; prey drives itself."""
+        """Control of each agent, by row; prey has velocity control."""
         self._ranks = config.targets_seen
 
     def copy(self) -> "ActionReader":
@@ -56,7 +56,7 @@ class ActionReader:
         Raises:
             ActionError: for an action that is missing or not legal, and an unknown agent.
         """
-        if type(actions) is not dict and not isinstance(actions, Mapping):  # the first is known at once
+        if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
             raise ActionError(f"actions must map each agent to its action, got {actions!r}")
         if len(actions) != len(agents):
             self._require_complete(actions, agents)
@@ -75,10 +75,10 @@ class ActionReader:
                     commands[0, row, 0], commands[0, row, 1] = command
         except KeyError:
             self._require_complete(actions, agents)
-            raise  # an action's own
+            raise  # a KeyError of the action itself
 
     def _require_complete(self, actions: Mapping[str, Any], agents: Sequence[str]) -> None:
-        """An action for each of these agents, and others only of agents that have left."""
+        """Check that each of these agents has an action, and that others are only of agents that have left."""
         for agent in actions:
             self.row(agent)
         missing = [agent for agent in agents if agent not in actions]
@@ -86,7 +86,7 @@ class ActionReader:
             raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
 
     def clear(self, agent: str) -> None:
-        """Make that agent do nothing until `read` gets an action for it."""
+        """Set that agent's action to none, until `read` gets an action for it."""
         row = self.rows[agent]
         self.commands[0, row] = 0.0
         self.choices[0, row : row + 1] = 0  # prey has no choice
@@ -97,12 +97,12 @@ class ActionReader:
 
 
 def checked_choice(agent: str, what: str, action: Any, ranks: int) -> int:
-    """A rank from 0 to `ranks`.
+    """Return an action as a rank from 0 to `ranks`.
 
     Raises:
         ActionError: for an action that is not legal.
     """
-    usual = type(action) is int or type(action) is np.int64  # without another call
+    usual = type(action) is int or type(action) is np.int64  # faster than whole_number
     number = int(action) if usual else whole_number(plain_action(action))
     if number is None or not 0 <= number <= ranks:
         raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {in_short(action)}")
@@ -110,13 +110,13 @@ def checked_choice(agent: str, what: str, action: Any, ranks: int) -> int:
 
 
 def checked_command(agent: str, what: str, action: Any, *, clip: bool = False) -> tuple[float, float]:
-    """Two numbers in [-1, 1].
+    """Return an action as two numbers in [-1, 1].
 
     Args:
-        agent: for the error.
+        agent: name of the agent in the error.
         what: the action's name in the error.
         action: two numbers, as a list, a tuple, an array or a tensor.
-        clip: whether finite numbers out of bounds become the nearest bound.
+        clip: whether finite numbers out of bounds are replaced by the nearest bound.
 
     Raises:
         ActionError: for an action that is not legal.
@@ -129,7 +129,7 @@ def checked_command(agent: str, what: str, action: Any, *, clip: bool = False) -
         if type(speed) is not float or type(turn_rate) is not float:
             speed, turn_rate = real_number(as_python(speed)), real_number(as_python(turn_rate))
         if speed is not None and turn_rate is not None:
-            if -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0:  # NaN lies nowhere
+            if -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0:  # false for NaN too
                 return speed, turn_rate
             if clip and -math.inf < speed < math.inf and -math.inf < turn_rate < math.inf:
                 return min(max(speed, -1.0), 1.0), min(max(turn_rate, -1.0), 1.0)
@@ -138,7 +138,7 @@ def checked_command(agent: str, what: str, action: Any, *, clip: bool = False) -
 
 
 def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> tuple[int, tuple[float, float]]:
-    """{"cmd_vel": two numbers in [-1, 1], "catch": a rank}: the rank, and the two.
+    """Return the rank and the two velocities of {"cmd_vel": two numbers in [-1, 1], "catch": a rank}.
 
     Raises:
         ActionError: for an action that is not legal.
@@ -155,14 +155,14 @@ def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> 
 def checked_action(
     control: Control, agent: str, action: Any, ranks: int, *, clip: bool = False
 ) -> tuple[int, tuple[float, float]]:
-    """The rank that a hunter of that control chooses, 0 for none, and the two numbers that it drives by.
+    """Return the rank and the two velocities of an action under a control; 0 or (0, 0) for a part that is not read.
 
     Args:
-        control: the hunter's.
-        agent: for the error.
-        action: what the agent returned.
+        control: control of the agent.
+        agent: name of the agent in the error.
+        action: the value that the agent returned.
         ranks: the highest rank.
-        clip: whether finite velocities out of bounds become the nearest bound, as in the environments.
+        clip: whether finite velocities out of bounds are replaced by the nearest bound, as in the environments.
 
     Raises:
         ActionError: for an action that is not legal.
@@ -175,11 +175,11 @@ def checked_action(
 
 
 def choice_array(given: Any, axes: int) -> NDArray[Any]:
-    """Return the choices of many hunters as one array, each of them read as that of one hunter is.
+    """Return the choices of many hunters as one array; each choice is read as that of a single hunter.
 
     Args:
         given: an array, a tensor, or lists of actions.
-        axes: how many axes of hunters it has: 2 for (B, H), 1 for (N,).
+        axes: number of axes before a single choice: 2 for (B, H), 1 for (N,).
 
     Raises:
         ValueError: for rows that differ in length.
@@ -189,12 +189,12 @@ def choice_array(given: Any, axes: int) -> NDArray[Any]:
 
 
 def command_array(given: Any, axes: int) -> NDArray[Any]:
-    """Return the velocities of many hunters as one array; see `choice_array`. Here `axes` counts the last one too."""
+    """Return the velocities of many hunters as one array; see `choice_array`. Here `axes` includes the last axis."""
     return _array(given, axes, lambda one: real_number(as_python(one)))
 
 
 def _array(given: Any, axes: int, read: Callable[[Any], object]) -> NDArray[Any]:
-    """Return what is given as an array; of objects, where something in a list is not legal."""
+    """Return the argument as an array; its type is object if something in a list is not legal."""
     if isinstance(given, list | tuple):
         return np.array(_rows(given, axes, read))
     try:

@@ -1,5 +1,5 @@
-"""The arena as a PettingZoo AEC environment: PettingZoo's own wrapper, with a bad action refused by the call that
-gives it.
+"""The arena as a PettingZoo AEC environment: PettingZoo's own wrapper, in which the call that gives an illegal action
+also raises its error.
 """
 
 import copy
@@ -27,11 +27,14 @@ class SavedTurn:
 
     episode: SavedEpisode
     turns: dict[str, Any]
-    """The agent whose turn it is, actions that were given and are not played yet, and results of the last step."""
+    """The agent whose turn it is, actions that were given but not played yet, and results of the last step."""
 
 
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
-    """The arena, hunter by hunter; `world`, `digest`, `withdraw`, `record` and `replay` are the parallel env's."""
+    """PettingZoo AEC environment of the arena, in which agents act one after the other and move together.
+
+    `world`, `digest`, `withdraw`, `record` and `replay` are methods of the parallel environment.
+    """
 
     _has_reset: bool
     _has_updated: bool
@@ -47,14 +50,14 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         self._parallel = parallel
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the same as of the parallel env."""
+        """Return the HTML that a notebook shows for the parallel env."""
         return self._parallel._repr_html_()
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         """Begin an episode; arguments as for the parallel env.
 
         Raises:
-            ConfigError: as the parallel env's; nothing has begun then.
+            ConfigError: as the parallel env's; no episode has begun then.
         """
         begun = self._has_reset, self._has_updated
         try:
@@ -64,7 +67,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             raise
 
     def step(self, action: Any) -> None:
-        """Take the action of the agent whose turn it is; an action that is refused changes nothing.
+        """Take the action of the agent whose turn it is; an illegal action changes nothing.
 
         Raises:
             ActionError: for an action that is not legal.
@@ -84,7 +87,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         return result
 
     def observe(self, agent: str) -> Any:
-        """Return what that agent sees.
+        """Return the current observation of an agent.
 
         Raises:
             ActionError: for an unknown agent.
@@ -96,8 +99,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             raise
 
     def save(self) -> SavedTurn:
-        """R10.2: return the state of the episode, also between two turns; `restore` takes it, here or in an env of an
-        equal config, any number of times.
+        """R10.2: return the state of the episode, also between two turns. `restore` takes it any number of times, in
+        this env or in another one of an equal config.
 
         Raises:
             EpisodeError: before the first reset.
@@ -105,10 +108,10 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         return SavedTurn(self._parallel.save(), self.env.save_turns())
 
     def restore(self, saved: SavedTurn) -> None:
-        """Go on from a saved episode, bit for bit; `last` gives what it gave then.
+        """Continue from a saved episode, bit for bit; `last` returns the same as before `save`.
 
         Raises:
-            ConfigError: for anything but a result of `save`, and one of another config.
+            ConfigError: for anything that `save` did not return, and for the state of another config.
         """
         if not isinstance(saved, SavedTurn):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
@@ -132,7 +135,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
 
 
 class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
-    """The wrapper keeps the actions until the last seat's turn; a bad one would be refused to somebody else."""
+    """PettingZoo's wrapper with a check in each turn: alone it would raise in the last turn, for another agent."""
 
     env: CatchArenaEnv
 
@@ -141,16 +144,16 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
         self._unchanging = frozenset(vars(self)) | {"_unchanging"}
 
     def save_turns(self) -> dict[str, Any]:
-        """Return a copy of everything that an episode changes here."""
+        """Return a copy of all attributes that an episode changes in this wrapper."""
         return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._unchanging})
 
     def restore_turns(self, saved: dict[str, Any]) -> None:
-        """Restore what `save_turns` returned."""
+        """Restore the result of `save_turns`."""
         self.__dict__ = {name: vars(self)[name] for name in self._unchanging} | copy.deepcopy(saved)
 
     @property
     def unwrapped(self) -> "_Unwrapped":
-        """The parallel env, with what this wrapper keeps."""
+        """Parallel env together with the attributes of this wrapper."""
         return _Unwrapped(self)
 
     def step(self, action: Any) -> None:
@@ -164,10 +167,10 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 
 
 class _Unwrapped:
-    """The `unwrapped` that wrappers find: attributes of this AEC env, else those of the parallel env.
+    """Object that wrappers find as `unwrapped`: attributes of this AEC env, else those of the parallel env.
 
-    PettingZoo's TerminateIllegalWrapper reads and writes them there, and PettingZoo's test lets no wrapper be
-    `unwrapped`.
+    PettingZoo's TerminateIllegalWrapper reads and writes these attributes, and PettingZoo's test does not accept a
+    wrapper as `unwrapped`.
     """
 
     def __init__(self, aec: _CheckedAec) -> None:
@@ -189,7 +192,7 @@ def env(
     agent_names: str | Sequence[str] | None = None,
     **overrides: object,
 ) -> CatchArenaAecEnv:
-    """The arena as a PettingZoo AEC environment, in which the hunters are asked one after the other and move
-    together; arguments as for `parallel_env`.
+    """Return the arena as a PettingZoo AEC environment, in which agents act one after the other and move together;
+    arguments as for `parallel_env`.
     """
     return CatchArenaAecEnv(parallel_env(scenario, render_mode, infos=infos, agent_names=agent_names, **overrides))

@@ -1,4 +1,4 @@
-"""What an env calls its agents."""
+"""Names of an env's agents."""
 
 from collections.abc import Sequence
 
@@ -8,14 +8,14 @@ from catch_arena.text import in_short
 
 
 def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
-    """The names of an env's agents.
+    """Return the names of an env's agents.
 
     Args:
         given: a pattern with {seat}, a list, or None.
-        usual: what they are called without it.
+        usual: the names if `given` is None.
 
     Raises:
-        ConfigError: for what gives no different names, one for each.
+        ConfigError: if the names are not different, or are not one for each agent.
     """
     if given is None:
         return usual

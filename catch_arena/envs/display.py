@@ -1,4 +1,4 @@
-"""How an env is seen: frames, a window, and what a notebook shows."""
+"""Display of an env: frames, a window, and the HTML for notebooks."""
 
 from html import escape
 from typing import Any, Final
@@ -13,11 +13,11 @@ from catch_arena.world import World
 
 RENDER_MODES: Final = ("rgb_array", "human")
 RENDER_SIZE: Final = (500, 500)
-"""Of the frames that `render` gives: turtlesim's window."""
+"""Size of the frames that `render` returns, width and height [pixels]: that of turtlesim's window."""
 
 
 class Display:
-    """Draws an arena in one of RENDER_MODES; None draws nothing. A copy, or one that is pickled, has no window yet.
+    """Painter of an arena in one of RENDER_MODES; None draws nothing. A copied or unpickled one has no window yet.
 
     Raises:
         ConfigError: for another mode, and for one whose libraries are missing.
@@ -26,7 +26,7 @@ class Display:
     def __init__(self, config: ArenaConfig, mode: str | None) -> None:
         require_choice("render_mode", mode, (None, *RENDER_MODES))
         if mode is not None:
-            import catch_arena.render.optional_imports  # noqa: F401 - where they are missing, it is said now
+            import catch_arena.render.optional_imports  # noqa: F401 - raises now if libraries are missing
         self._config, self._mode = config, mode
         self._painter: Any = None
         self._window: Any = None
@@ -35,7 +35,7 @@ class Display:
         return Display, (self._config, self._mode)
 
     def render(self, world: World) -> NDArray[np.uint8] | None:
-        """See `CatchArenaEnv.render`."""
+        """Draw a world: see `CatchArenaEnv.render`."""
         from catch_arena.render.renderer import ArenaPainter
 
         if self._painter is None:
@@ -59,7 +59,7 @@ class Display:
 
 
 def notebook_html(title: str, config: ArenaConfig, world: World | None, replay: Replay | None) -> str:
-    """Return what a notebook shows of an env: a player of the recorded episode, else a picture of the arena now."""
+    """Return the HTML that a notebook shows: a player of the recorded episode, else a picture of the current arena."""
     if replay is not None and replay.steps:
         return replay._repr_html_()
     if world is None:

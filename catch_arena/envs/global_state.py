@@ -9,7 +9,7 @@ from catch_arena.world import World
 
 
 def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
-    """R7.3: a world as the numbers of `layout.state_columns`, in the units and within the bounds that it gives.
+    """R7.3: return a world as the numbers of `layout.state_columns`, in the units and bounds given there.
 
     Returns:
         (state columns,): the time left; then all hunters by seat; then the alive targets in spawning order, with zeros

@@ -1,5 +1,5 @@
-"""The arena as a PettingZoo parallel environment: the batch engine with one arena, names for seats, and checks of
-what callers give.
+"""The arena as a PettingZoo parallel environment: the batch engine with one arena, agent names instead of row numbers,
+and checks of the arguments that callers give.
 """
 
 import copy
@@ -40,7 +40,7 @@ Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool],
 class SavedEpisode:
     """The result of `CatchArenaEnv.save`, which may be pickled and restored any number of times.
 
-    Two are equal if an env goes on from both in the same way: equal in every bit.
+    Two saved episodes are equal if an env continues from both in the same way, bit for bit.
     """
 
     __eq__ = equal_fields
@@ -54,7 +54,7 @@ class SavedEpisode:
     leaving: frozenset[str]
     cut: tuple[str, ...]
     np_random: Any
-    """The state of the generator, None where nothing has drawn from it."""
+    """State of the random generator; None if nothing has drawn from it."""
     replay: Replay | None
 
 
@@ -66,54 +66,54 @@ def parallel_env(
     agent_names: str | Sequence[str] | None = None,
     **overrides: object,
 ) -> "CatchArenaEnv":
-    """The arena as a PettingZoo parallel environment.
+    """Return the arena as a PettingZoo parallel environment.
 
     Args:
-        scenario: a name or a config.
+        scenario: name of a scenario, or a config.
         render_mode: None, "rgb_array" or "human".
-        infos: "full", "mask" (the mask alone) or "none": see CatchArenaEnv.
-        agent_names: what this env calls its agents: a pattern such as "agent_{seat}" or "agent_{seat:02d}", in which
+        infos: "full", "mask" (only the mask) or "none": see CatchArenaEnv.
+        agent_names: names of the agents in this env: a pattern such as "agent_{seat}" or "agent_{seat:02d}", in which
             prey's seats follow the hunters', or a list with one name for each. The world, replays and digests do not
-            depend on it.
+            depend on them.
         overrides: fields of ArenaConfig.
 
     Raises:
-        ConfigError: that names the setting, the requirement and the value.
+        ConfigError: names the setting, the requirement and the value.
     """
     return CatchArenaEnv(arena_config(scenario, **overrides), render_mode, infos, agent_names)
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
-    """Hunters chase targets; the arbiter decides (docs/rulebook.md).
+    """PettingZoo environment in which hunters chase targets and an arbiter decides who catches them (docs/rulebook.md).
 
-    Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... where there is prey, unless `agent_names` gives other
+    Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... if there is prey, unless `agent_names` gives other
     names. Observations are float32 vectors (docs/observation.md). Under target control an action is 0 (hold) or a
-    target's rank in view; under velocity control two numbers in [-1, 1]; under full control {"cmd_vel": two such
-    numbers, "catch": a rank or 0}. A whole number is whatever `operator.index` takes, or an array or tensor with one
-    such element; finite velocities out of bounds are clipped. `infos[agent]` holds numbers and arrays, of one type in
-    every step:
+    target's rank in view. Under velocity control it is two numbers in [-1, 1]. Under full control it is
+    {"cmd_vel": two such numbers, "catch": a rank or 0}. A whole number is anything that `operator.index` accepts, or an
+    array or tensor with one such element. Finite velocities out of bounds are clipped. `infos[agent]` holds numbers and
+    arrays, of one type in every step:
 
-    - `action_mask`: R7.2's mask, int8 (K + 1), as `action_space(agent).sample` takes it; not under velocity control.
-      With `mask_in_observation=True` it is in the observation too, under target control;
-    - `verdict`: the answer to the agent's catch request in this step, a number of `Verdict`, 0 without a request;
-    - `target`, `distance_um`, `winner`: the number of the target that was requested, its distance, and the seat that
+    - `action_mask`: R7.2's mask, int8 (K + 1), as `action_space(agent).sample` takes it; absent under velocity control.
+      With `mask_in_observation=True` the observation holds it too, under target control;
+    - `verdict`: answer to the agent's catch request in this step, a number of `Verdict`; 0 without a request;
+    - `target`, `distance_um`, `winner`: number of the requested target, its distance [micrometres], and the seat that
       won; each -1 for none;
-    - `reward_parts`: R6.2's parts, unweighted, float64, one for each field, in the order of `RewardWeights`;
-    - `active`, where hunters drop out and stay (`dropouts="fixed"`): whether it has not (R1.7);
-    - `team_score`, where there are teams: the sum of its hunters' scores (R11.1);
-    - `TimeLimit.truncated`: whether the agent is truncated in this step; by it stable-baselines3 knows that the value
-      of the last observation still counts. A reset without a seed repeats it, since SuperSuit writes the infos of the
-      next reset over those of the last step.
+    - `reward_parts`: R6.2's parts, unweighted, float64, one for each field of `RewardWeights`, in their order;
+    - `active`, if hunters drop out and stay (`dropouts="fixed"`): True until the hunter drops out (R1.7);
+    - `team_score`, if there are teams: the sum of its hunters' scores (R11.1);
+    - `TimeLimit.truncated`: True if the agent is truncated in this step. stable-baselines3 then still counts the value
+      of the last observation. A reset without a seed repeats this entry, since SuperSuit replaces the infos of the last
+      step by those of the next reset.
 
-    With `infos="mask"` an info holds `action_mask` alone; under velocity control, and for prey, nothing. With
-    `infos="none"` it is empty.
+    With `infos="mask"` an info holds only `action_mask`; under velocity control, and for prey, it is empty. With
+    `infos="none"` every info is empty.
 
-    With `dropouts="leave"` a hunter that drops out is terminated in that step, and no longer among `agents`.
+    With `dropouts="leave"` a hunter that drops out is terminated in that step, and is removed from `agents`.
 
-    Prey's actions are two numbers in [-1, 1], and its infos hold `active`, whether it is not out; `caught_by`, the seat
+    Prey's actions are two numbers in [-1, 1]. Its infos hold `active`, False while it is out; `caught_by`, the seat
     that caught it in this step, -1 for none; and `reward_parts`, R12.5's, float64 (3), in the order of
-    `PreyRewardWeights`. With `prey_returns_s=None` prey that is caught is
-    terminated in that step; else it stays, and its actions are ignored until it returns (R12.3).
+    `PreyRewardWeights`. With `prey_returns_s=None` prey that is caught is terminated in that step. Otherwise it stays
+    in `agents`, and its actions are ignored until it returns (R12.3).
 
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
     """
@@ -136,10 +136,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
         self._all_false: dict[str, bool] = {}
-        """False for each of `agents`: to copy it takes less than half the time of making another dict."""
+        """False for each of `agents`. A copy of it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         self._leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
-        """By row: whether an agent that is no longer active leaves."""
+        """By row: True if an agent leaves when it is no longer active."""
         self._some_leave = any(self._leaves)
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
@@ -147,7 +147,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaving: set[str] = set()
         """Agents that leave at the end of the next step, and those that have left."""
         self._truncated: tuple[str, ...] = ()
-        """Agents whose infos say `TimeLimit.truncated`."""
+        """Agents whose infos have `TimeLimit.truncated` True."""
         self._infos = infos
         self._engine = Engine(config)
         self._actions = ActionReader(config, self.possible_agents)
@@ -180,7 +180,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def __str__(self) -> str:
         return str(self.metadata["name"])
 
-    # what agents see and may do
+    # observations and actions
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """R7.1, R12.4: return the space of that agent's observations; the same object in every call."""
@@ -194,26 +194,26 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     @cached_property
     def observation_spaces(self) -> dict[str, spaces.Space[Any]]:
-        """The observation space of each of `possible_agents`."""
+        """Observation space of each of `possible_agents`."""
         made = [observation_space(self.config, control) for control in self.config.controls]
         made += [prey_observation_space(self.config) for _ in range(self.config.prey)]
         return dict(zip(self.possible_agents, made, strict=True))
 
     @cached_property
     def action_spaces(self) -> dict[str, spaces.Space[Any]]:
-        """The action space of each of `possible_agents`."""
+        """Action space of each of `possible_agents`."""
         made = [action_space(self.config, control) for control in self._actions.controls]
         return dict(zip(self.possible_agents, made, strict=True))
 
     @cached_property
     def state_space(self) -> spaces.Box:
-        """R7.3: the global view."""
+        """R7.3: space of the global view."""
         return state_space(self.config)
 
     @property
     def np_random(self) -> np.random.Generator:
-        """For wrappers that draw at random, such as SuperSuit's frame_skip_v0: it follows from the episode's seed, and
-        no rule reads it.
+        """Random generator for wrappers that draw at random, such as SuperSuit's frame_skip_v0. The episode's seed
+        determines it, and no rule of the game reads it.
         """
         if self._np_random is None:
             self._np_random = np.random.default_rng(self._seed)
@@ -224,18 +224,18 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Begin an episode.
+        """Begin an episode and return its first observations and infos.
 
         Args:
-            seed: a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
-                further one follows from the one before (A.5), so that a run is repeated by its first seed.
+            seed: a whole number in [0, 2^64). Without a seed, the operating system gives the first one, and each later
+                one follows from the one before it (A.5). The first seed then repeats a whole run.
             options: a dict or None; not used.
 
         Returns:
-            observations and infos by agent.
+            observations and infos, each a dict by agent.
 
         Raises:
-            ConfigError: for a seed that is no such number, and options that are no dict.
+            ConfigError: for a seed that is not such a number, and options that are not a dict.
         """
         require_options(options)
         follows = seed is None and self._engine.ends.item() == state.TRUNCATED
@@ -254,24 +254,24 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._results.observations(), self._results.infos(self._truncated)
 
     def step(self, actions: Mapping[str, Any]) -> Step:
-        """R1.4: one control period; an action for each of `agents`. Actions of agents that have left are ignored.
+        """R1.4: play one control period with an action for each of `agents`; actions of agents that left are ignored.
 
         Returns:
-            observations, rewards, terminations, truncations and infos by agent; after the end, where nobody is left to
-            act, five empty dictionaries for no actions.
+            observations, rewards, terminations, truncations and infos by agent. After the end no agent is left to act;
+            then a call with no actions returns five empty dictionaries.
 
         Raises:
-            ActionError: for an action that is missing or not legal, and an unknown agent.
+            ActionError: for a missing or illegal action, and for an unknown agent.
             EpisodeError: before the first reset, or for actions after the end.
         """
         if self._over:
-            if self._seed is not None and not actions:  # as PettingZoo's own envs; SuperSuit's wrappers do it
+            if self._seed is not None and not actions:  # as PettingZoo's envs; SuperSuit's wrappers need it
                 return {}, {}, {}, {}, {}
             why = "no episode has begun" if self._seed is None else "this episode is over"
             raise EpisodeError(f"step must follow a reset: {why}")
         agents, engine, reader = self.agents, self._engine, self._actions
         reader.read(actions, agents)
-        engine.step(reader.choices, reader.commands)  # writes its arrays: `_results` reads rewards and all else there
+        engine.step(reader.choices, reader.commands)  # writes the arrays from which `_results` reads
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
         ended = engine.ends.item()
@@ -304,14 +304,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             self._actions.clear(agent)
 
     def check_action(self, agent: str, action: object) -> None:
-        """Raise the ActionError that `step` would raise for that action; nothing moves."""
+        """Raise the ActionError that `step` would raise for that action; the arena does not change."""
         self._actions.require_legal(agent, action)
 
     def withdraw(self, agent: str) -> None:
-        """R1.6, R12.5: the agent takes no further part.
+        """R1.6, R12.5: withdraw an agent from the rest of the episode.
 
-        It is among `agents` for one more step, in which none of its requests is granted; that step ends with its
-        termination and its last observation. Prey stands still, and can be caught.
+        The agent is among `agents` for one more step, in which none of its requests is granted. That step ends with its
+        termination and its last observation. Withdrawn prey stands still, and can be caught.
         """
         row = self._actions.row(agent)
         if self._over or agent not in self.agents:
@@ -323,31 +323,31 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._recorder.withdraw(row)
 
     def world(self) -> World:
-        """The arena in the world frame, for people, rendering and tests."""
+        """Return the arena in the world frame, for people, rendering and tests."""
         self._require_episode("world")
         return self._engine.world()
 
     def hunter_observations(self) -> NDArray[np.float32]:
-        """R7.1: return the observations of all hunters now, by seat, also of those that have left: (H, D), a copy."""
+        """R7.1: return a copy of all hunters' current observations, by seat, (H, D); hunters that left are included."""
         self._require_episode("hunter_observations")
         size = observation_size(self.config)
         observations: NDArray[np.float32] = self._engine.observations[0, : self.config.hunters, :size].copy()
         return observations
 
     def state(self) -> NDArray[np.float32]:
-        """R7.3: the global view as one float32 vector, in the order of `layout.state_columns`."""
+        """R7.3: return the global view as one float32 vector, in the order of `layout.state_columns`."""
         self._require_episode("state")
         return state_vector(self._engine.world(), self.config)
 
     def digest(self) -> bytes:
-        """A.8: eight bytes that stand for the state."""
+        """A.8: return the digest of the state, eight bytes."""
         self._require_episode("digest")
         return self._engine.digest()
 
-    # keeping
+    # saving and replays
 
     def record(self, names: Sequence[str] | None = None, title: str = "") -> None:
-        """Record every episode from the next reset on; `names` are players' names, in the order of `possible_agents`.
+        """Record every episode from the next reset on. `names` are players' names, in the order of `possible_agents`.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
@@ -361,8 +361,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._recorder.replay
 
     def save(self) -> SavedEpisode:
-        """R10.2: return the state of the episode, which `restore` takes, here or in an env of an equal config, any
-        number of times.
+        """R10.2: return the state of the episode. `restore` takes it any number of times, in this env or in another one
+        of an equal config.
 
         Raises:
             EpisodeError: before the first reset.
@@ -382,13 +382,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         )
 
     def restore(self, saved: SavedEpisode) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Go on from a saved episode, bit for bit.
+        """Continue from a saved episode, bit for bit.
 
         Returns:
-            observations and infos of `agents`, as they were; after the end, when there are none, empty dicts.
+            observations and infos of `agents`, as they were when saved; empty dicts if the episode was over.
 
         Raises:
-            ConfigError: for anything but a result of `save`, and one of another config or another version.
+            ConfigError: for anything that `save` did not return, and for the state of another config or another
+                version.
         """
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
@@ -410,17 +411,19 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Return an independent env in the same state, without a window; `copy.deepcopy` does the same."""
         return copy.deepcopy(self)
 
-    # showing
+    # rendering
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A fresh (height, width, 3) uint8 frame under "rgb_array"; under "human" the window shows the last step."""
+        """Return a new (height, width, 3) uint8 frame under "rgb_array"; under "human" show the last step in the
+        window.
+        """
         if self.render_mode is None:
             return None
         self._require_episode("render")
         return self._display.render(self._engine.world())
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the HTML that a notebook shows for this env."""
         world = None if self._seed is None else self._engine.world()
         return notebook_html(str(self), self.config, world, self._recorder.replay)
 

@@ -1,4 +1,4 @@
-"""Episodes of an env, kept as replays."""
+"""Recorder of an env's episodes as replays."""
 
 from bisect import insort
 from collections.abc import Sequence
@@ -9,18 +9,18 @@ from catch_arena.replay import Replay, checked_names, checked_text
 
 
 class Recorder:
-    """Keeps every episode from the reset after `record` on; until then nothing."""
+    """Recorder of every episode from the reset after `record` on; before that it keeps nothing."""
 
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
         self._names: tuple[str, ...] | None = None
         self._title = ""
         self.replay: Replay | None = None
-        """The episode so far."""
+        """Replay of the episode so far; None if it is not recorded."""
 
     def record(self, names: Sequence[str] | None, title: str) -> None:
-        """See `CatchArenaEnv.record`."""
-        import catch_arena.player  # noqa: F401 - notebooks show the replay by it
+        """Record the following episodes: see `CatchArenaEnv.record`."""
+        import catch_arena.player  # noqa: F401 - notebooks show replays with it
 
         agents = self._config.hunter_names + self._config.prey_names
         called = checked_names(agents if names is None else names, self._config)
@@ -29,19 +29,19 @@ class Recorder:
         self._names = called
 
     def begin(self, seed: int, engine: Engine) -> None:
-        """An episode has begun."""
+        """Note that an episode has begun."""
         self.replay = None
         if self._names is not None:
             self.replay = Replay(self._config, seed, self._names, self._title)
             self.replay.note(engine)
 
     def withdraw(self, row: int) -> None:
-        """An agent was withdrawn: a hunter's seat, or behind the seats prey's index."""
+        """Note that an agent was withdrawn: `row` is a hunter's seat, or the number of hunters plus prey's index."""
         if self.replay is not None:
-            insort(self.replay.withdrawals, (self.replay.steps, row))  # agents fail in any order
+            insort(self.replay.withdrawals, (self.replay.steps, row))  # agents can be withdrawn in any order
 
     def copy(self) -> "Recorder":
-        """A recorder of its own in the same state."""
+        """Return an independent copy."""
         twin = Recorder(self._config)
         twin._names, twin._title = self._names, self._title
         twin.replay = None if self.replay is None else self.replay.copy()

@@ -11,8 +11,8 @@ _REGISTRY = "pettingzoo.env_registry"
 
 
 def register_scenarios() -> None:
-    """Register every scenario now if PettingZoo is loaded, and otherwise when it is: its import takes a quarter of a
-    second, which `import catch_arena` does not spend.
+    """Register every scenario now if PettingZoo is loaded, and otherwise when it is loaded. PettingZoo's import takes a
+    quarter of a second, which `import catch_arena` does not spend.
     """
     if _REGISTRY in sys.modules:
         _register()

@@ -21,14 +21,14 @@ _NO_ANSWER: Final = {
 
 
 class Results:
-    """Makes dictionaries, by agent, of what the engine has written of its first arena. Their arrays are copies.
+    """Maker of dictionaries, by agent, from the engine's arrays of its first arena. Their arrays are copies.
 
     Args:
         config: the arena's settings.
-        engine: that plays the arena.
-        rows: each agent's row in the engine's arrays, in the order of these.
-        controls: how each is driven, by row.
-        infos: what infos hold.
+        engine: the engine that plays the arena.
+        rows: each agent's row in the engine's arrays, in ascending order.
+        controls: control of each agent, by row.
+        infos: content of the infos.
     """
 
     def __init__(
@@ -44,14 +44,14 @@ class Results:
         self.set_agents(())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Build it again when unpickled, since its arrays belong to the engine."""
+        """Build the object again when unpickled, since its arrays belong to the engine."""
         return Results, self._made_of, self._agents
 
     def __setstate__(self, agents: Sequence[str]) -> None:
         self.set_agents(agents)
 
     def set_agents(self, agents: Sequence[str]) -> None:
-        """Set the agents that the dictionaries are for."""
+        """Set the agents for which dictionaries are made."""
         self._agents = agents
         rows = [(agent, self._rows[agent]) for agent in agents]
         self._hunters = [(agent, row) for agent, row in rows if row < self._config.hunters]
@@ -59,14 +59,14 @@ class Results:
 
     def rewards(self) -> dict[str, float]:
         """R6.2, R12.5: return the rewards of the last step."""
-        rewards = dict(zip(self._rows, self._rewards.tolist()))  # noqa: B905 - half as long again
+        rewards = dict(zip(self._rows, self._rewards.tolist()))  # noqa: B905 - a check of lengths takes half as long again
         return rewards if len(self._agents) == len(rewards) else {agent: rewards[agent] for agent in self._agents}
 
     def observations(self) -> dict[str, Any]:
         """R7.1, R12.4: return the observations after the last step or reset."""
         seen = self._observations.copy()
         observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters}
-        if self._config.prey:  # of the two sides one may see less
+        if self._config.prey:  # hunters and prey may have observations of different sizes
             size, of_prey = observation_size(self._config), prey_observation_size(self._config)
             observations = {agent: own[:size] for agent, own in observations.items()}
             observations |= {agent: seen[row, :of_prey] for agent, row in self._prey}

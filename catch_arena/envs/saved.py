@@ -1,4 +1,4 @@
-"""States of arenas that envs save and go on from. The engine believes whatever it is given: here it is checked."""
+"""Saved states of arenas, and their check: the engine itself accepts every state without a check."""
 
 from typing import NamedTuple
 
@@ -12,18 +12,18 @@ from catch_arena.text import in_short
 
 
 class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has no hash in any case
-    """A batch of arenas, or one of them. Two are equal in every bit."""
+    """State of a batch of arenas, or of one of them. Two are equal if every bit is equal."""
 
     config: str
-    """The digest of the arena's config."""
+    """Digest of the arena's config."""
     num_envs: int | None
-    """Of the batch; None for a single row."""
+    """Number of arenas in the batch; None for a single row."""
     controls: NDArray[np.int8]
-    """Controls of the hunters, as `VectorArena.set_controls` takes them: (B, H), or (H,) of a row."""
+    """Controls of the hunters, as `VectorArena.set_controls` takes them: (B, H), or (H,) for a single row."""
     memory: NDArray[np.uint8]
-    """As the engine keeps it."""
+    """Bytes of the engine's memory: see `Engine.save`."""
     finished: NDArray[np.uint8]
-    """Records of finished episodes, of an engine with `auto_reset`; else empty."""
+    """Records of finished episodes, of an engine with `auto_reset`; otherwise empty."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, SavedState) and equal(tuple(self), tuple(other))
@@ -33,33 +33,33 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
 
 
 def save_all(engine: Engine) -> SavedState:
-    """R10.2: the state of all arenas."""
+    """R10.2: return the state of all arenas."""
     return SavedState(engine.config_digest, engine.num_arenas, engine.controls.copy(), *engine.save())
 
 
 def save_row(engine: Engine, arena: int) -> SavedState:
-    """R10.2: the state of one arena, which any row of an engine of an equal config can take."""
+    """R10.2: return the state of one arena, which any row of an engine of an equal config can take."""
     return SavedState(engine.config_digest, None, engine.controls[arena].copy(), *engine.save_row(arena))
 
 
 def restore_all(engine: Engine, saved: SavedState) -> None:
-    """Go on from a state that `require_saved` has checked."""
+    """Continue from a state that `require_saved` has checked."""
     engine.restore((saved.memory, saved.finished))
     engine.controls[:] = saved.controls
 
 
 def restore_row(engine: Engine, arena: int, saved: SavedState) -> None:
-    """Go on from a state in one arena."""
+    """Continue from a saved state in one arena."""
     engine.restore_row(arena, (saved.memory, saved.finished))
     engine.controls[arena] = saved.controls
 
 
 def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
-    """Check that an engine can go on from a saved state.
+    """Check that an engine can continue from a saved state.
 
     Args:
         saved: the saved state.
-        engine: the engine that is to go on from it.
+        engine: the engine that is to continue from it.
         alone: whether it must be the state of one arena.
 
     Raises:
@@ -75,7 +75,7 @@ def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
         raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
     size, size_of_finished = engine.saved_sizes(alone=alone)
     _require_bytes(saved.memory, size)
-    if size_of_finished and len(saved.finished):  # else one of the two has no auto_reset
+    if size_of_finished and len(saved.finished):  # if one is empty, that engine has no auto_reset
         _require_bytes(saved.finished, size_of_finished)
     shape = engine.controls.shape[alone:]
     if np.shape(saved.controls) != shape:

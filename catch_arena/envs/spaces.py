@@ -1,4 +1,4 @@
-"""The spaces of an arena's agents: what they see, and what they may do."""
+"""Spaces of an arena's agents: their observations, and their actions."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from catch_arena.layout import Column, columns, prey_columns, state_columns
 
 
 def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
-    """R7.1's vector as a Box, with the mask of R7.2 beside it under target control where the config asks for that."""
+    """R7.1, R7.2: return the space of observations, with the mask under target control if the config asks for it."""
     box = _box(columns(config))
     if control == "target" and config.mask_in_observation:
         mask = spaces.Box(0, 1, (config.targets_seen + 1,), dtype=np.int8)
@@ -19,7 +19,7 @@ def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any
 
 
 def action_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
-    """R4.1, R4.4: what a hunter of that control may do."""
+    """R4.1, R4.4: return the space of a hunter's actions under that control."""
     choice: spaces.Space[Any] = spaces.Discrete(config.targets_seen + 1)
     if control == "target":
         return choice
@@ -27,32 +27,32 @@ def action_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
 
 
 class FullActions(spaces.Dict):
-    """R4.4: the actions of full control; `sample` takes the mask as infos hold it, and as Gymnasium's Dict does."""
+    """R4.4: space of actions under full control; `sample` takes the mask of the infos, or that of Gymnasium's Dict."""
 
     def sample(self, mask: Any = None, probability: Any = None) -> dict[str, Any]:
-        """Return an action, legal by the mask."""
+        """Return a random action that the mask allows."""
         if isinstance(mask, np.ndarray):
             mask = {"cmd_vel": None, "catch": mask}
         return super().sample(mask, probability)
 
 
 def velocity_space() -> spaces.Box:
-    """R2.5, R12.2: linear and angular velocity as fractions of the limits."""
+    """R2.5, R12.2: return the space of linear and angular velocity, as fractions of the limits."""
     return spaces.Box(-1.0, 1.0, (2,), dtype=np.float32)
 
 
 def prey_observation_space(config: ArenaConfig) -> spaces.Box:
-    """R12.4: what prey sees."""
+    """R12.4: return the space of prey's observations."""
     return _box(prey_columns(config))
 
 
 def state_space(config: ArenaConfig) -> spaces.Box:
-    """R7.3: the global view."""
+    """R7.3: return the space of the global view."""
     return _box(state_columns(config))
 
 
 def _box(table: tuple[Column, ...]) -> spaces.Box:
-    """Vectors of these columns."""
+    """Return a space of vectors with these columns."""
     return spaces.Box(
         np.array([column.low for column in table], dtype=np.float32),
         np.array([column.high for column in table], dtype=np.float32),

@@ -1,4 +1,4 @@
-"""Many arenas at once: the engine's own arrays, for learners."""
+"""Many arenas played together: the engine's own arrays, for learners."""
 
 import copy as copy_module
 from collections.abc import Callable, Iterable
@@ -25,9 +25,9 @@ from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
-_TERMINATED: Final = np.int8(state.TERMINATED)  # of the same type as `Engine.ends`, so that NumPy converts nothing
+_TERMINATED: Final = np.int8(state.TERMINATED)  # same type as `Engine.ends`, so that NumPy converts nothing
 _TRUNCATED: Final = np.int8(state.TRUNCATED)
-_MOST_ENVS: Final = 10**9  # of which a machine's memory holds fewer
+_MOST_ENVS: Final = 10**9  # no machine's memory holds more
 _MOST_THREADS: Final = 4096
 
 T = TypeVar("T")
@@ -37,52 +37,53 @@ Begun = tuple[NDArray[np.float32], dict[str, Any]]
 
 
 class VectorArena:
-    """A batch of arenas in lockstep. B arenas; in each of them N agents, H hunters by seat and then P prey by index; D
-    numbers seen by each, K targets among them.
+    """A batch of B arenas in lockstep. Each has N agents: first H hunters by seat, then P prey by index. An observation
+    has D numbers and shows K targets.
 
-    Agents act by two arrays, either of which may be left out if nobody reads it:
+    Two arrays hold the agents' actions; each may be omitted if no agent reads it:
 
     - `choices`: (B, H) whole numbers, of hunters under target and full control: 0, or a target's rank in view;
     - `commands`: (B, N, 2) numbers in [-1, 1], of hunters under velocity and full control and of prey: linear and
       angular velocity as fractions of the limits; finite numbers out of bounds are clipped.
 
-    What an agent's control does not read must be legal too, and is ignored.
+    Values that an agent's control does not read must be legal too, and are ignored.
 
-    Observations are (B, N, D) float32; where one side sees less than the other, zeros follow
-    (`observation_space(agent)` has an agent's own numbers). Rewards are (B, N) float32. Prey that is out keeps its row.
+    Observations are (B, N, D) float32. If those of hunters and prey differ in size, zeros fill the shorter ones
+    (`observation_space(agent)` has an agent's own size). Rewards are (B, N) float32. Prey that is out keeps its row.
 
-    Episodes that end begin anew at once (Gymnasium's SAME_STEP autoreset): the observations are then those of the new
-    episode, and `infos` keeps those of the old one. With `auto_reset=False` (Gymnasium's DISABLED) an arena that has
-    ended stands still, whatever it is told, until `reset` names it.
+    An arena whose episode ends begins the next one immediately (Gymnasium's SAME_STEP autoreset): the observations are
+    then those of the new episode, and `infos` keeps those of the old one. With `auto_reset=False` (Gymnasium's
+    DISABLED) an arena that has ended stands still and ignores its actions until `reset` names it.
 
-    `infos` holds, always the same arrays:
+    `infos` holds these entries, the same arrays in every step:
 
-    - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent where no hunter chooses;
-    - `active`, where hunters drop out or there is prey: (B, N) bool, who has not (R1.7), and which prey is not out
-      (R12.3); all play on as under `dropouts="fixed"`;
-    - `team_score`, where there are teams: (B, teams) float64, the sums of their scores (R11.1);
-    - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step, and for these `final_obs`
-      (B, N, D) float32, the last observations, `final_mask` (B, H, K + 1) int8, their masks (where there are masks),
-      and `episode`, a dict with `length` [steps], `return` (rewards summed) and `rank` (1 is best, of each side by
-      itself; equals share it, team-mates too), all (B, N); of hunters `score`, `team_score` (without teams the same),
-      `contests_won` and `contests_lost`, all (B, H), and `verdicts`, (B, H, 11), how often each verdict was met, in the
-      order of `Verdict`; of prey `times_caught`, (B, P). Rows whose episode ended earlier keep what they had; all but
-      `_final_obs` and `final_mask` are float32.
+    - `action_mask`: (B, H, K + 1) int8, read only: R7.2's mask of ranks; absent if no hunter chooses;
+    - `active`, if hunters drop out or there is prey: (B, N) bool, False for hunters that dropped out (R1.7) and for
+      prey that is out (R12.3); their rows stay, as under `dropouts="fixed"`;
+    - `team_score`, if there are teams: (B, teams) float64, the sums of their hunters' scores (R11.1);
+    - with auto_reset, `_final_obs`: (B,) bool, the arenas whose episode ended in this step. For these, `final_obs` has
+      the last observations, (B, N, D) float32, and `final_mask` their masks, (B, H, K + 1) int8 (if there are masks).
+      `episode` is a dict of their records. All agents have `length` [steps], `return` (rewards summed) and `rank` (1 is
+      best, counted separately for hunters and prey; equal agents and team-mates share it), each (B, N). Hunters have
+      `score`, `team_score` (without teams the same), `contests_won` and `contests_lost`, each (B, H). They also have
+      `verdicts`, (B, H, 11), the number of times that each verdict was given, in the order of `Verdict`. Prey has
+      `times_caught`, (B, P). Rows of other arenas keep the values of their last episode. All but `_final_obs` and
+      `final_mask` are float32.
 
-    Everything that is returned lies in buffers that the next call fills anew; `copy=True` returns arrays of their
-    own. A step allocates no memory, unless actions come in other types than int64 and float32.
+    All returned arrays lie in buffers that the next call overwrites; `copy=True` returns separate arrays. A step
+    allocates no memory, unless actions have other types than int64 and float32.
 
     Args:
-        scenario: a name or a config.
-        num_envs: B.
-        num_threads: how many threads play, at least 4096 hunters each (results do not depend on it).
-        auto_reset: whether ended episodes begin anew at once.
-        copy: whether arrays of their own are returned.
+        scenario: name of a scenario, or a config.
+        num_envs: B, the number of arenas.
+        num_threads: number of threads that play, at least 4096 hunters each (results do not depend on it).
+        auto_reset: whether an arena whose episode ends begins the next one immediately.
+        copy: whether to return separate arrays instead of the buffers.
         any_control: whether arenas may differ in their hunters' controls, by `set_controls`.
         overrides: fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an unknown scenario or setting, and numbers and flags that are none.
+        ConfigError: for an unknown scenario or setting, and for a number or flag that is not one.
     """
 
     def __init__(
@@ -110,7 +111,7 @@ class VectorArena:
         self._any_control = any_control
         self._choosing: Final = kinds != {"velocity"}
         self._driving: Final = kinds != {"target"} or self.config.prey > 0
-        """Whether some agent reads choices, and whether some agent reads commands."""
+        """The two flags: True if some agent reads choices, and if some agent reads commands."""
         self._begun = False
         self._converted: dict[str, NDArray[Any]] = {}
         """Buffers for actions whose types are not the engine's, by the name of the argument."""
@@ -168,11 +169,11 @@ class VectorArena:
         )
 
     def close(self) -> None:
-        """End the threads that were started. The arena can still be played."""
+        """Stop the threads that were started. The arena can still be played."""
         self._engine.threads.close()
 
     def observation_space(self, agent: int = 0) -> spaces.Box:
-        """R7.1, R12.4: return the space of an agent's observations; `agent` is from 0 to N - 1. Masks are in infos."""
+        """R7.1, R12.4: return the space of an agent's observations, without masks; `agent` is from 0 to N - 1."""
         row = self._agent(agent)
         if row >= self.num_hunters:
             return prey_observation_space(self.config)
@@ -193,19 +194,20 @@ class VectorArena:
     # playing
 
     def reset(self, seed: int | Iterable[int] | None = None, arenas: ArrayLike | None = None) -> Begun:
-        """Begin episodes.
+        """Begin episodes and return their first observations and infos.
 
         Args:
-            seed: one whole number in [0, 2^64), from which each row's own follows (A.5), or one for each arena; without
-                it each arena goes on to the episode after its own, and the first seed is the operating system's.
-            arenas: the rows to begin anew, as numbers or as a (B,) mask; all without it.
+            seed: one whole number in [0, 2^64), from which each row's own seed follows (A.5), or one number for each
+                arena. Without a seed, each arena plays the episode after its current one; the operating system gives
+                the first.
+            arenas: the rows to reset, as numbers or as a (B,) mask; all rows if omitted.
 
         Returns:
-            observations and infos, see above.
+            observations and infos, see `VectorArena`.
 
         Raises:
-            ConfigError: also for a row that is named twice.
-            EpisodeError: for single rows before all have begun.
+            ConfigError: for a seed or row that is not legal, and for a row that is named twice.
+            EpisodeError: for single rows before the first reset of all rows.
         """
         chosen = self._rows(arenas)
         if not self._begun and len(chosen) < self.num_envs:
@@ -230,25 +232,25 @@ class VectorArena:
     def place(
         self, hunters: ArrayLike, targets: ArrayLike, *, steps: ArrayLike = 0, arenas: ArrayLike | None = None
     ) -> Begun:
-        """Begin episodes with these hunters and targets in place of those that the seeds give: for a search that goes
-        on from what a hunter sees, and for lessons. All scores are 0. What is drawn from now on follows from the seed
+        """Begin episodes with the given hunters and targets instead of those that the seeds give: for a search that
+        continues from a hunter's observation, and for curricula. All scores are 0. All later draws follow from the seed
         of the last reset, and from `steps`.
 
         Args:
-            hunters: (n, H, 4), of n arenas: x, y [m], heading [rad], from -1000 to 1000, linear velocity [m/s]. A row
-                of NaN takes no part: it stands still, and nobody sees it (R1.6).
-            targets: (n, T, 5), T up to max_targets: x, y [m], heading [rad], likewise, linear velocity [m/s] (of
-                targets that stand still, 0), age [s]. A row of NaN is no target. They are numbered from 1, the oldest
-                first.
-            steps: how many have been played, (n,) or one number; the time follows from it, and with that the spawns.
-            arenas: the rows, as for `reset`; all without it.
+            hunters: (n, H, 4), for n arenas: x, y [m], heading [rad] from -1000 to 1000, linear velocity [m/s]. A
+                hunter with a row of NaN takes no part: it stands still, and no agent sees it (R1.6).
+            targets: (n, T, 5), T up to max_targets: x, y [m], heading [rad] from -1000 to 1000, linear velocity [m/s]
+                (0 for targets that stand still), age [s]. A row of NaN is no target. Targets are numbered from 1, the
+                oldest first.
+            steps: number of steps already played, (n,) or one number. The time and the next spawns follow from it.
+            arenas: the rows, as for `reset`; all rows if omitted.
 
         Returns:
-            observations and infos, as `reset`.
+            observations and infos, as from `reset`.
 
         Raises:
-            ConfigError: for a body outside the arena, a heading or a velocity beyond its limits, an age above the time
-                that has passed, and an arena with prey.
+            ConfigError: for a body outside the arena, a heading or a velocity beyond its limits, an age above the
+                elapsed time, and an arena with prey.
             EpisodeError: before the first reset.
         """
         self._require_begun("place")
@@ -266,7 +268,7 @@ class VectorArena:
         self._require_bodies("hunters", hunters, -fastest if config.reverse else 0.0 * fastest, fastest)
         self._require_bodies("targets", targets, 0.0, config.target_speed_mps if config.targets_move else 0.0)
         passed_s = played[:, None] * config.control_period_ms / 1000.0
-        young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # to the millisecond
+        young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # rounded to the millisecond
         _require("targets", "of ages from 0 to the time that has passed", targets, young | np.isnan(targets[:, :, 0]))
         self._engine.place_batch(chosen, hunters, targets, played)
         self._update_ends()
@@ -285,18 +287,18 @@ class VectorArena:
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
-        """R1.4: one step of every arena.
+        """R1.4: play one step of every arena.
 
         Args:
-            choices: (B, H), see above.
-            commands: (B, N, 2), see above.
+            choices: (B, H), see `VectorArena`.
+            commands: (B, N, 2), see `VectorArena`.
 
         Returns:
             observations (B, N, D) float32, rewards (B, N) float32, terminations (B,) and truncations (B,) bool, infos.
-            Without `copy=True` the next call writes into the same arrays: copy what you keep.
+            Without `copy=True` the next call writes into the same arrays: copy the arrays that must last.
 
         Raises:
-            ActionError: that names the first arena and agent whose action is not legal; nothing has moved then.
+            ActionError: names the first arena and agent whose action is not legal; no arena has changed then.
             EpisodeError: before the first reset.
         """
         self._require_begun("step")
@@ -309,19 +311,20 @@ class VectorArena:
         )
 
     def check_actions(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> None:
-        """Raise the ActionError that `step` would raise for these actions; nothing moves."""
+        """Raise the ActionError that `step` would raise for these actions; no arena changes."""
         self._checked_choices(choices)
         self._checked_commands(commands)
 
     def set_controls(self, controls: ArrayLike, arenas: ArrayLike | None = None) -> None:
-        """R4.1, R4.4: how hunters are driven from now on; the arena plays what a one-arena env of such a config does.
+        """R4.1, R4.4: set the controls of hunters from now on. An arena then plays as a one-arena env of those
+        controls.
 
         Args:
-            controls: for each of those arenas and each seat 0 (target), 1 (velocity) or 2 (full): (n, H).
-            arenas: the rows, as for `reset`; all without it.
+            controls: 0 (target), 1 (velocity) or 2 (full) for each of those arenas and each seat: (n, H).
+            arenas: the rows, as for `reset`; all rows if omitted.
 
         Raises:
-            ConfigError: for other numbers, or where the arena was made without `any_control`.
+            ConfigError: for other numbers, or if the batch was made without `any_control`.
         """
         self._require_any_control()
         chosen, given = self._rows(arenas), np.asarray(controls)
@@ -354,7 +357,7 @@ class VectorArena:
             self._blame("choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
         if choices.dtype == np.int64 and choices.flags.carray:
             return choices
-        return self._as_type("choices", choices, np.int64)  # every rank fits
+        return self._as_type("choices", choices, np.int64)  # every rank fits into int64
 
     def _checked_commands(self, given: Any) -> NDArray[np.float32]:
         shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
@@ -372,7 +375,7 @@ class VectorArena:
             commands = clipped(commands)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
-        return self._as_type("commands", commands, np.float32)  # rounded
+        return self._as_type("commands", commands, np.float32)  # rounded to float32
 
     def _as_type(self, what: str, given: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
         if what not in self._converted:
@@ -403,14 +406,14 @@ class VectorArena:
                 f"got {_named(chosen)}"
             )
         numbers, counts = np.unique(chosen, return_counts=True)
-        if len(numbers) < len(chosen):  # which of two seeds is meant?
+        if len(numbers) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
             raise ConfigError(f"arenas must be different rows, got {numbers[counts > 1][0]} more than once")
         return chosen.astype(np.int64)
 
-    # keeping
+    # saving
 
     def save(self) -> SavedState:
-        """R10.2: return the state of all arenas, which `restore` takes, here or in a batch of equal config and size.
+        """R10.2: return the state of all arenas. `restore` takes it, in this batch or in one of equal config and size.
 
         Raises:
             EpisodeError: before the first reset.
@@ -419,13 +422,13 @@ class VectorArena:
         return save_all(self._engine)
 
     def restore(self, saved: SavedState) -> Begun:
-        """Go on from a saved state, bit for bit, the figures of past episodes included.
+        """Continue from a saved state, bit for bit; the records of past episodes are restored too.
 
         Returns:
-            observations and infos, as `reset`.
+            observations and infos, as from `reset`.
 
         Raises:
-            ConfigError: for anything but a result of `save` of as many arenas of an equal config.
+            ConfigError: for anything that `save` of an equal config and number of arenas did not return.
         """
         require_saved(saved, self._engine, alone=False)
         self._require_controls(saved, self._engine.controls)
@@ -439,13 +442,13 @@ class VectorArena:
         return save_row(self._engine, self._row("save_row", arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
-        """Go on, in one arena, from a saved row.
+        """Continue from a saved row in one arena.
 
         Returns:
-            observations and infos, as `reset`.
+            observations and infos, as from `reset`.
 
         Raises:
-            ConfigError: for a row that does not exist, and anything but a saved row of an equal config.
+            ConfigError: for a row that does not exist, and for anything but a saved row of an equal config.
         """
         arena = self._row("restore_row", arena)
         require_saved(saved, self._engine, alone=True)
@@ -466,7 +469,7 @@ class VectorArena:
         return {name: value for name, value in self.__dict__.items() if name != "_infos"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Make infos again, which show the arrays of the copy's own engine."""
+        """Build the infos again, so that they show the arrays of the copy's own engine."""
         self.__dict__.update(state)
         self._infos = self._make_infos()
 
@@ -477,15 +480,17 @@ class VectorArena:
         return self._engine.world(self._row("world", arena))
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
-        """R5.6: return one arena's rulings of the last step; none if a new episode has begun in it."""
+        """R5.6: return one arena's rulings of the last step; empty if a new episode has begun in that arena."""
         return self._engine.rulings(self._row("rulings", arena))
 
     def digest(self, arena: int) -> bytes:
-        """A.8: return eight bytes that stand for one arena's state."""
+        """A.8: return the digest of one arena's state, eight bytes."""
         return self._engine.digest(self._row("digest", arena))
 
     def seeds(self) -> NDArray[np.uint64]:
-        """Return the seeds of the current episodes, (B,): a one-arena env that is reset with one plays the same one."""
+        """Return the seeds of the current episodes, (B,). A one-arena env reset with such a seed plays the same
+        episode.
+        """
         return self._engine.seeds()
 
     def _require_begun(self, what: str) -> None:
@@ -549,7 +554,7 @@ def _copied(results: Any) -> Any:
 
 
 def _named(given: object) -> str:
-    """Return a few words about an argument, for an error."""
+    """Return a short description of an argument, for an error."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
     return f"{given!r}"[:80]
