@@ -156,7 +156,7 @@ class ArenaService:
         return self.world.hunters[self._seat(hunter)].pose
 
     def observe(self, hunter: str) -> tuple[list[float], list[int]]:
-        """R7.1, R7.2: return a hunter's observation, and the mask of its choices, which is [] under velocity control."""
+        """R7.1, R7.2: return a hunter's observation, and the mask of its choices; it is [] under velocity control."""
         seat = self._seat(hunter)
         masked = self._config.controls[seat] != "velocity"
         return self._engine.observations[0, seat].tolist(), self._engine.masks[0, seat].tolist() if masked else []
@@ -222,7 +222,7 @@ class ArenaService:
                 so does one whose goal is out of its sight (R7.5), or not in its observation.
 
         Returns:
-            one ruling for each request; `response` converts it to the service's answer. The rulings of the other hunters
+            one ruling for each request; `response` converts it to the service's answer. The rulings of other hunters
             are in `world.rulings`.
 
         Raises:
@@ -272,8 +272,8 @@ class ArenaService:
         return found
 
     def _choices(self, table: NDArray[np.int64], names: Sequence[str], goals: Mapping[str, str]) -> NDArray[np.int64]:
-        """R4.1, R4.4: return the rank of each hunter's active target in this step, (1, H): the target that it drives to,
-        or that it asks for first.
+        """R4.1, R4.4: return the rank of each hunter's active target in this step, (1, H): the target that it drives
+        to, or that it asks for first.
         """
         ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
         for hunter, name in goals.items():
