@@ -28,7 +28,7 @@ def lasting(stream: Any, descriptor: int, *, closefd: bool = True) -> TextIOWrap
 
 
 def outlive_readers() -> None:
-    """Replace stdout and stderr of this process, so that prints to a closed pipe raise nothing, in trusted agents too."""
+    """Replace stdout and stderr of this process, so that printing to a closed pipe raises nothing, even in an agent."""
     for name in ("stdout", "stderr"):
         with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
             stream = getattr(sys, name)
