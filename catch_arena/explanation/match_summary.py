@@ -68,8 +68,8 @@ class Explanation:
     """Summaries of the prey that the explanation is about, by index."""
 
     def lines(self) -> list[str]:
-        """Return the match in words: an opening line, the contests, runs of refusals and captures in order, and summaries
-        of the hunters and prey, with an empty line between these parts.
+        """Return the match in words: an opening line, the contests, runs of refusals and captures in order, and the
+        summaries of the hunters and prey, with an empty line between these parts.
         """
         prey = self.prey_by_target
         events = [(one.step, 0, contest_sentence(one, self.names, prey.get(one.target))) for one in self.contests]
@@ -176,7 +176,7 @@ class _RefusalRuns:
         self._names: Counter[tuple[int, Verdict]] = Counter()
 
     def note(self, by_rank: Sequence[Ruling], by_name: Sequence[Ruling], judged_ms: int, contested: set[int]) -> None:
-        """Add a step's refusals to runs. A hunter's catch or contest is no refusal, and ends its runs (not `others`)."""
+        """Add a step's refusals to runs. A catch or contest is none, and ends the hunter's runs except `others`."""
         told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
         for seat, verdict, name in list(self._running):
             if seat in told_elsewhere and name != _OTHER_NAMES:

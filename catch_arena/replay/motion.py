@@ -80,7 +80,7 @@ def poses_of(world: World) -> Poses:
 
 def interpolate(start: Pose2D, end: Pose2D, part: float) -> Pose2D:
     """Return the pose at a fraction `part` of the straight way, with the shorter turn."""
-    if start is end:  # most targets that stand still
+    if start is end:  # the case for most still targets
         return start
     turn = (end[2] - start[2] + math.pi) % (2.0 * math.pi) - math.pi
     return (

@@ -222,7 +222,7 @@ def _differences(numbers: Matrix) -> Matrix:
     return np.diff(numbers, axis=0, prepend=0)
 
 
-# what moves
+# motion
 
 
 def _ticks(times_ms: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -279,7 +279,7 @@ def _travel(
             displacement[step, 1] = displacement[step, 1] + sine * stride
 
 
-# what commands ask for
+# velocities that commands ask for
 
 
 def _asked(commands: NDArray[np.float32], high: NDArray[np.float64], *, reverse: bool) -> Matrix:
@@ -316,7 +316,7 @@ def _asked_of_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], p
     return found
 
 
-# when targets are alive
+# spans in which targets are alive
 
 
 def _ranges(begin: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
