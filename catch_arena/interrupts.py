@@ -1,7 +1,7 @@
 """Ctrl-C, SIGTERM and a closed terminal: the first signal ends a command in order, a second one immediately.
 
 The first signal raises KeyboardInterrupt in the main thread; the command saves its results, and ends its processes.
-Both print one line, exit with code 130 (143 for SIGTERM, 129 for a closed terminal), and end all child processes.
+Both print one line, exit with code 130 (143 for SIGTERM, 129 for a closed terminal), and end all descendants.
 
 This module imports little, since a signal before `listen` prints a traceback.
 """

@@ -176,7 +176,7 @@ class _RefusalRuns:
         self._names: Counter[tuple[int, Verdict]] = Counter()
 
     def note(self, by_rank: Sequence[Ruling], by_name: Sequence[Ruling], judged_ms: int, contested: set[int]) -> None:
-        """Add a step's refusals to runs. A catch or contest is none, and ends the hunter's runs except `others`."""
+        """Add a step's refusals to runs. A catch or contest ends the hunter's runs, except `others`."""
         told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
         for seat, verdict, name in list(self._running):
             if seat in told_elsewhere and name != _OTHER_NAMES:
