@@ -1,12 +1,12 @@
-"""Catch Arena: several hunters chase spawned targets in turtlesim's arena, and a central arbiter decides who caught
-what.
+"""Catch Arena: several hunters chase spawned targets in turtlesim's arena, and a central arbiter judges their catch
+requests.
 
-What is listed here loads on first use, so that `import catch_arena` stays quick.
+The names listed here are loaded on first use, so that `import catch_arena` is fast.
 """
 
 from catch_arena.envs.registration import register_scenarios
 
-TYPE_CHECKING = False  # as typing says, which itself takes ten times as long to load as this module
+TYPE_CHECKING = False  # not imported from typing, which takes longer to load than this module
 if TYPE_CHECKING:
     from typing import Any
 
@@ -51,7 +51,7 @@ _HOMES = {
     "PreyLimits": "policy",
     "PreyPolicy": "policy",
     "PreyView": "policy",
-    "Replay": "player",  # replay/ has it; the player gives it a picture in notebooks
+    "Replay": "player",  # it is defined in replay/; importing the player adds its view in notebooks
     "RewardWeights": "config",
     "Ruling": "verdicts",
     "SCENARIOS": "scenarios",

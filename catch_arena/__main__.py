@@ -1,4 +1,4 @@
-"""The command `catch-arena`, and `python -m catch_arena`."""
+"""Entry point of the command `catch-arena` and of `python -m catch_arena`."""
 
 from catch_arena import interrupts
 
@@ -12,10 +12,10 @@ def main(words: "Sequence[str] | None" = None, name: str = "catch-arena") -> "No
     """Run the command line, and exit.
 
     Args:
-        words: those that the process was started with if None.
-        name: the one that usage messages show.
+        words: the arguments; None means those of the process.
+        name: the command's name in usage messages.
     """
-    interrupts.listen()  # before anything that takes time is imported
+    interrupts.listen()  # before the slow imports
     from catch_arena.cli import main as command
     from catch_arena.streams import outlive_readers
 

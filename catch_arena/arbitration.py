@@ -1,5 +1,5 @@
-"""The arbiter's public face: judge the requests of one step without any arena, by the same compiled rules that the
-engine plays by.
+"""The arbiter as a function: judge the requests of one step without an arena, by the same compiled rules that the
+engine uses.
 """
 
 import math
@@ -34,28 +34,28 @@ def arbitrate(
     kill_refused: Collection[str] = (),
     match_over: bool = False,
 ) -> list[Ruling]:
-    """The verdicts of chapter 5 on the requests of one step.
+    """Return the verdicts of chapter 5 on the requests of one step.
 
     Args:
         hunters: (x, y) [m] by seat.
-        targets: name -> (x, y) [m] of those alive, numbered from 1 in their order for the lots of R5.5.
-        requests: (seat, name) in any order, where any object may stand for the name.
+        targets: (x, y) [m] of each alive target by name; their order numbers them from 1 for the lots of R5.5.
+        requests: (seat, name) in any order; the name may be any object.
         reach_m: a target is within reach strictly below this distance (R5.3), for all or by seat (R2.7).
         policy: "nearest", "first_come" or "capstone" (R5.9).
         seed: a whole number in [0, 2^64), from which the lots are drawn.
-        step: a whole number from 0, from which they are drawn too.
+        step: a whole number in [0, 2^53), from which the lots are drawn too.
         caught: names caught in earlier steps.
         inactive: seats that are withdrawn.
-        kill_service_up: whether the simulator's kill service answers.
+        kill_service_up: true if the simulator's kill service answers.
         kill_refused: names whose kill the simulator refuses.
-        match_over: whether the episode has ended.
+        match_over: true if the episode has ended.
 
     Returns:
         one Ruling for each request, in the order of the requests.
 
     Raises:
         ActionError: for a seat that does not exist or a position that is not two finite numbers.
-        ConfigError: for any other argument that cannot be.
+        ConfigError: for any other invalid argument.
     """
     for field, given in (("hunters", hunters), ("requests", requests), ("caught", caught), ("inactive", inactive)):
         if isinstance(given, str) or not isinstance(given, Collection):
@@ -100,7 +100,7 @@ def arbitrate(
 
 
 def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
-    """What stands in a request table for a name: the alive target's number or slot, or the code for none (R5.2)."""
+    """Return a name's entry in a request table: the number or slot of the alive target, or a code for none (R5.2)."""
     if not isinstance(name, str) or len(name) > _LONGEST_NAME:
         return state.MALFORMED_REQUEST
     if name in alive:
@@ -109,7 +109,7 @@ def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[st
 
 
 def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) -> list[Ruling]:
-    """A judged table as rulings; `names` are what was asked for."""
+    """Return a judged request table as rulings; `names` are the requested names, row by row."""
     return [
         Ruling.of_numbers(
             row[arbiter.REQUEST_VERDICT],
@@ -124,7 +124,7 @@ def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) 
 
 
 def _checked_reaches(reach_m: Any, seats: int) -> list[int]:
-    """Each seat's reach in whole micrometres (R5.3)."""
+    """Return each seat's reach in whole micrometres (R5.3)."""
     reach_m = plain_setting(reach_m)
     by_seat = isinstance(reach_m, tuple)
     if by_seat and len(reach_m) != seats:

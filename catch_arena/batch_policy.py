@@ -1,4 +1,4 @@
-"""Agents that act for many hunters at once: the named view of a batch, and what such an agent is."""
+"""Agents that act for many hunters in one call: the named view of a batch, and the protocol of such agents."""
 
 from functools import cached_property
 from typing import Any, Final, Protocol, runtime_checkable
@@ -8,7 +8,7 @@ from catch_arena.layout import SelfFeatures
 from catch_arena.policy import Limits, first_rival_column, numbers_seen, rival_features, target_features
 from catch_arena.text import in_short
 
-TYPE_CHECKING = False  # an agent that does not use NumPy need not load it
+TYPE_CHECKING = False  # agents that do not use NumPy need not load it
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -20,9 +20,9 @@ class BatchView:
     """Many observations under names: `view.own.x`, `view.targets.forward`, `view.rivals.present`. Nothing is copied.
 
     Args:
-        observations: (..., D), R7.1's layout.
-        masks: (..., K + 1), R7.2's masks.
-        limits: what each of these hunters can do, and what the arena is.
+        observations: (..., D), in the layout of R7.1.
+        masks: (..., K + 1), the masks of R7.2.
+        limits: the abilities that these hunters share, and the arena's settings.
     """
 
     def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
@@ -33,28 +33,28 @@ class BatchView:
                 f"observations must be an array whose last axis has {size} numbers, got {in_short(observations)}"
             )
         self.observations = observations
-        """As they were given, for policies that learn."""
+        """Observations as they were given, for policies that learn."""
         self.masks = masks
-        """1 where a choice is legal; `masks[..., 0]`, hold, always is."""
+        """Masks, 1 for each legal choice; `masks[..., 0]`, hold, is always legal."""
         self.limits = limits
 
     @cached_property
-    def own(self) -> Any:  # the tables' fields, which are typed as those of one hunter
-        """What each hunter knows of itself: `layout.SelfFeatures` of arrays (...)."""
+    def own(self) -> Any:  # the tables type their fields as those of one hunter
+        """Data of each hunter about itself: `layout.SelfFeatures` of arrays (...)."""
         columns: Any = (self.observations[..., column] for column in range(_OWN))
         return SelfFeatures(*columns)
 
     @cached_property
     def targets(self) -> Any:
-        """The targets of each, nearest first: `layout.TargetFeatures` (or MovingTargetFeatures) of arrays (..., K);
-        zeros where `present` is 0.
+        """Targets of each hunter, nearest first: `layout.TargetFeatures` (or MovingTargetFeatures) of arrays (...,
+        K); all zeros if `present` is 0.
         """
         return self._seen(target_features(self.limits), _OWN, self.limits.targets_seen)
 
     @cached_property
     def rivals(self) -> Any:
-        """The rivals of each, nearest first: `layout.RivalFeatures` (or TeamRivalFeatures) of arrays (..., R); zeros
-        where `present` is 0.
+        """Rivals of each hunter, nearest first: `layout.RivalFeatures` (or TeamRivalFeatures) of arrays (..., R);
+        all zeros if `present` is 0.
         """
         return self._seen(rival_features(self.limits), first_rival_column(self.limits), self.limits.hunters_seen)
 
@@ -64,20 +64,20 @@ class BatchView:
         return features(*(table[..., column::count] for column in range(count)))
 
     def of(self, rows: Any) -> "BatchView":
-        """The view of some of the hunters: of an index, or of a mask."""
+        """Return the view of the hunters that an index or a mask selects."""
         return BatchView(self.observations[rows], self.masks[rows], self.limits)
 
 
 @runtime_checkable
 class BatchPolicy(Protocol):
-    """An agent that can act for many hunters in one call. It keeps nothing of a hunter from step to step: which hunters
-    it is asked for changes with every episode.
+    """An agent that can act for many hunters in one call. It must not keep a hunter's data between steps, since the
+    hunters of a call change with every episode.
     """
 
     def reset(self, seed: int) -> None:
-        """Begin; once, for all hunters and episodes."""
+        """Prepare to act; called once, for all hunters and episodes."""
 
     def act_batch(self, view: BatchView) -> Any:
-        """The actions of N hunters: target: (N,) whole numbers; velocity: (N, 2) numbers in [-1, 1]; full:
-        {"cmd_vel": (N, 2), "catch": (N,)}.
+        """Return the actions of N hunters: (N,) whole numbers under target control, (N, 2) numbers in [-1, 1] under
+        velocity control, {"cmd_vel": (N, 2), "catch": (N,)} under full control.
         """

@@ -1,4 +1,4 @@
-"""Everything that defines an arena, in human units: frozen, validated where it is made, and readable as JSON."""
+"""Settings of an arena in common units: frozen, validated when they are made, and readable as JSON."""
 
 import dataclasses
 import hashlib
@@ -14,31 +14,31 @@ from catch_arena.plain import as_python, plain_setting, real_number, whole_numbe
 from catch_arena.text import in_short, with_type
 
 Control = Literal["target", "velocity", "full"]
-"""How a hunter is driven: R4.1, R4.4."""
+"""R4.1, R4.4: kinds of control of a hunter."""
 ArbitrationPolicy = Literal["nearest", "first_come", "capstone"]
-"""R5.9: who wins a contest."""
+"""R5.9: rules that decide the winner of a contest."""
 TargetMotion = Literal["still", "wander", "flee"]
-"""R3.7: what targets do between their spawn and their catch."""
+"""R3.7: kinds of motion of a target between its spawn and its catch."""
 Dropouts = Literal["leave", "fixed"]
-"""R1.7: whether who drops out leaves the agents."""
+"""R1.7: treatment of hunters that have dropped out."""
 
 TURTLESIM_SIDE_M: Final = 11.088889122009277
 """R2.1: float32(499) / float32(45), the side of turtlesim's arena [m]."""
 RULESET: Final = "catch_arena_v1"
-"""R10.3: raised when equal inputs could play differently, and for nothing else."""
+"""R10.3: name of the ruleset; it changes only when equal inputs could play differently."""
 
 _SURROGATE: Final = re.compile("[\ud800-\udfff]")
-"""A lone UTF-16 surrogate, which cannot be encoded: no file and no terminal takes it."""
+"""Lone UTF-16 surrogate: no file and no terminal takes it, since it cannot be encoded."""
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
 MAX_PREY: Final = 32
 MAX_HEADING_RAD: Final = 1000.0
-"""The largest heading that can be given, either way: A.3's sine is tested that far."""
+"""Largest absolute heading that a setting or a call may give [rad]; A.3's sine is tested up to it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gains:
-    """R4.3: the hosted controllers' gains; the defaults are the standard ones, the capstone's have no integral part."""
+    """R4.3: gains of the hosted controllers. The defaults are the standard gains; the capstone has no integral part."""
 
     kp_v: float = 2.0
     """Linear speed per metre of distance [1/s]."""
@@ -60,19 +60,19 @@ class RewardWeights:
     """R6.2: the weight of each named part of the reward."""
 
     catch: float = 1.0
-    """Per catch of one's own."""
+    """Reward per catch by the hunter itself."""
     rival_catch: float = 0.0
-    """Per catch by a hunter of another team; without teams -1 / (hunters - 1) makes the game zero-sum."""
+    """Reward per catch by a hunter of another team; without teams, -1 / (hunters - 1) makes the game zero-sum."""
     lost_contest: float = 0.0
-    """Per request that another hunter won."""
+    """Reward per request that another hunter won."""
     rejected_request: float = 0.0
-    """Per request refused for any other reason."""
+    """Reward per request refused for any other reason."""
     progress: float = 0.0
-    """Per metre gained towards the target that was nearest after the commit."""
+    """Reward per metre gained towards the target that was nearest after the commit."""
     time: float = 0.0
-    """Per second that passes."""
+    """Reward per second of the match."""
     mate_catch: float = 0.0
-    """Per catch by a team-mate (R11.2)."""
+    """Reward per catch by a team-mate (R11.2)."""
 
     def __post_init__(self) -> None:
         _make_plain(self)
@@ -85,11 +85,11 @@ class PreyRewardWeights:
     """R12.5: the weight of each named part of prey's reward."""
 
     caught: float = -1.0
-    """Per time that it is caught."""
+    """Reward per catch of this prey."""
     survived: float = 0.0
-    """Per second that it is in play."""
+    """Reward per second that this prey is in play."""
     gained: float = 0.0
-    """Per metre that it puts between itself and the nearest hunter."""
+    """Reward per metre that this prey gains on the nearest hunter."""
 
     def __post_init__(self) -> None:
         _make_plain(self)
@@ -99,16 +99,16 @@ class PreyRewardWeights:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FaultRates:
-    """R8.3: how often the services fail, as probabilities in [0, 1]."""
+    """R8.3: failure probabilities of the services, in [0, 1]."""
 
     kill_down: float = 0.0
-    """The kill service is down for a whole step."""
+    """Probability that the kill service is down for a whole step."""
     kill_refused: float = 0.0
-    """The simulator refuses to kill one target in one step."""
+    """Probability that the simulator refuses to kill a given target in a given step."""
     spawn_down: float = 0.0
-    """The spawn service is down at one firing of the timer."""
+    """Probability that the spawn service is down when the timer fires."""
     spawn_refused: float = 0.0
-    """The simulator refuses one spawn number."""
+    """Probability that the simulator refuses a given spawn number."""
 
     def __post_init__(self) -> None:
         _make_plain(self)
@@ -118,87 +118,87 @@ class FaultRates:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArenaConfig:
-    """Everything that defines an arena; equal configs play equal matches (R10.1)."""
+    """All settings of an arena; equal configs play equal matches (R10.1)."""
 
     hunters: int = 4
-    """How many hunters take part, 1 to 64."""
+    """Number of hunters, 1 to 64."""
     control: Control | tuple[Control, ...] = "target"
-    """R4.1, R4.4: one word for all hunters, or one for each seat."""
+    """R4.1, R4.4: kind of control, for all hunters or for each seat."""
     side_m: float = TURTLESIM_SIDE_M
-    """R2.1: the arena is the square [0, side_m] on both axes; 2 to 5000."""
+    """R2.1: side of the arena, 2 to 5000; both coordinates lie in [0, side_m]."""
     hunter_poses: tuple[tuple[float, float, float], ...] | None = None
-    """R2.6: (x, y, theta) by seat; None draws the fair circle."""
+    """R2.6: start pose (x, y, theta) of each seat; None draws poses on a fair circle."""
     start_radius_m: float | None = None
-    """R2.6: the radius of that circle; None is 0.3 of the side."""
+    """R2.6: radius of the fair circle of start poses; None means 0.3 of the side."""
     max_speed_mps: float | tuple[float, ...] = 2.0
-    """R2.5, R2.7: v_max, for all hunters or for each seat."""
+    """R2.5, R2.7: greatest speed v_max, for all hunters or for each seat."""
     max_turn_rate_radps: float | tuple[float, ...] = 4.0
-    """R2.5, R2.7: w_max, for all hunters or for each seat."""
+    """R2.5, R2.7: greatest turn rate w_max, for all hunters or for each seat."""
     reverse: bool = False
-    """R2.5: whether hunters may drive backwards, down to -v_max."""
+    """R2.5: true if hunters may drive backwards, down to -v_max; prey too."""
     reach_m: float | tuple[float, ...] = 0.3
     """R5.3, R2.7: a target is within reach strictly below this distance, for all hunters or for each seat."""
     policy: ArbitrationPolicy = "nearest"
-    """R5.9: how contests are decided."""
+    """R5.9: rule that decides contests."""
     teams: tuple[tuple[int, ...], ...] | None = None
-    """R11.1: the seats of each team, each seat once; None makes each hunter a team of its own."""
+    """R11.1: seats of each team, each seat once; None makes each hunter a team of its own."""
     team_share: float = 0.0
-    """R11.2: how much of a hunter's reward is the mean of its team's, 0 to 1; without teams it does nothing."""
+    """R11.2: share of a hunter's reward that is the mean of its team's rewards, 0 to 1; no effect without teams."""
     spawning: bool = True
-    """R3.1: whether the spawn timer is on."""
+    """R3.1: true if the spawn timer is on."""
     spawn_frequency_hz: float = 1.0
-    """R3.1: spawns per second; a value that is not positive means one every 5 s, as in the capstone."""
+    """R3.1: spawns per second; 0 or a negative value means one every 5 s, as in the capstone."""
     initial_targets: int = 8
-    """R3.1: targets placed at reset, prey among them."""
+    """R3.1: number of targets placed at reset, prey included."""
     max_targets: int = 16
-    """R3.5: how many may be alive, 1 to 64."""
+    """R3.5: largest number of targets alive at a time, 1 to 64."""
     target_budget: int | None = None
-    """R1.5: the episode terminates when this many have been spawned and caught; None is without end."""
+    """R1.5: number of targets after whose spawn and catch the episode terminates; None means no such end."""
     target_motion: TargetMotion = "still"
-    """R3.7: targets stand still, wander (R3.9) or flee (R3.10), except those that prey plays."""
+    """R3.7: motion of targets without prey: they stand still, wander (R3.9) or flee (R3.10)."""
     target_speed_mps: float = 1.0
-    """R3.8: how fast a target drives, prey too; one that flees drives at half of it while no hunter is near."""
+    """R3.8: speed of a target, greatest speed of prey; a fleeing target drives at half of it if no hunter is near."""
     target_turn_rate_radps: float = 3.0
-    """R3.8: how fast it turns at most, prey too."""
+    """R3.8: greatest turn rate of a target or prey."""
     wander_period_ms: int = 1000
-    """R3.9: how long it keeps a turn rate that was drawn."""
+    """R3.9: time for which a wandering target keeps the turn rate that was drawn."""
     alarm_m: float = 2.0
-    """R3.10: a hunter is a threat strictly below this distance."""
+    """R3.10: distance below which a hunter is a threat to a target."""
     prey: int = 0
-    """R12.1: how many of the initial targets are played by agents, 0 to 32; they need target_budget None."""
+    """R12.1: number of initial targets that agents play, 0 to 32; prey requires target_budget None."""
     prey_returns_s: float | None = 2.0
-    """R12.3: how long after its catch prey returns; None ends the episode for it."""
+    """R12.3: time from the catch of prey to its return; None means that it does not return."""
     name_prefix: str = "target_turtle_"
-    """R3.4: a target's name is this and its number."""
+    """R3.4: first part of each target's name; the target's number follows."""
     observed_targets: int | None = None
-    """R7.1: K, how many of the nearest targets a hunter sees; None is min(8, max_targets)."""
+    """R7.1: K, number of nearest targets in a hunter's observation; None means min(8, max_targets)."""
     observed_hunters: int | None = None
-    """R7.1: how many of the nearest rivals it sees; None is min(hunters - 1, 7)."""
+    """R7.1: number of nearest rivals in a hunter's observation; None means min(hunters - 1, 7)."""
     view_radius_m: float | None = None
-    """R7.5: how far a hunter sees; None is everywhere."""
+    """R7.5: distance below which a hunter sees others; None means the whole arena."""
     view_angle_deg: float = 360.0
-    """R7.5: how wide the cone is that it sees, about its heading."""
+    """R7.5: full angle of a hunter's cone of view, centred on its heading, above 0 and up to 360."""
     view_noise_m: float = 0.0
-    """R7.6: the standard deviation of the error in each place that it sees."""
+    """R7.6: standard deviation of the error in each position that a hunter sees."""
     mask_in_observation: bool = False
-    """R7.2: under target control, give Dict(observation, action_mask) instead of the bare vector."""
+    """R7.2: true if observations under target control are Dict(observation, action_mask), not the bare vector."""
     control_period_ms: int = 100
-    """R1.3: the time that one step spans, from 16 up."""
+    """R1.3: duration of one step, at least 16."""
     time_limit_s: float = 60.0
-    """R1.5: the episode is truncated at the first step boundary at or past this."""
+    """R1.5: time limit; the episode is truncated at the first step boundary at or past it."""
     max_cycles: int | None = None
-    """PettingZoo's word for the length: so many steps; time_limit_s does not count then."""
+    """Length of the episode in steps, PettingZoo's word for it; it replaces time_limit_s unless it is None."""
     dropout_rate: float = 0.0
-    """R1.7: the probability that a hunter drops out, in each step."""
+    """R1.7: probability that a hunter drops out in a step."""
     dropouts: Dropouts = "leave"
-    """R1.7: who drops out leaves the agents, or stays among them and does nothing."""
+    """R1.7: a hunter that drops out leaves PettingZoo's agents, or stays among them and does nothing."""
     gains: Gains = field(default_factory=Gains)
     rewards: RewardWeights = field(default_factory=RewardWeights)
     prey_rewards: PreyRewardWeights = field(default_factory=PreyRewardWeights)
     faults: FaultRates = field(default_factory=FaultRates)
 
     def __deepcopy__(self, memo: object) -> "ArenaConfig":
-        """Itself, since nothing in it changes."""
+        """Return this config itself, since nothing in it changes."""
         return self
 
     def __post_init__(self) -> None:
@@ -264,7 +264,7 @@ class ArenaConfig:
         _require_number("view_angle_deg", self.view_angle_deg, above=0.0, at_most=360.0)
         _require_number("view_noise_m", self.view_noise_m, at_least=0.0, at_most=1000.0)
         if self.policy == "capstone":
-            # R9.1: its agents go for the first of all alive targets, and have to see it
+            # R9.1: capstone agents drive to the first of all alive targets, so they must see it
             for name, whole in (("view_radius_m", None), ("view_angle_deg", 360)):
                 value = getattr(self, name)
                 if value != whole:
@@ -292,7 +292,7 @@ class ArenaConfig:
             for axis, value in zip("xy", pose[:2], strict=True):
                 _require_number(f"hunter_poses[{seat}].{axis}", value, at_least=0.0, at_most=self.side_m)
             _require_number(f"hunter_poses[{seat}].theta", pose[2], at_least=-MAX_HEADING_RAD, at_most=MAX_HEADING_RAD)
-        # 0.0 is added so that no zero has a sign, which the digest would see
+        # adding 0.0 turns -0.0 into 0.0, so that equal poses have equal digests
         poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
         object.__setattr__(self, "hunter_poses", poses)
 
@@ -329,17 +329,17 @@ class ArenaConfig:
 
     @property
     def controls(self) -> tuple[Control, ...]:
-        """The control of each seat."""
+        """Kind of control of each seat."""
         return (self.control,) * self.hunters if isinstance(self.control, str) else self.control
 
     @property
     def targets_seen(self) -> int:
-        """R7.1's K."""
+        """R7.1: K, number of targets in a hunter's observation."""
         return min(8, self.max_targets) if self.observed_targets is None else self.observed_targets
 
     @property
     def hunters_seen(self) -> int:
-        """R7.1: how many rivals stand in an observation."""
+        """R7.1: number of rivals in a hunter's observation."""
         return min(self.hunters - 1, 7) if self.observed_hunters is None else self.observed_hunters
 
     @property
@@ -364,7 +364,7 @@ class ArenaConfig:
 
     @property
     def reach_um(self) -> int:
-        """The longest reach in whole micrometres."""
+        """Longest reach of all seats in whole micrometres."""
         return max(self.reaches_um)
 
     def _by_seat(self, value: float | tuple[float, ...]) -> tuple[float, ...]:
@@ -372,7 +372,7 @@ class ArenaConfig:
 
     @property
     def targets_move(self) -> bool:
-        """R3.7: whether targets have velocities, and R7.4's columns."""
+        """R3.7: true if targets have velocities, and observations R7.4's columns."""
         return self.target_motion != "still" or self.prey > 0
 
     @property
@@ -382,71 +382,71 @@ class ArenaConfig:
 
     @property
     def partial_view(self) -> bool:
-        """R7.5: whether there is anything that a hunter does not see."""
+        """R7.5: true if a hunter's view has a radius or a cone."""
         return self.view_radius_m is not None or self.view_angle_deg < 360.0
 
     @property
     def limits_views(self) -> bool:
-        """R7.5, R7.6: whether hunters see less than there is, or see it blurred."""
+        """R7.5, R7.6: true if hunters see only a part of the arena, or see positions with an error."""
         return self.partial_view or self.view_noise_m > 0.0
 
     @property
     def view_radius_um(self) -> int | None:
-        """R7.5: how far a hunter sees, in whole micrometres; None is everywhere."""
+        """R7.5: view radius in whole micrometres; None means the whole arena."""
         return None if self.view_radius_m is None else _micrometres(self.view_radius_m)
 
     @property
     def spawn_period_ms(self) -> int:
-        """R3.1: the spawn timer's period."""
+        """R3.1: period of the spawn timer [ms]."""
         if self.spawn_frequency_hz <= 0:
             return 5000
         return max(1, math.floor(1000.0 / self.spawn_frequency_hz + 0.5))
 
     @property
     def time_limit_ms(self) -> int:
-        """R1.5: the time limit; with max_cycles, that many control periods."""
+        """R1.5: time limit [ms]; with max_cycles, the duration of that number of steps."""
         if self.max_cycles is not None:
             return self.max_cycles * self.control_period_ms
         return max(1, math.floor(1000.0 * self.time_limit_s + 0.5))
 
     @property
     def max_steps(self) -> int:
-        """The number of steps in an episode that runs to its time limit."""
+        """Number of steps in an episode that runs to its time limit."""
         return -(-self.time_limit_ms // self.control_period_ms)
 
     @property
     def hunter_names(self) -> tuple[str, ...]:
-        """PettingZoo's agents that hunt, by seat."""
+        """Names of the hunters in PettingZoo's interface, by seat."""
         return tuple(f"hunter_{seat}" for seat in range(self.hunters))
 
     @property
     def prey_names(self) -> tuple[str, ...]:
-        """R12.1, R12.7: those that are hunted, by index."""
+        """R12.1, R12.7: names of the prey in PettingZoo's interface, by index."""
         return tuple(f"prey_{index}" for index in range(self.prey))
 
     @property
     def team_seats(self) -> tuple[tuple[int, ...], ...]:
-        """R11.1: the seats of each team; without teams each seat by itself."""
+        """R11.1: seats of each team; without teams, each seat is a team."""
         return tuple((seat,) for seat in range(self.hunters)) if self.teams is None else self.teams
 
     @property
     def team_by_seat(self) -> tuple[int, ...]:
-        """R11.1: which of `team_seats` each hunter belongs to."""
+        """R11.1: index of each hunter's team in `team_seats`, by seat."""
         team_of = {seat: team for team, seats in enumerate(self.team_seats) for seat in seats}
         return tuple(team_of[seat] for seat in range(self.hunters))
 
     @property
     def prey_returns_ms(self) -> int | None:
-        """R12.3: from the state on which prey is caught to its return; None where it does not return."""
+        """R12.3: time from the state on which prey is caught to its return [ms]; None if it does not return."""
         return None if self.prey_returns_s is None else math.floor(1000.0 * self.prey_returns_s + 0.5)
 
     def target_name(self, number: int) -> str:
-        """R3.4: the name of the target with that spawn number."""
+        """R3.4: return the name of the target with this spawn number."""
         return f"{self.name_prefix}{number}"
 
     def replace(self, **overrides: object) -> "ArenaConfig":
-        """The same arena with other settings; `gains`, `rewards`, `prey_rewards` and `faults` may be partial
-        mappings.
+        """Return the config with some settings changed; `gains`, `rewards`, `prey_rewards` and `faults` may be
+        partial mappings.
         """
         changes: dict[str, Any] = {}
         known = [setting.name for setting in dataclasses.fields(self)]
@@ -465,19 +465,19 @@ class ArenaConfig:
         return dataclasses.replace(self, **changes)
 
     def to_dict(self) -> dict[str, Any]:
-        """The settings as JSON-ready values; `from_dict` reads them back."""
+        """Return the settings as JSON-ready values; `from_dict` reads them back."""
         return dataclasses.asdict(self)
 
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
-        """The config that `to_dict` wrote; unknown or impossible settings are ConfigErrors."""
+        """Return the config that `to_dict` wrote; raise ConfigError for unknown or impossible settings."""
         if not isinstance(settings, Mapping) or not all(isinstance(name, str) for name in settings):
             raise ConfigError(f"settings must map names to values, as of to_dict(), got {in_short(settings)}")
         return cls().replace(**settings)
 
     @property
     def digest(self) -> str:
-        """16 hexadecimal digits that stand for these settings."""
+        """Digest of these settings, 16 hexadecimal digits."""
         text = json.dumps(self.to_dict(), sort_keys=True, separators=(",", ":"))
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
@@ -488,14 +488,14 @@ _PARTS: Final[dict[str, type]] = {
     "prey_rewards": PreyRewardWeights,
     "faults": FaultRates,
 }
-"""The settings that have parts."""
+"""Settings that have parts, with the class of each."""
 
 
 def _make_plain(settings: object) -> None:
-    """Give a dataclass of settings Python's own numbers, and tuples for arrays and lists."""
+    """Convert a dataclass of settings to Python's own numbers, and arrays and lists to tuples."""
     for setting in dataclasses.fields(settings):  # type: ignore[arg-type]
         value = plain_setting(getattr(settings, setting.name))
-        if not isinstance(value, tuple) or "tuple" in str(setting.type):  # else it stays, for the error to show it
+        if not isinstance(value, tuple) or "tuple" in str(setting.type):  # else the error shows the original value
             object.__setattr__(settings, setting.name, value)
 
 
@@ -532,7 +532,7 @@ def _require_number(
 
 
 def require_flag(name: str, value: object) -> bool:
-    """Return a setting that is true or false as a bool, NumPy's too; raise ConfigError for all else."""
+    """Return a boolean setting as a bool, also if it is NumPy's; raise ConfigError for other types."""
     flag = as_python(value)
     if not isinstance(flag, bool):
         raise ConfigError(f"{name} must be true or false, got {with_type(value)}")
@@ -547,7 +547,7 @@ def require_options(options: object) -> None:
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:
     """Raise ConfigError, with the nearest right words, unless the value is one of the choices."""
-    if not isinstance(value, str | None) or value not in choices:  # an array is equal to nothing, nor unequal
+    if not isinstance(value, str | None) or value not in choices:  # comparing an array would give no bool
         words = [str(choice) for choice in choices]
         meant = did_you_mean(value, words)
         raise ConfigError(f"{name} must be one of {', '.join(words)}, got {value!r}{'; ' if meant else ''}{meant}")

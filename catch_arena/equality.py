@@ -1,4 +1,4 @@
-"""Equality of objects that hold arrays, which Python's own `==` of tuples and dataclasses cannot tell."""
+"""Equality of objects that hold arrays, on which `==` of tuples and dataclasses fails."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def equal(one: Any, other: Any) -> bool:
-    """Return whether two values are equal: arrays in every bit, tables and lists item by item, all else by `==`."""
+    """Return whether two values are equal: arrays in every bit, mappings and sequences item by item, others by `==`."""
     if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
         return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
     if isinstance(one, Mapping) and isinstance(other, Mapping):
@@ -19,6 +19,6 @@ def equal(one: Any, other: Any) -> bool:
 
 
 def equal_fields(one: Any, other: object) -> bool:
-    """Return whether two objects of one dataclass are equal field by field: its `__eq__`, where it holds arrays."""
+    """Return whether two objects of one dataclass are equal field by field; the `__eq__` of dataclasses with arrays."""
     names = [field.name for field in dataclasses.fields(one)]
     return type(one) is type(other) and all(equal(getattr(one, name), getattr(other, name)) for name in names)

@@ -1,4 +1,4 @@
-"""Every error that Catch Arena raises on purpose, and how it words them.
+"""Exceptions that Catch Arena raises, and helpers for their messages.
 
 Each message names the field, the requirement and the value.
 """
@@ -9,18 +9,18 @@ from pathlib import Path
 
 
 class CatchArenaError(Exception):
-    """The base of all errors below: catch this one to catch them all."""
+    """Base class of all errors that Catch Arena raises on purpose."""
 
     hint = ""
-    """What to do, in one line, if the message does not say it."""
+    """Advice in one line, if the message has none."""
 
 
 class ConfigError(CatchArenaError, ValueError):
-    """A setting, a scenario or an option that cannot be."""
+    """An invalid setting, scenario or option."""
 
 
 class ActionError(CatchArenaError, ValueError):
-    """An action, a catch request or a seat that no rule can judge; the arena is as it was before the call."""
+    """An invalid action, catch request or seat; the arena is as it was before the call."""
 
 
 class EpisodeError(CatchArenaError, RuntimeError):
@@ -36,7 +36,7 @@ class AgentError(CatchArenaError):
 
 
 class NoContest(CatchArenaError):  # noqa: N818 - the word of the sport
-    """A match that failed on our side: no agent is to blame, nothing counts, and it may be played again."""
+    """A match that failed through no fault of an agent: its result does not count, and it may be played again."""
 
 
 class StoreError(CatchArenaError):
@@ -47,8 +47,8 @@ class OtherTournamentError(StoreError):
     """A tournament's store that holds another tournament.
 
     Args:
-        message: where, and what differs.
-        folder: the one that holds it.
+        message: the folder, and what differs.
+        folder: the folder that holds the other tournament.
     """
 
     def __init__(self, message: str, folder: Path) -> None:
@@ -57,15 +57,15 @@ class OtherTournamentError(StoreError):
 
 
 class OutputError(CatchArenaError):
-    """A result that could not be written; nothing half-written is left behind."""
+    """A result that could not be written; no partly written file remains."""
 
 
 class BusError(CatchArenaError):
-    """A ROS 2 bus that cannot be reached, or on which somebody cannot be answered.
+    """A ROS 2 bus that cannot be reached, or on which a request cannot be answered.
 
     Args:
         message: what is wrong.
-        hint: what to do, if the message does not say it.
+        hint: advice in one line, if the message has none.
     """
 
     def __init__(self, message: str, hint: str = "") -> None:
@@ -74,16 +74,16 @@ class BusError(CatchArenaError):
 
 
 def require_type(name: str, value: object, kind: type, made_by: str) -> None:
-    """Require of an argument that it has a type.
+    """Require that an argument has a type.
 
     Args:
-        name: the argument's.
-        value: what was given.
-        kind: the type.
-        made_by: a call that returns one.
+        name: the argument's name.
+        value: the argument.
+        kind: the required type.
+        made_by: a call that returns an object of this type, for the message.
 
     Raises:
-        ConfigError: for another type.
+        ConfigError: if the argument has another type.
     """
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
@@ -91,26 +91,26 @@ def require_type(name: str, value: object, kind: type, made_by: str) -> None:
 
 
 def suggest(name: object, known: Iterable[str]) -> str:
-    """The tail of an «unknown name» message: the nearest right names, or all of them where none is near."""
+    """Return the end of an «unknown name» message: the nearest known names, or all of them if none is near."""
     choices = sorted(known)
     return did_you_mean(name, choices) or f"known: {', '.join(choices)}"
 
 
 def did_you_mean(name: object, known: Sequence[str]) -> str:
-    """The nearest right names as a question; nothing where none is near."""
+    """Return the nearest known names as a question; "" if none is near."""
     near = get_close_matches(str(name), known, n=3, cutoff=0.6)
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def install_hint(extra: str) -> str:
-    """The tail of a message that something is not installed: the README's way to install, with this extra."""
+    """Return the end of a «not installed» message: the README's command to install this extra."""
     return f"pip install '.[{extra}]' in the clone of Catch Arena"
 
 
 def reason(error: BaseException) -> str:
-    """An exception in one line of at most 200 characters."""
+    """Return an exception's type and text in one line of at most 200 characters."""
     try:
         text = " ".join(str(error).split())
-    except Exception:  # noqa: BLE001 - a stranger's exception may raise anything
+    except Exception:  # noqa: BLE001 - the `__str__` of foreign exceptions may raise anything
         text = "its own text cannot be had"
     return f"{type(error).__name__}: {text}"[:200] if text else type(error).__name__

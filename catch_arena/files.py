@@ -1,4 +1,4 @@
-"""Folders made before they are needed, files that appear whole or not at all, and what is said where neither can be."""
+"""Folders that are made in advance, files that appear whole or not at all, and the errors if they cannot be written."""
 
 import codecs
 import errno
@@ -15,21 +15,21 @@ from rich.filesize import decimal
 
 from catch_arena.errors import ConfigError, OutputError
 
-if sys.version_info >= (3, 11):  # everything that reads TOML imports it from here
+if sys.version_info >= (3, 11):  # all other modules import tomllib from here
     import tomllib as tomllib  # noqa: PLC0414
 else:
     import tomli as tomllib  # noqa: F401
 
 _FULL: Final = {errno.ENOSPC, errno.EDQUOT}
 LEAST_FREE: Final = 1_000_000
-"""Bytes: with less free, a write that failed was for want of room."""
+"""Free space in bytes below which the disk counts as full."""
 
 
 def regular_file(path: Path) -> Path:
-    """Where a file of that name is or would be, links followed.
+    """Return the path of a regular file, existing or not, with links followed.
 
     Raises:
-        OutputError: for a device or a folder, and a link that leads to itself.
+        OutputError: for a device, a folder, or a link that leads to itself.
     """
     try:
         target = Path(os.path.realpath(path))
@@ -59,7 +59,7 @@ def read_text(path: Path) -> str:
 
 
 def wide_text_fault(content: bytes) -> str | None:
-    """What is wrong with text in UTF-16 or UTF-32, with or without a byte order mark; None for all else."""
+    """Return an error text for UTF-16 or UTF-32, with or without a byte order mark; None for other content."""
     if len(content) % 4 == 0 and b"\0\0" in (content[:2], content[2:4]):
         return "is text in UTF-32: save it as UTF-8"
     two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
@@ -69,20 +69,20 @@ def wide_text_fault(content: bytes) -> str | None:
 
 
 def is_loop(path: Path) -> bool:
-    """Return if a path is a link that leads to itself, also by way of others."""
+    """Return whether a path is a link that leads to itself, directly or through other links."""
     return Path(os.path.realpath(path)).is_symlink()
 
 
 def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
-    """Write a file of this content: whoever looks finds it whole or not at all.
+    """Write a file in one piece: other processes see the whole file or none.
 
     Args:
-        path: where it is written.
-        content: all of it.
-        private: whether only its owner may read it.
+        path: the file to write.
+        content: the whole content.
+        private: true if only the owner may read it.
 
     Raises:
-        OutputError: where it cannot be written.
+        OutputError: if it cannot be written.
     """
     with whole_file(path, len(content), private=private) as file:
         file.write(content)
@@ -90,15 +90,15 @@ def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
 
 @contextmanager
 def whole_file(path: Path, size: int | None = None, *, private: bool = False) -> Iterator[IO[bytes]]:
-    """A file under a temporary name, which is renamed when all has been written.
+    """Open a file under a temporary name, which is renamed when the block ends without an error.
 
     Args:
-        path: where it is written.
-        size: how many bytes will be, where that is known.
+        path: the file to write.
+        size: the number of bytes that will be written, if known; used in errors.
         private: see `write_whole`.
 
     Raises:
-        OutputError: where it cannot be written.
+        OutputError: if it cannot be written.
     """
     target = regular_file(path)
     try:
@@ -110,17 +110,17 @@ def whole_file(path: Path, size: int | None = None, *, private: bool = False) ->
 
 @contextmanager
 def unfinished_file(target: Path, *, ending: str = "", private: bool = False) -> Iterator[Path]:
-    """Create an empty file next to the target, which replaces the target at the end, or is removed after an error.
+    """Create an empty file next to the target; it replaces the target at the end, or is removed after an error.
 
-    It has the permissions of the file that it replaces, or those that the umask leaves.
+    It has the permissions of the file that it replaces, or the umask's for a new file.
 
     Args:
-        target: a regular file, or none yet.
-        ending: of the temporary name, which holds nothing of the target's: a name may be as long as the disk allows.
+        target: the path of a regular file, existing or not.
+        ending: the end of the temporary name. The name has no part of the target's, which may be of maximal length.
         private: see `write_whole`.
 
     Raises:
-        OSError: where it cannot be created or renamed.
+        OSError: if it cannot be created or renamed.
     """
     unfinished = target.with_name(f".catch-arena-{secrets.token_hex(4)}{ending}")
     replaced = target.exists()
@@ -137,10 +137,12 @@ def unfinished_file(target: Path, *, ending: str = "", private: bool = False) ->
 
 
 def prepare_folder(folder: Path) -> Path:
-    """The folder, made where it is missing and proven writable: better to fail before the play than after it.
+    """Create a folder if it is missing, check that it is writable, and return it.
+
+    An error before the matches is better than one after them.
 
     Raises:
-        OutputError: where it cannot be written.
+        OutputError: if it cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -164,16 +166,16 @@ def require_folder(folder: Path) -> None:
     """
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
     if not there.is_dir() or not os.access(there, os.W_OK):
-        prepare_folder(folder)  # says why
+        prepare_folder(folder)  # raises the reason
 
 
 def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputError:
-    """What is said of a file that cannot be written; where the disk is full, with the room that there is.
+    """Return the error for a file that cannot be written; if the disk is full, with the free space.
 
     Args:
-        path: where it is written.
-        error: what was raised.
-        size: how many bytes it was to have, where that is known.
+        path: the file or folder to write.
+        error: the exception that was raised.
+        size: the number of bytes to write, if known.
     """
     full = getattr(error, "errno", None) in _FULL
     why = f"the disk is full: {room(path.parent, size)}" if full else getattr(error, "strerror", None) or error
@@ -181,14 +183,14 @@ def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputE
 
 
 def is_full(folder: Path, needed: int = LEAST_FREE) -> bool:
-    """Whether so many bytes find no room in a folder; false where nobody knows."""
+    """Return whether a folder has less than `needed` bytes free; false if the free space is unknown."""
     with suppress(OSError):
         return shutil.disk_usage(folder).free < needed
     return False
 
 
 def room(folder: Path, size: int | None = None) -> str:
-    """How much is free in a folder, and of what `size` there must be room for, in words."""
+    """Return the free space in a folder in words, and the `size` that is needed, if given."""
     try:
         free = decimal(shutil.disk_usage(folder).free)
     except OSError:

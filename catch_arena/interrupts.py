@@ -1,9 +1,9 @@
-"""Ctrl-C, SIGTERM and a closed terminal: the first ends a command in order, a second one ends it immediately.
+"""Ctrl-C, SIGTERM and a closed terminal: the first signal ends a command in order, a second one immediately.
 
-The first signal raises KeyboardInterrupt in the main thread; the command keeps what it has, and ends its processes.
-Both end with one line and exit code 130 (143 for SIGTERM, 129 for a closed terminal), and leave no process behind.
+The first signal raises KeyboardInterrupt in the main thread; the command saves its results, and ends its processes.
+Both print one line, exit with code 130 (143 for SIGTERM, 129 for a closed terminal), and end all descendants.
 
-Little is imported here, since a signal before `listen` is a traceback.
+This module imports little, since a signal before `listen` prints a traceback.
 """
 
 import atexit
@@ -12,7 +12,7 @@ import signal
 import sys
 import time
 
-TYPE_CHECKING = False  # as typing says, which takes 10 ms to load
+TYPE_CHECKING = False  # not imported from typing, which takes long to load
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import NoReturn
@@ -27,24 +27,24 @@ _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
 class _Command:
     """State of the command that this process runs."""
 
-    status = 2  # exit code; until the command has ended, that of an unexpected error
+    status = 2  # exit code; until the command has ended, the one for an unexpected error
     heard = 0  # the first signal, or 0
-    unwinds = False  # from the begin of the command to its end: an interrupt can be raised
+    unwinds = False  # the command is running, so KeyboardInterrupt can be raised
     lingers = False  # an interrupt is the command's normal end
-    keeps = False  # it saves what must not be lost: an interrupt waits
+    keeps = False  # the command is saving results, so an interrupt waits
     more: "Callable[[], str]" = str
 
 
 def listen() -> None:
-    """Handle signals from here on. A signal that is ignored when the process starts stays so."""
+    """Install the signal handlers. A signal that was ignored when the process started stays ignored."""
     for name in _WORDS:
         if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _hear)
-    atexit.register(_exit)  # the first that is registered is the last that is called
+    atexit.register(_exit)  # registered first, so called last
 
 
 def run(command: "Callable[[], object]") -> "NoReturn":
-    """Run this as the whole of the process, after `listen`; exit with what it returns or exits with."""
+    """Run a command as the whole process, after `listen`; exit with the status that it returns or exits with."""
     status: object = None
     try:
         try:
@@ -57,7 +57,7 @@ def run(command: "Callable[[], object]") -> "NoReturn":
     except BaseException:
         if not _Command.heard:
             raise
-    if _Command.heard:  # whatever the command has made of it
+    if _Command.heard:  # also if the command has caught the interrupt
         _flush()
         _end()
     _Command.status = status if isinstance(status, int) else int(status is not None)
@@ -65,7 +65,7 @@ def run(command: "Callable[[], object]") -> "NoReturn":
 
 
 def linger(last: "Callable[[], object]") -> None:
-    """Call `last`; a signal ends it, and is the normal end of the command: its exit code is 0."""
+    """Call `last`; a signal ends it as the command's normal end, with exit code 0."""
     _Command.lingers = True
     try:
         last()
@@ -76,7 +76,7 @@ def linger(last: "Callable[[], object]") -> None:
 
 
 def wait(tell: "Callable[[], object]") -> None:
-    """Call `tell`, and wait for a signal, which is the normal end of the command."""
+    """Call `tell`, and then wait for a signal: the command's normal end, with exit code 0."""
 
     def last() -> None:
         tell()
@@ -87,7 +87,7 @@ def wait(tell: "Callable[[], object]") -> None:
 
 
 def keep(save: "Callable[[], object]") -> None:
-    """Call `save`; an interrupt is raised after it."""
+    """Call `save`; an interrupt during the call is raised after it."""
     before, _Command.keeps = _Command.heard, True
     try:
         save()
@@ -98,17 +98,17 @@ def keep(save: "Callable[[], object]") -> None:
 
 
 def received() -> bool:
-    """Return whether a signal has come: what fails from then on is no news."""
+    """Return whether a signal has arrived; errors after it need no report."""
     return bool(_Command.heard)
 
 
 def also_say(more: "Callable[[], str]") -> None:
-    """Add this to the line that is printed if a signal comes."""
+    """Append the text that `more` returns to the line that is printed after a signal."""
     _Command.more = more
 
 
 def family(*roots: int) -> set[int]:
-    """Return the living descendants of these processes, without themselves; empty if the system does not list them."""
+    """Return the ids of the running descendants of these processes; empty if the system does not list processes."""
     children: dict[int, list[int]] = {}
     for name in os.listdir("/proc") if LINUX else ():  # noqa: PTH208 - pathlib takes long to import
         try:
@@ -116,17 +116,17 @@ def family(*roots: int) -> set[int]:
                 state, parent, *_ = file.read().rpartition(b")")[2].split()
             if state not in {b"Z", b"X"}:
                 children.setdefault(int(parent), []).append(int(name))
-        except (OSError, ValueError):  # it is no process, or has just ended
+        except (OSError, ValueError):  # no process, or one that has just ended
             continue
     found = list(roots)
-    for parent in found:  # it grows meanwhile
+    for parent in found:  # `found` grows during the loop
         found += children.get(parent, ())
     return {*found} - {*roots}
 
 
 def _hear(number: int, _: object) -> None:
     if _Command.heard:
-        _Command.status = 128 + _Command.heard  # the command had more to do, although the first was its normal end
+        _Command.status = 128 + _Command.heard  # not a normal end any more, since the command was still busy
         _end()
     _Command.heard, _Command.status = number, 0 if _Command.lingers else 128 + number
     sys.unraisablehook = _swallowed
@@ -145,7 +145,7 @@ def _swallowed(what: "sys.UnraisableHookArgs") -> None:
 
 
 def _end() -> "NoReturn":
-    """End this process and all that descends from it, without what Python does at its exit."""
+    """End this process and all its descendants, without Python's work at exit."""
     try:
         _end_family()
         if _Command.status:
@@ -154,21 +154,21 @@ def _end() -> "NoReturn":
                 more = _Command.more()
             except Exception:  # noqa: BLE001 - the line is printed in any case
                 more = ""
-            before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # a cursor that was hidden comes back
+            before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # show a hidden cursor again
             os.write(2, f"{before}{line}{more and ': '}{more}\n".encode(errors="backslashreplace"))
     finally:
         os._exit(_Command.status)
 
 
 def _end_family() -> None:
-    """End all that descend from this process: first by SIGTERM, a moment later by SIGKILL."""
+    """End all descendants of this process: first by SIGTERM, a moment later by SIGKILL."""
     for number in (signal.SIGTERM, signal.SIGKILL) if LINUX else ():
         patience = time.monotonic() + _GRACE_S
         while (left := family(os.getpid())) and time.monotonic() < patience:
             for pid in left:
                 try:  # noqa: SIM105 - contextlib may be half imported
                     os.kill(pid, number)
-                except OSError:  # it has just ended
+                except OSError:  # the process has just ended
                     pass
             time.sleep(_PAUSE_S)
 
@@ -178,12 +178,12 @@ def _flush() -> bool:
     try:
         sys.stdout.flush()
         sys.stderr.flush()
-    except Exception:  # noqa: BLE001 - a full disk, a reader that has gone, no stdout at all
+    except Exception:  # noqa: BLE001 - a full disk, a closed pipe, or no stdout
         return False
     return True
 
 
 def _exit() -> None:
-    """End without taking modules down, which would take half a second and hear no signal."""
-    if _flush():  # else Python tries it again, and says why it cannot
+    """End without the cleanup of modules, which takes long and ignores signals."""
+    if _flush():  # otherwise Python tries again, and prints the error
         os._exit(_Command.status)

@@ -1,7 +1,8 @@
-"""Rulebook R7.1: the observation's columns, in one table.
+"""Rulebook R7.1: tables of the columns of observations.
 
 The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and docs/observation.md
-are all made from it. A column is a field: its name, and what is said of it. The core makes tuples of these fields.
+are all made from them. Each field of a table is a column, annotated with its description. The core makes tuples of
+these fields.
 """
 
 import math
@@ -14,7 +15,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import require_type
 
 _FARTHEST_BLUR: Final = 3.4642
-"""R7.6: the greatest error of a place, in standard deviations."""
+"""R7.6: greatest error of a seen position, in standard deviations."""
 
 
 class Column(NamedTuple):
@@ -28,33 +29,33 @@ class Column(NamedTuple):
 
 
 class _Arena(NamedTuple):
-    """What the bounds of columns follow from; ranges are the least and the greatest."""
+    """Quantities of an arena that give the bounds of columns; a range is (least, greatest)."""
 
     side: float
-    """[m]"""
+    """Side of the arena [m]."""
     diagonal: float
-    """How far apart two bodies can be [m], and a little more: sums and rotations round."""
+    """Greatest distance between two bodies [m], with a margin, since sums and rotations round."""
     farthest: float
-    """And how far away a hunter can see one, with R7.6's error [m]."""
+    """Greatest distance at which a hunter can see a body, with R7.6's error [m]."""
     duration: float
-    """Of the longest match [s]."""
+    """Duration of the longest match, in whole steps [s]."""
     time_limit: float
-    """[s]"""
+    """Time limit of the match [s]."""
     catches: float
-    """The most that one hunter can make, or that can be made of one prey."""
+    """Largest number of catches by one hunter, or of one prey."""
     speeds: tuple[float, float]
-    """Of a hunter [m/s]."""
+    """Range of a hunter's linear velocity [m/s]."""
     turn_rate: float
-    """The greatest of a hunter, to either side [rad/s]."""
+    """Greatest turn rate of a hunter, to either side [rad/s]."""
     target_speeds: tuple[float, float]
-    """R3.8, R12.2: of a target or prey [m/s]."""
+    """R3.8, R12.2: range of the linear velocity of a target or prey [m/s]."""
     target_turn_rate: float
-    """[rad/s]"""
+    """Greatest turn rate of a target or prey, to either side [rad/s]."""
 
     @classmethod
     def of(cls, config: ArenaConfig) -> "_Arena":
-        """Of one config."""
-        # one part in a thousand of slack: sums and rotations round
+        """Return the quantities of a config's arena."""
+        # one part in a thousand more, since sums and rotations round
         diagonal = 1.001 * math.sqrt(2.0) * config.side_m
         fastest, fastest_target = max(config.max_speeds), config.target_speed_mps
         return cls(
@@ -73,11 +74,11 @@ class _Arena(NamedTuple):
 
 
 class _Said(NamedTuple):
-    """What a table says of a column beside its name."""
+    """Description of a column in a table, without its name."""
 
     unit: str
     bounds: Callable[[_Arena], tuple[float, float]]
-    """The least and the greatest value; they hold after rounding to float32."""
+    """Function that returns (least, greatest) value of the column; they hold after rounding to float32."""
     meaning: str
 
 
@@ -94,7 +95,7 @@ def _flag(_: _Arena) -> tuple[float, float]:
 
 
 class SelfFeatures(NamedTuple):
-    """What a hunter knows of itself."""
+    """Columns of a hunter's observation that describe the hunter itself."""
 
     x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
     y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
@@ -113,7 +114,7 @@ class SelfFeatures(NamedTuple):
 
 
 class TargetFeatures(NamedTuple):
-    """What it sees of each target, nearest first."""
+    """Columns of a hunter's observation for each target, nearest first."""
 
     forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
     left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
@@ -123,7 +124,7 @@ class TargetFeatures(NamedTuple):
 
 
 class MotionFeatures(NamedTuple):
-    """And where targets move (R7.4)."""
+    """R7.4: further columns for each target if targets move."""
 
     heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
     heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
@@ -131,7 +132,7 @@ class MotionFeatures(NamedTuple):
 
 
 class RivalFeatures(NamedTuple):
-    """What it sees of each rival, nearest first."""
+    """Columns of a hunter's observation for each rival, nearest first."""
 
     forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
     left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
@@ -143,13 +144,13 @@ class RivalFeatures(NamedTuple):
 
 
 class TeamFeatures(NamedTuple):
-    """And where there are teams (R7.4)."""
+    """R7.4: further column for each rival if there are teams."""
 
     mate: Annotated[float, _Said("flag", _flag, "1 where it is a team-mate")]
 
 
 class PreySelfFeatures(NamedTuple):
-    """What prey knows of itself (R12.4)."""
+    """R12.4: columns of prey's observation that describe the prey itself."""
 
     x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
     y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
@@ -165,7 +166,7 @@ class PreySelfFeatures(NamedTuple):
 
 
 class BodyFeatures(NamedTuple):
-    """What prey sees of each hunter and of each other prey, nearest first (R12.4)."""
+    """R12.4: columns of prey's observation for each hunter and for each other prey, nearest first."""
 
     forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far ahead it is")]
     left: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far to the left it is")]
@@ -176,8 +177,8 @@ class BodyFeatures(NamedTuple):
 
 
 def _both(name: str, first: Any, more: Any) -> Any:
-    """A table with the columns of two."""
-    make: Any = NamedTuple  # for type checkers, which want to see the fields
+    """Return a table with the columns of two tables, in this order."""
+    make: Any = NamedTuple  # type checkers require literal fields of NamedTuple
     return make(name, [*first.__annotations__.items(), *more.__annotations__.items()])
 
 
@@ -192,44 +193,44 @@ TEAM_RIVAL_COLUMNS: Final = TeamRivalFeatures._fields
 PREY_SELF_COLUMNS: Final = PreySelfFeatures._fields
 BODY_COLUMNS: Final = BodyFeatures._fields
 OF_A_RANK: Final = (TargetFeatures, MovingTargetFeatures, RivalFeatures, TeamRivalFeatures, BodyFeatures)
-"""The tables of what is seen by rank."""
+"""Tables whose columns are repeated for each rank."""
 MOST_SEEN_BY_PREY: Final = 8
-"""R12.4: of hunters, and of other prey."""
+"""R12.4: largest number of hunters that prey sees, and of other prey."""
 
 
 def target_columns(config: ArenaConfig) -> tuple[str, ...]:
-    """The columns of each target (R7.1, R7.4)."""
+    """R7.1, R7.4: return the names of a target's columns."""
     return MOVING_TARGET_COLUMNS if config.targets_move else TARGET_COLUMNS
 
 
 def rival_columns(config: ArenaConfig) -> tuple[str, ...]:
-    """The columns of each rival (R7.1, R7.4)."""
+    """R7.1, R7.4: return the names of a rival's columns."""
     return RIVAL_COLUMNS if config.teams is None else TEAM_RIVAL_COLUMNS
 
 
 def observation_size(config: ArenaConfig) -> int:
-    """D, the length of a hunter's observation."""
+    """Return D, the length of a hunter's observation."""
     targets = len(target_columns(config)) * config.targets_seen
     return len(SELF_COLUMNS) + targets + len(rival_columns(config)) * config.hunters_seen
 
 
 def hunters_seen_by_prey(config: ArenaConfig) -> int:
-    """R12.4: how many hunters prey sees."""
+    """R12.4: return the number of hunters in prey's observation."""
     return min(config.hunters, MOST_SEEN_BY_PREY)
 
 
 def prey_seen_by_prey(config: ArenaConfig) -> int:
-    """R12.4: and how many other prey."""
+    """R12.4: return the number of other prey in prey's observation."""
     return max(0, min(config.prey - 1, MOST_SEEN_BY_PREY))
 
 
 def prey_observation_size(config: ArenaConfig) -> int:
-    """The length of prey's observation."""
+    """Return the length of prey's observation."""
     return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(config) + prey_seen_by_prey(config))
 
 
 def _columns_of(table: Any, arena: _Arena) -> tuple[Column, ...]:
-    """The columns of a table, with their bounds."""
+    """Return the columns of a table, with their bounds in an arena."""
     made = []
     for name, kind in table.__annotations__.items():
         unit, bounds, meaning = kind.__metadata__[0]
@@ -239,12 +240,12 @@ def _columns_of(table: Any, arena: _Arena) -> tuple[Column, ...]:
 
 
 def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[Column]:
-    """The same columns again and again: of each rank, seat or place."""
+    """Return a table's columns once for each number (a rank, seat or place), named "{kind}_{number}.{column}"."""
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
 def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
-    """Make each config's columns once: a tournament makes an env for each match."""
+    """Cache the columns of each config, since a tournament makes an env for each match."""
     kept = lru_cache(maxsize=16)(make)
 
     @wraps(make)
@@ -257,7 +258,7 @@ def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaC
 
 @_kept
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
-    """The columns of a hunter's observation in order; bounds hold after rounding to float32."""
+    """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
     target = _columns_of(MovingTargetFeatures if config.targets_move else TargetFeatures, arena)
     rival = _columns_of(RivalFeatures if config.teams is None else TeamRivalFeatures, arena)
@@ -270,7 +271,7 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
 
 @_kept
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
-    """R12.4: the columns of prey's observation in order; () where there is no prey."""
+    """R12.4: return the columns of prey's observation in order; () if there is no prey."""
     if not config.prey:
         return ()
     arena = _Arena.of(config)
@@ -295,11 +296,11 @@ STATE_HUNTER_COLUMNS: Final = (
     "score",
     "withdrawn",
 )
-"""What R7.3's global view says of each hunter, by seat."""
+"""R7.3: columns of the global view for each hunter, by seat."""
 STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
-"""What it says of each target, in spawning order, up to max_targets."""
+"""R7.3: columns of the global view for each of max_targets places of targets, in spawning order."""
 STATE_MOVING_TARGET_COLUMNS: Final = (*STATE_TARGET_COLUMNS, "heading_cos", "heading_sin", "linear_velocity")
-"""And of each where targets move."""
+"""R7.3: columns of the global view for each place of a target if targets move."""
 STATE_PREY_COLUMNS: Final = (
     "alive",
     "x",
@@ -311,12 +312,12 @@ STATE_PREY_COLUMNS: Final = (
     "times_caught",
     "withdrawn",
 )
-"""And of each prey, by index."""
+"""R7.3: columns of the global view for each prey, by index."""
 
 
 @_kept
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
-    """R7.3: the columns of the global view, in the world frame."""
+    """R7.3: return the columns of the global view, in the world frame."""
     arena = _Arena.of(config)
     hunter, target, prey = (
         {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 
 class Turtle(NamedTuple):
-    """my_robot_interfaces/msg/Turtle: one alive target; metres, and radians in [0, 2 pi) as requested at its spawn."""
+    """my_robot_interfaces/msg/Turtle: one alive target in m; theta in rad in [0, 2 pi), as requested at its spawn."""
 
     name: str
     x: float
@@ -19,19 +19,19 @@ class TurtleArray(NamedTuple):
 
 
 class CatchTurtleRequest(NamedTuple):
-    """my_robot_interfaces/srv/CatchTurtle, the request: the name of the target that is to be caught."""
+    """my_robot_interfaces/srv/CatchTurtle, the request: name of the target to catch."""
 
     name: str
 
 
 class CatchTurtleResponse(NamedTuple):
-    """my_robot_interfaces/srv/CatchTurtle, the response: true only where the verdict is GRANTED (R5.2)."""
+    """my_robot_interfaces/srv/CatchTurtle, the response: true only if the verdict is GRANTED (R5.2)."""
 
     success: bool
 
 
 class Pose(NamedTuple):
-    """turtlesim/msg/Pose: metres, radians in [-pi, pi), metres and radians per second."""
+    """turtlesim/msg/Pose: pose and velocities of a turtle, in m, m/s, rad/s; theta in rad in [-pi, pi)."""
 
     x: float
     y: float

@@ -1,4 +1,4 @@
-"""Python's own numbers and lists, from whatever stands for them: NumPy's, a tensor's, a ctypes integer's."""
+"""Conversion of NumPy arrays, tensors, ctypes integers and similar values to Python's own numbers and lists."""
 
 import numbers
 import operator
@@ -7,30 +7,30 @@ from typing import Any
 
 
 def whole_number(value: Any) -> int | None:
-    """Return what `operator.index` takes as an int; None for all else, booleans too."""
+    """Return a value that `operator.index` accepts as an int; None for other values, including booleans."""
     if isinstance(value, bool):
         return None
     try:
         return operator.index(value)
-    except Exception:  # noqa: BLE001 - a stranger's object may raise anything
+    except Exception:  # noqa: BLE001 - foreign objects may raise anything
         return None
 
 
 def real_number(value: object) -> int | float | None:
-    """Return a `numbers.Real` as an int or a float; None for all else, booleans too."""
+    """Return a `numbers.Real` as an int or a float; None for other values, including booleans."""
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         return None
     return int(value) if isinstance(value, numbers.Integral) else float(value)
 
 
 def as_python(value: Any) -> Any:
-    """Return the number or the nested lists that stand for a number, an array or a tensor; all else as it is."""
+    """Return a number, an array or a tensor as a Python number or nested lists; other values unchanged."""
     try:
         if callable(getattr(value, "tolist", None)):
             value = value.tolist()
         elif callable(getattr(value, "__array__", None)):
             value = value.__array__().tolist()
-    except Exception:  # noqa: BLE001 - a stranger's object may raise anything
+    except Exception:  # noqa: BLE001 - foreign objects may raise anything
         return value
     number: int | float | None = whole_number(value)
     if number is None:
@@ -49,7 +49,7 @@ def plain_setting(value: Any) -> Any:
 def plain_action(action: Any) -> Any:
     """Return an action as Python's own numbers, lists and dicts; an array with one element as that element.
 
-    The one rule of what an action may be, in the environments and for agents in any process.
+    All environments and all agents' processes convert actions by this function.
     """
     if isinstance(action, Mapping):
         return {name: _plain_part(part) for name, part in action.items()}

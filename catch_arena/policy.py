@@ -1,4 +1,4 @@
-"""What an agent is: the Policy protocols, and the named views of an observation that scripted agents read."""
+"""Interface of agents: the Policy protocols, and the named views of an observation that scripted agents read."""
 
 import math
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from catch_arena.layout import (
 from catch_arena.text import in_short
 
 Side = Literal["hunter", "prey"]
-"""R12.7: what an agent plays."""
+"""R12.7: kind of player that an agent plays."""
 
 _OWN: Final = len(SelfFeatures._fields)
 _PREY: Final = len(PreySelfFeatures._fields)
@@ -30,57 +30,57 @@ _PREY: Final = len(PreySelfFeatures._fields)
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a hunter may know of its arena before the match."""
+    """Settings of an arena that a hunter may use, as they apply to it; fixed for the match."""
 
     side: ClassVar[Side] = "hunter"
 
     side_m: float
-    """The arena's side [m]: x and y lie between 0 and it (R2.1)."""
+    """Side of the arena [m]; x and y lie in [0, side_m] (R2.1)."""
     reach_m: float
-    """A target nearer than this can be caught [m] (R5.3)."""
+    """Distance below which the hunter can catch a target [m] (R5.3)."""
     max_speed_mps: float
-    """The greatest speed ahead [m/s] (R2.5)."""
+    """Greatest speed ahead [m/s] (R2.5)."""
     min_speed_mps: float
-    """The greatest speed backwards, -max_speed_mps [m/s]; 0 where hunters may not drive backwards."""
+    """Lowest linear velocity [m/s]: -max_speed_mps, or 0 if hunters may not drive backwards."""
     max_turn_rate_radps: float
-    """The greatest turn rate, to either side [rad/s] (R2.5)."""
+    """Greatest turn rate, to either side [rad/s] (R2.5)."""
     control_period_ms: int
-    """From one action to the next [ms] (R1.3)."""
+    """Time from one action to the next [ms] (R1.3)."""
     time_limit_s: float
-    """The match's length at most [s] (R1.5)."""
+    """Greatest length of the match [s] (R1.5)."""
     hunters: int
-    """How many play, this one among them."""
+    """Number of hunters in the arena, including this one."""
     targets_seen: int
-    """How many targets are in view at most; it is the highest rank (R7.1)."""
+    """Largest number of targets in view, which is the highest rank (R7.1)."""
     hunters_seen: int
-    """How many rivals are in view at most (R7.1)."""
+    """Largest number of rivals in view (R7.1)."""
     control: Control
-    """How this hunter is driven: "target", "velocity" or "full" (R4.1, R4.4)."""
+    """Kind of control of this hunter: "target", "velocity" or "full" (R4.1, R4.4)."""
     targets_move: bool = False
-    """Whether targets wander or flee (R3.7)."""
+    """True if targets can move: they wander or flee, or prey plays them (R3.7)."""
     target_speed_mps: float = 0.0
-    """The greatest speed of a target [m/s]; 0 where they stand still (R3.8)."""
+    """Greatest speed of a target [m/s]; 0 if targets stand still (R3.8)."""
     target_turn_rate_radps: float = 0.0
-    """The greatest turn rate of a target [rad/s]; 0 where they stand still (R3.8)."""
+    """Greatest turn rate of a target [rad/s]; 0 if targets stand still (R3.8)."""
     alarm_m: float = 0.0
-    """A target flees from a hunter nearer than this [m]; 0 where none flees (R3.10)."""
+    """Distance below which a target flees from a hunter [m]; 0 if no target flees (R3.10)."""
     view_radius_m: float | None = None
-    """How far this hunter sees [m]; None is everywhere (R7.5)."""
+    """Distance below which this hunter sees others [m]; None means the whole arena (R7.5)."""
     view_angle_deg: float = 360.0
-    """How wide the cone is that it sees, about its heading [degrees] (R7.5)."""
+    """Full angle of the hunter's cone of view, centred on its heading [degrees] (R7.5)."""
     view_noise_m: float = 0.0
-    """The standard deviation of the error in each place that it sees [m] (R7.6)."""
+    """Standard deviation of the error in each position that the hunter sees [m] (R7.6)."""
     teams: bool = False
-    """Whether hunters play in teams, so that `rival.mate` tells team-mates (R11.1)."""
+    """True if hunters play in teams; `rival.mate` then marks team-mates (R11.1)."""
     prey: int = 0
-    """How many of the targets are played by agents (R12.1)."""
+    """Number of targets that agents play (R12.1)."""
 
     @classmethod
     def of(cls, config: ArenaConfig, seat: int | None = None) -> "Limits":
-        """The limits of one seat of an arena; it need not be given where all hunters are alike.
+        """Return the limits of one seat of an arena; `seat` may be omitted if all hunters have the same limits.
 
         Raises:
-            ConfigError: without a seat, where hunters differ (R2.7, R4.1).
+            ConfigError: if no seat is given although hunters differ (R2.7, R4.1), and for an unknown seat.
         """
         require_type("config", config, ArenaConfig, "scenario(name)")
         if seat is None:
@@ -113,46 +113,46 @@ class Limits:
         )
 
     def view(self, observation: Sequence[float], mask: Sequence[int]) -> "View":
-        """An observation under names."""
+        """Return an observation under names."""
         return View(observation, mask, self)
 
 
 @dataclass(frozen=True, slots=True)
 class PreyLimits:
-    """What prey may know of its arena before the match."""
+    """Settings of an arena that prey may use; fixed for the match."""
 
     side: ClassVar[Side] = "prey"
 
     side_m: float
-    """The arena's side [m]: x and y lie between 0 and it (R2.1)."""
+    """Side of the arena [m]; x and y lie in [0, side_m] (R2.1)."""
     reach_m: float
-    """A hunter nearer than this can catch it [m]; the longest reach, where hunters differ (R5.3, R2.7)."""
+    """Distance below which a hunter can catch prey [m]; the longest reach if hunters differ (R5.3, R2.7)."""
     max_speed_mps: float
-    """Its greatest speed ahead [m/s] (R12.2)."""
+    """Greatest speed of prey ahead [m/s] (R12.2)."""
     min_speed_mps: float
-    """Its greatest speed backwards, -max_speed_mps [m/s]; 0 where driving backwards is not allowed."""
+    """Lowest linear velocity of prey [m/s]: -max_speed_mps, or 0 if it may not drive backwards."""
     max_turn_rate_radps: float
-    """Its greatest turn rate, to either side [rad/s] (R12.2)."""
+    """Greatest turn rate of prey, to either side [rad/s] (R12.2)."""
     hunter_speed_mps: float
-    """The speed of the fastest hunter [m/s] (R2.5)."""
+    """Greatest speed of the fastest hunter [m/s] (R2.5)."""
     control_period_ms: int
-    """From one action to the next [ms] (R1.3)."""
+    """Time from one action to the next [ms] (R1.3)."""
     time_limit_s: float
-    """The match's length at most [s] (R1.5)."""
+    """Greatest length of the match [s] (R1.5)."""
     hunters: int
-    """How many hunt."""
+    """Number of hunters in the arena."""
     prey: int
-    """How many prey there are, this one among them."""
+    """Number of prey in the arena, including this one."""
     hunters_seen: int
-    """How many hunters are in view at most (R12.4)."""
+    """Largest number of hunters in view (R12.4)."""
     prey_seen: int
-    """How many other prey are in view at most (R12.4)."""
+    """Largest number of other prey in view (R12.4)."""
     returns_s: float | None
-    """How long it is out after a catch [s]; None where it does not return (R12.3)."""
+    """Time that prey is out after a catch [s]; None if it does not return (R12.3)."""
 
     @classmethod
     def of(cls, config: ArenaConfig) -> "PreyLimits":
-        """The limits of all prey of an arena."""
+        """Return the limits that all prey of an arena share."""
         require_type("config", config, ArenaConfig, "scenario(name)")
         return cls(
             side_m=config.side_m,
@@ -171,127 +171,127 @@ class PreyLimits:
         )
 
     def view(self, observation: Sequence[float], mask: Sequence[int]) -> "PreyView":
-        """An observation under names; prey has no mask (R7.2)."""
+        """Return an observation under names; prey has no mask (R7.2)."""
         del mask
         return PreyView(observation, self)
 
 
 class SeenTarget(NamedTuple):
-    """One target in the hunter's own frame."""
+    """One target that a hunter sees, in the hunter's own frame."""
 
     rank: int
-    """1 = nearest; the action that chooses it under target control, and `catch` under full control."""
+    """Rank, 1 for the nearest. It chooses the target: the action under target control, `catch` under full control."""
     forward: float
-    """How far ahead it is [m]."""
+    """Distance ahead of this agent [m]; negative if it is to the rear."""
     left: float
-    """How far to the left it is [m]."""
+    """Distance to the left of this agent [m]; negative if it is to the right."""
     age: float
-    """Since it appeared [s]."""
+    """Time since the target appeared [s]."""
     active: bool
-    """Whether it is the hunter's active target."""
+    """True if it is the hunter's active target."""
     heading_cos: float = 1.0
-    """Of its heading relative to one's own; 1 and 0 where targets stand still."""
+    """Cosine of the target's heading relative to the hunter's; 1 if targets stand still, with `heading_sin` 0."""
     heading_sin: float = 0.0
     linear_velocity: float = 0.0
-    """Along its own heading [m/s]; 0 where targets stand still."""
+    """Velocity along the target's own heading [m/s]; 0 if targets stand still."""
 
     @property
     def distance(self) -> float:
-        """Between the centres [m]."""
+        """Distance between the centres [m]."""
         return math.hypot(self.forward, self.left)
 
     @property
     def bearing(self) -> float:
-        """The turn that would face it, to the left [rad] in [-pi, pi]."""
+        """Angle to turn to face it, positive to the left [rad] in [-pi, pi]."""
         return math.atan2(self.left, self.forward)
 
     @property
     def heading(self) -> float:
-        """Its heading relative to one's own [rad] in [-pi, pi]."""
+        """Heading relative to this agent's own [rad] in [-pi, pi]."""
         return math.atan2(self.heading_sin, self.heading_cos)
 
 
 class SeenHunter(NamedTuple):
-    """One rival in the hunter's own frame."""
+    """One rival that a hunter sees, in the hunter's own frame."""
 
     rank: int
-    """1 = nearest."""
+    """Rank by distance; 1 is the nearest."""
     forward: float
-    """How far ahead it is [m]."""
+    """Distance ahead of this agent [m]; negative if it is to the rear."""
     left: float
-    """How far to the left it is [m]."""
+    """Distance to the left of this agent [m]; negative if it is to the right."""
     heading_cos: float
     heading_sin: float
     linear_velocity: float
-    """Along its own heading [m/s]."""
+    """Velocity along its own heading [m/s]."""
     score_difference: int
-    """Its score less one's own."""
+    """Score of the rival minus the hunter's own."""
     mate: bool = False
-    """Whether it is a team-mate (R7.4)."""
+    """True if it is a team-mate (R7.4)."""
 
     @property
     def distance(self) -> float:
-        """Between the centres [m]."""
+        """Distance between the centres [m]."""
         return math.hypot(self.forward, self.left)
 
     @property
     def heading(self) -> float:
-        """Its heading relative to one's own [rad] in [-pi, pi]."""
+        """Heading relative to this agent's own [rad] in [-pi, pi]."""
         return math.atan2(self.heading_sin, self.heading_cos)
 
     def distance_to(self, target: SeenTarget) -> float:
-        """Between this rival and a target [m]."""
+        """Return the distance between this rival and a target [m]."""
         return math.hypot(target.forward - self.forward, target.left - self.left)
 
 
 class SeenBody(NamedTuple):
-    """One hunter, or one other prey, in prey's own frame."""
+    """One hunter or one other prey that prey sees, in its own frame."""
 
     rank: int
-    """1 = nearest."""
+    """Rank by distance; 1 is the nearest."""
     forward: float
-    """How far ahead it is [m]."""
+    """Distance ahead of this agent [m]; negative if it is to the rear."""
     left: float
-    """How far to the left it is [m]."""
+    """Distance to the left of this agent [m]; negative if it is to the right."""
     heading_cos: float
-    """Of its heading relative to one's own."""
+    """Cosine of its heading relative to this prey's."""
     heading_sin: float
     linear_velocity: float
-    """Along its own heading [m/s]."""
+    """Velocity along its own heading [m/s]."""
 
     @property
     def distance(self) -> float:
-        """Between the centres [m]."""
+        """Distance between the centres [m]."""
         return math.hypot(self.forward, self.left)
 
     @property
     def bearing(self) -> float:
-        """The turn that would face it, to the left [rad] in [-pi, pi]."""
+        """Angle to turn to face it, positive to the left [rad] in [-pi, pi]."""
         return math.atan2(self.left, self.forward)
 
     @property
     def heading(self) -> float:
-        """Its heading relative to one's own [rad] in [-pi, pi]."""
+        """Heading relative to this agent's own [rad] in [-pi, pi]."""
         return math.atan2(self.heading_sin, self.heading_cos)
 
 
 def target_features(limits: Limits) -> Any:
-    """R7.1, R7.4: what a hunter sees of a target, as a table of `layout`."""
+    """R7.1, R7.4: return the table of `layout` with a target's columns in a hunter's observation."""
     return MovingTargetFeatures if limits.targets_move else TargetFeatures
 
 
 def rival_features(limits: Limits) -> Any:
-    """R7.1, R7.4: what a hunter sees of a rival, as a table of `layout`."""
+    """R7.1, R7.4: return the table of `layout` with a rival's columns in a hunter's observation."""
     return TeamRivalFeatures if limits.teams else RivalFeatures
 
 
 def first_rival_column(limits: Limits) -> int:
-    """Where the columns of rivals begin: behind one's own and those of targets."""
+    """Return the index of the first rival column, which follows the hunter's own columns and the targets'."""
     return _OWN + limits.targets_seen * len(target_features(limits)._fields)
 
 
 def numbers_seen(limits: Limits) -> int:
-    """R7.1: the length of a hunter's observation."""
+    """R7.1: return the length of a hunter's observation."""
     return first_rival_column(limits) + limits.hunters_seen * len(rival_features(limits)._fields)
 
 
@@ -301,19 +301,20 @@ _TYPED: Final = {
     kind: [(place - 1, of) for place, of in enumerate(kind.__annotations__.values()) if place > 0 and of is not float]
     for kind in (SeenTarget, SeenHunter, SeenBody)
 }
-"""Of what is seen, which columns become something else than a float."""
+"""Fields of each kind that are not floats, without `rank`: (index among the fields after `rank`, type)."""
 
 
 def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: int, most: int) -> tuple[Seen, ...]:
-    """What is seen of one kind, nearest first: behind the rank, `kind` has the columns of `features` in their order,
-    all but `present`.
+    """Return the things of one kind that are in view, nearest first.
+
+    The fields of `kind` are the rank and then the columns of `features` in their order, without `present`.
 
     Args:
-        kind: what each becomes.
-        features: the table of its columns.
-        observation: where they stand.
-        at: where those of rank 1 begin.
-        most: how many ranks there are.
+        kind: the class of the result's items.
+        features: the table of the columns.
+        observation: the vector to read.
+        at: the index of the first column of rank 1.
+        most: the number of ranks.
     """
     columns, present = len(features._fields), features._fields.index("present")
     typed = [(place, of) for place, of in _TYPED[kind] if place < columns - 1]
@@ -330,10 +331,10 @@ def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: 
 
 
 def _first_columns(observation: Sequence[float], count: int, size: int) -> Sequence[float]:
-    """What an agent knows of itself.
+    """Return the first `count` numbers of an observation, which describe the agent itself.
 
     Raises:
-        ConfigError: unless `size` columns are there.
+        ConfigError: unless the observation has `size` numbers.
     """
     try:
         if len(observation) == size:
@@ -347,57 +348,57 @@ def _first_columns(observation: Sequence[float], count: int, size: int) -> Seque
 
 
 class _Body:
-    """Who looks, and what both sides know of themselves."""
+    """Base of both views: the part of an observation that describes the agent itself."""
 
     def __init__(self, own: SelfFeatures | PreySelfFeatures) -> None:
         self.x = own.x
-        """In the world frame [m], as `y`."""
+        """Position in the world frame [m], as `y`."""
         self.y = own.y
         self.heading_cos = own.heading_cos
-        """Of its heading in the world frame."""
+        """Cosine of the agent's heading in the world frame."""
         self.heading_sin = own.heading_sin
         self.linear_velocity = own.linear_velocity
-        """Ahead [m/s]."""
+        """Velocity ahead [m/s]."""
         self.angular_velocity = own.angular_velocity
-        """To the left [rad/s]."""
+        """Turn rate, positive to the left [rad/s]."""
         self.time_left = own.time_left
-        """Until the time limit [s]."""
+        """Time until the time limit [s]."""
 
     @property
     def heading(self) -> float:
-        """In the world frame [rad] in [-pi, pi]."""
+        """Heading in the world frame [rad] in [-pi, pi]."""
         return math.atan2(self.heading_sin, self.heading_cos)
 
     def to_own_frame(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the world frame [m] as (forward, left) of this agent [m]."""
+        """Return a point of the world frame [m] as (forward, left) of this agent [m]."""
         dx, dy = x - self.x, y - self.y
         cosine, sine = self.heading_cos, self.heading_sin
         return cosine * dx + sine * dy, cosine * dy - sine * dx
 
 
 class View(_Body):
-    """One observation under names: what the hunter senses, its mask and its limits, and nothing else of the world.
+    """One observation under names, with the hunter's mask and limits, and nothing else of the world.
 
     Args:
         observation: D numbers (R7.1's layout).
         mask: the legal choices (empty under velocity control).
-        limits: what the hunter can do, and what the arena is.
+        limits: the hunter's abilities, and the arena's settings.
 
     Raises:
-        ConfigError: for an observation of another length, and limits that are none.
+        ConfigError: for an observation of another length, and for limits of another type.
     """
 
     def __init__(self, observation: Sequence[float], mask: Sequence[int], limits: Limits) -> None:
         self.observation = observation
-        """R7.1's vector as it was given, for policies that learn."""
+        """R7.1: observation as a vector, for policies that learn."""
         self.mask = mask
-        """R7.2: 1 where a choice is legal; `mask[0]`, hold, always is."""
+        """R7.2: 1 for each legal choice; `mask[0]`, hold, is always legal."""
         self.limits = limits
         require_type("limits", limits, Limits, "Limits.of(config)")
         own = SelfFeatures(*_first_columns(observation, _OWN, numbers_seen(limits)))
         super().__init__(own)
         self.score = own.score
-        """Granted catches so far."""
+        """Number of catches granted so far."""
         self.distance_integral = own.distance_integral
         """R4.3's linear integral [m s]."""
         self.bearing_integral = own.bearing_integral
@@ -405,76 +406,76 @@ class View(_Body):
 
     @cached_property
     def targets(self) -> tuple[SeenTarget, ...]:
-        """The targets in view, nearest first."""
+        """Targets in view, nearest first."""
         features = target_features(self.limits)
         return _in_view(SeenTarget, features, self.observation, _OWN, self.limits.targets_seen)
 
     @cached_property
     def rivals(self) -> tuple[SeenHunter, ...]:
-        """The rivals in view, nearest first."""
+        """Rivals in view, nearest first."""
         at, features = first_rival_column(self.limits), rival_features(self.limits)
         return _in_view(SeenHunter, features, self.observation, at, self.limits.hunters_seen)
 
 
 class PreyView(_Body):
-    """One observation of prey under names (R12.4). While it is out all but `time_left` and `times_caught` is zero.
+    """One observation of prey under names (R12.4). While prey is out, all but `time_left` and `times_caught` is 0.
 
     Args:
         observation: the numbers of R12.4.
-        limits: what prey can do, and what the arena is.
+        limits: the abilities of prey, and the arena's settings.
 
     Raises:
-        ConfigError: for an observation of another length, and limits that are none.
+        ConfigError: for an observation of another length, and for limits of another type.
     """
 
     def __init__(self, observation: Sequence[float], limits: PreyLimits) -> None:
         self.observation = observation
-        """R12.4's vector as it was given, for policies that learn."""
+        """R12.4: observation as a vector, for policies that learn."""
         self.limits = limits
         require_type("limits", limits, PreyLimits, "PreyLimits.of(config)")
         size = _PREY + len(BodyFeatures._fields) * (limits.hunters_seen + limits.prey_seen)
         own = PreySelfFeatures(*_first_columns(observation, _PREY, size))
         super().__init__(own)
         self.times_caught = own.times_caught
-        """So far."""
+        """Number of times that this prey was caught so far."""
         self.alive = own.alive > 0
-        """Whether it is in play; while it is out, its action is ignored."""
+        """True if this prey is in play; its action is ignored while it is out."""
 
     @cached_property
     def hunters(self) -> tuple[SeenBody, ...]:
-        """The hunters in view, nearest first."""
+        """Hunters in view, nearest first."""
         return _in_view(SeenBody, BodyFeatures, self.observation, _PREY, self.limits.hunters_seen)
 
     @cached_property
     def others(self) -> tuple[SeenBody, ...]:
-        """The other prey in view, nearest first."""
+        """Other prey in view, nearest first."""
         at = _PREY + len(BodyFeatures._fields) * self.limits.hunters_seen
         return _in_view(SeenBody, BodyFeatures, self.observation, at, self.limits.prey_seen)
 
 
 AnyLimits = Limits | PreyLimits
-"""Of a seat, whatever plays there."""
+"""Limits of a seat, of a hunter or of prey."""
 
 
 def player_limits(config: ArenaConfig, seat: int) -> AnyLimits:
-    """Those of a seat of a match: of a hunter, or of prey, whose seats follow the hunters'."""
+    """Return the limits of a seat of a match; the seats of prey follow those of the hunters."""
     return Limits.of(config, seat) if seat < config.hunters else PreyLimits.of(config)
 
 
 @runtime_checkable
 class Policy(Protocol):
-    """An agent that hunts. It may also name its `control`, the kind of action that it gives ("target" where it does
-    not).
+    """An agent that plays a hunter. Its optional attribute `control` names its kind of action; the default is
+    "target".
 
-    target: an int, 0 = hold or a target's rank. velocity: two numbers in [-1, 1], linear and angular. full:
-    {"cmd_vel": two such numbers, "catch": an int}.
+    Actions under "target": an int, 0 to hold or a target's rank. "velocity": two numbers in [-1, 1], linear and
+    angular. "full": {"cmd_vel": two such numbers, "catch": an int}.
     """
 
     def reset(self, seed: int) -> None:
-        """Begin a match; `seed`, in [0, 2^63), is the agent's own and tells nothing of the match's."""
+        """Begin a match. `seed`, in [0, 2^63), is for the agent alone; the match's seed cannot be derived from it."""
 
     def act(self, view: View) -> Any:
-        """The action for this step."""
+        """Return the action for this step."""
 
 
 @runtime_checkable
@@ -482,14 +483,14 @@ class PreyPolicy(Protocol):
     """An agent that plays prey, under velocity control (R12.2)."""
 
     def reset(self, seed: int) -> None:
-        """Begin a match; `seed`, in [0, 2^63), is the agent's own and tells nothing of the match's."""
+        """Begin a match. `seed`, in [0, 2^63), is for the agent alone; the match's seed cannot be derived from it."""
 
     def act(self, view: PreyView) -> Any:
-        """Two numbers in [-1, 1]: speed and turn rate, as parts of the limits."""
+        """Return speed and turn rate as fractions of the limits: two numbers in [-1, 1]."""
 
 
 def control_of(policy: object) -> Control:
-    """The control that a policy, or its class, asks for."""
+    """Return the control that a policy, or its class, names; "target" if it names none."""
     word: Control = getattr(policy, "control", "target")
     if word not in ("target", "velocity", "full"):
         raise AgentError(f"control of {policy!r} must be target, velocity or full, got {word!r}")

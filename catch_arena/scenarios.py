@@ -1,6 +1,4 @@
-"""Named scenarios: the arenas that people play, teach and publish on. docs/scenarios.md says what was measured in
-each.
-"""
+"""Named scenarios: the arenas for play, teaching and publications. docs/scenarios.md has measurements of each."""
 
 import math
 from collections.abc import Mapping
@@ -24,7 +22,7 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
         ),
         "wander": _STANDARD.replace(target_motion="wander"),
         "evasive": _STANDARD.replace(target_motion="flee", target_speed_mps=1.5),
-        # under target control a hunter that sees nothing can only hold: it could not look around
+        # velocity control: under target control a hunter that sees nothing can only hold, and not look around
         "fog": _STANDARD.replace(view_radius_m=2.5, control="velocity"),
         "blinkers": _STANDARD.replace(view_angle_deg=100.0, control="velocity"),
         "unequal": _STANDARD.replace(max_speed_mps=(2.6, 2.2, 1.8, 1.4), reach_m=(0.2, 0.3, 0.4, 0.5)),
@@ -51,7 +49,7 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
             target_turn_rate_radps=4.0,
         ),
         "herd": _STANDARD.replace(prey=4, initial_targets=12, max_targets=20, target_motion="wander"),
-        # the course's exercise, refereed: its reach, and a target a second
+        # the ROS 2 exercise with an arbiter: its reach, and a target each second
         "exercise": _STANDARD.replace(reach_m=0.5, initial_targets=0, spawn_frequency_hz=1.0),
         "capstone": _STANDARD.replace(  # R9.1
             hunters=1,
@@ -79,11 +77,11 @@ _WORDS_OF_MPE: Final = {
     "local_ratio": "1 - team_share",
     "dynamic_rescaling": None,
 }
-"""What programs for PettingZoo's particle environments call our settings."""
+"""Names of settings in PettingZoo's particle environments (MPE), with ours; None if there is no such setting here."""
 
 
 def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
-    """The named scenario's settings, or those given, with any of them overridden.
+    """Return the settings of a named scenario, or a given config, with overrides.
 
     Args:
         name: one of `SCENARIOS`, or a config.
@@ -91,7 +89,7 @@ def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
             `continuous_actions` may stand for `control`: True is "velocity", False is "target".
 
     Raises:
-        ConfigError: that names the nearest right name, or the setting, the requirement and the value.
+        ConfigError: for an unknown name, with the nearest known one, or for an invalid setting.
     """
     for word in overrides:
         if word in _WORDS_OF_MPE:

@@ -1,4 +1,4 @@
-"""Seeds at the public interfaces: what people may give, and what is drawn where they give none."""
+"""Seeds at the public interfaces: checks of given seeds, and new ones if none is given."""
 
 import secrets
 from typing import Final
@@ -8,11 +8,11 @@ from catch_arena.plain import whole_number
 from catch_arena.text import with_type
 
 SEED_LIMIT: Final = 2**64
-"""A.5: seeds are whole numbers from 0 to this, exclusive."""
+"""A.5: upper bound of seeds, exclusive; the lower bound is 0."""
 
 
 def checked_seed(seed: object) -> int:
-    """The seed as an int.
+    """Return a seed as an int.
 
     Raises:
         ConfigError: unless it is a whole number in [0, 2^64).
@@ -25,12 +25,12 @@ def checked_seed(seed: object) -> int:
 
 
 def fresh_seed() -> int:
-    """A seed from the operating system, for a first reset that names none; it is small enough to be typed again."""
+    """Return a seed from the operating system for a first reset without one; 32 bits, so that people can type it."""
     return secrets.randbits(32)
 
 
 def arena_seed(given: int | None) -> int:
-    """The seed of a match that agents play: where none is given, one that they cannot guess.
+    """Return the seed of a match that agents play; if none is given, one that agents cannot guess.
 
     Raises:
         ConfigError: unless it is a whole number in [0, 2^64).

@@ -1,4 +1,4 @@
-"""Rulebook chapter 8: the arena as the ROS 2 exercise knows it, by names and Twists in place of ranks and actions."""
+"""Rulebook chapter 8: the arena with the interface of the ROS 2 exercise: names and Twists, not ranks and actions."""
 
 from bisect import insort
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -23,19 +23,19 @@ from catch_arena.world import World
 
 
 class ArenaService:
-    """One arena by names: `spawn`, `kill`, `alive_turtles`, `pose`, and `step`, which answers catch_turtle.
+    """One arena with names: `spawn`, `kill`, `alive_turtles`, `pose`, and `step`, which answers catch_turtle.
 
-    The requests of one step are judged together, on the state before it (R5.1), whatever order they come in. The
-    arena's own arbiter judges them, with its faults and lots, and what it grants is scored.
+    The requests of one step are judged together, on the state before it (R5.1), in whatever order they come. The
+    arena's own arbiter judges them, with its faults and lots, and granted requests score.
 
     Args:
-        scenario: a name or a config; all hunters see every target.
-        control: of all hunters, or by seat. Full control is a ROS node's: Twists, and requests by name. Under target
-            and velocity control a hunter's requests are its controller's (R4.1, R4.4).
+        scenario: a scenario's name or a config; observations have every target within view.
+        control: the control of all hunters, or by seat. Full control is for ROS nodes: Twists, and requests by name.
+            Under target and velocity control the hosted controller makes a hunter's requests (R4.1, R4.4).
         overrides: fields of `ArenaConfig`, as for `parallel_env`.
 
     Raises:
-        ConfigError: for a setting that cannot be, and for one that is the service's own.
+        ConfigError: for an invalid setting, and for `observed_targets`, which the service sets.
     """
 
     def __init__(
@@ -61,8 +61,8 @@ class ArenaService:
         """Begin an episode, and publish its targets.
 
         Args:
-            seed: a whole number in [0, 2^64); without one the first episode's is the operating system's, and each
-                further one follows from the one before (A.5).
+            seed: a whole number in [0, 2^64). If it is None, the first episode's seed is from the operating system, and
+                each further seed follows from the one before (A.5).
         """
         self._seed = episode_seed(seed, self._seed)
         self._engine.reset([self._seed])
@@ -74,11 +74,11 @@ class ArenaService:
         self._publish(self.alive_turtles())
 
     def record(self, names: Sequence[str], title: str = "") -> None:
-        """Keep every episode from the next reset on; `names` are the players' names by seat.
+        """Record every episode from the next reset on; `names` are the players' names by seat.
 
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters, and under the policy
-                `capstone`, where a name that no rank stands for may be granted and scored.
+                `capstone`, which may grant and score a name that has no rank.
         """
         if self._config.policy == "capstone":
             raise ConfigError("a recorded match must be of another policy than capstone, whose grants need no target")
@@ -88,10 +88,10 @@ class ArenaService:
 
     @property
     def replay(self) -> Replay:
-        """The episode so far, where `record` was called before its reset.
+        """Replay of the episode so far, if `record` was called before its reset.
 
         Raises:
-            EpisodeError: where nothing is recorded.
+            EpisodeError: if the episode is not recorded.
         """
         if self._replay is None:
             raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
@@ -99,17 +99,17 @@ class ArenaService:
 
     @property
     def is_recorded(self) -> bool:
-        """Whether this episode is."""
+        """True if this episode is recorded."""
         return self._replay is not None
 
     @property
     def requests_left_out(self) -> int:
-        """How many requests by name are not in the replay: each hunter has its part of 65,536 a match."""
+        """Number of requests by name that the replay does not hold: each hunter has its share of 65,536 in a match."""
         return self._budget.left_out
 
     @property
     def seed(self) -> int:
-        """The episode's.
+        """Seed of the episode.
 
         Raises:
             EpisodeError: before the first reset.
@@ -120,12 +120,12 @@ class ArenaService:
 
     @property
     def config(self) -> ArenaConfig:
-        """The arena's settings, as they are played."""
+        """Settings of the arena, including those that the service sets."""
         return self._config
 
     @property
     def world(self) -> World:
-        """The arena as it is.
+        """Current state of the arena.
 
         Raises:
             EpisodeError: before the first reset.
@@ -136,39 +136,39 @@ class ArenaService:
 
     @property
     def over(self) -> bool:
-        """Whether the episode has ended (R1.5), or none has begun."""
+        """R1.5: true if the episode has ended, or none has begun."""
         return self._seed is None or bool(self._engine.ends[0])
 
     def alive_turtles(self) -> TurtleArray:
-        """R8.2: the targets in spawning order."""
+        """R8.2: return the alive targets in spawning order."""
         return self.world.alive_turtles
 
     def subscribe(self, on_alive_turtles: Callable[[TurtleArray], object]) -> None:
-        """Hear of the alive targets, as a subscriber of the exercise's topic does.
+        """Subscribe to the list of alive targets, like a subscriber of the exercise's topic.
 
-        A step publishes the list once after its catches, however many they are, where some target left (R1.4), and
-        once after its spawns where some appeared. So do `reset`, and `spawn` and `kill` that change it.
+        A step publishes the list once after its catches if a target left (R1.4), and once after its spawns if a target
+        appeared. `reset` publishes it too, and so do `spawn` and `kill` if they change it.
         """
         self._subscribers.append(on_alive_turtles)
 
     def pose(self, hunter: str) -> Pose:
-        """A hunter as turtlesim publishes it."""
+        """Return a hunter's pose as turtlesim publishes it."""
         return self.world.hunters[self._seat(hunter)].pose
 
     def observe(self, hunter: str) -> tuple[list[float], list[int]]:
-        """R7.1, R7.2: what a hunter sees, and the mask of its choices, which is empty under velocity control."""
+        """R7.1, R7.2: return a hunter's observation, and the mask of its choices; it is [] under velocity control."""
         seat = self._seat(hunter)
         masked = self._config.controls[seat] != "velocity"
         return self._engine.observations[0, seat].tolist(), self._engine.masks[0, seat].tolist() if masked else []
 
     def targets_seen(self, hunter: str) -> list[str]:
-        """R7.1: the names of the targets that a hunter sees, by rank."""
+        """R7.1: return the names of the targets that a hunter sees, by rank."""
         seat = self._seat(hunter)
         ranks = {self._engine.rank_of(0, seat, target.name): target.name for target in self.world.targets}
         return [ranks[rank] for rank in sorted(ranks) if rank]
 
     def withdraw(self, hunter: str) -> None:
-        """R1.6: the hunter takes no further part."""
+        """R1.6: withdraw a hunter, which takes no further part."""
         seat = self._seat(hunter)
         if not self.world.hunters[seat].withdrawn:
             self._engine.withdraw(0, seat)
@@ -176,11 +176,11 @@ class ArenaService:
                 insort(self._replay.withdrawals, (self._replay.steps, seat))
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
-        """A target outside the timer: its name, or "" where the arena is full, as turtlesim answers.
+        """Spawn a target outside the timer; return its name, or "" if the arena is full, as turtlesim answers.
 
         Raises:
             ActionError: for a place outside the arena, or a theta beyond 1000 rad.
-            EpisodeError: where no episode is under way, or where it is recorded.
+            EpisodeError: if no episode is running, or if it is recorded.
         """
         self._require_play("spawn")
         _require_pose(self._config, x, y, theta)
@@ -193,10 +193,10 @@ class ArenaService:
         return name
 
     def kill(self, name: str) -> bool:
-        """A target leaves uncaught, and its name is unknown from then on; false where no such target is alive.
+        """Remove a target uncaught; its name is unknown from then on. Return false if no such target is alive.
 
         Raises:
-            EpisodeError: where no episode is under way, or where it is recorded.
+            EpisodeError: if no episode is running, or if it is recorded.
         """
         self._require_play("kill")
         numbers = {target.name: target.number for target in self.world.targets}
@@ -213,21 +213,21 @@ class ArenaService:
         requests: Sequence[tuple[str, CatchTurtleRequest]] = (),
         goals: Mapping[str, str] | None = None,
     ) -> list[Ruling]:
-        """R1.4: one control period.
+        """R1.4: play one control period.
 
         Args:
-            cmd_vel: Twists [m/s, rad/s] by hunter, limited as R2.5 says, at rest where none is given.
+            cmd_vel: Twists [m/s, rad/s] by hunter, limited by R2.5; a hunter without a Twist is at rest.
             requests: (hunter, request) in any order. After the end nothing moves, and every request is MATCH_OVER.
-            goals: the names of the targets that hunters under target control drive to; the others of them hold, and so
-                does one whose goal is out of its sight (R7.5), or not among those that it observes.
+            goals: names of the targets that hunters under target control drive to. A hunter without a goal holds, and
+                so does one whose goal is out of its sight (R7.5), or not in its observation.
 
         Returns:
-            one ruling for each request; `response` makes the service's answer of it. The world's rulings have those of
-            the other hunters.
+            one ruling for each request; `response` converts it to the service's answer. The rulings of other hunters
+            are in `world.rulings`.
 
         Raises:
-            ActionError: for a hunter that does not exist, a request of one that is not under full control, or a Twist
-                that is not finite; nothing has moved then.
+            ActionError: for an unknown hunter, a request by a hunter that is not under full control, or a Twist that is
+                not finite; the arena has not changed then.
             EpisodeError: before the first reset.
         """
         before = self.world
@@ -240,7 +240,7 @@ class ArenaService:
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
         seats = [self._asking_seat(hunter) for hunter, _ in requests]
         names = [request.name for _, request in requests]
-        hosted = self._hosted_requests(before, goals) if requests else []  # else the engine finds them itself
+        hosted = self._hosted_requests(before, goals) if requests else []  # without requests the engine makes them
         table = np.zeros((len(seats) + len(hosted), REQUEST_COLUMNS), dtype=np.int64)
         table[:, REQUEST_SEAT] = seats + [seat for seat, _ in hosted]
         table[:, REQUEST_TARGET] = [
@@ -257,7 +257,7 @@ class ArenaService:
         return rulings_of(table[: len(seats)], names, before.step)
 
     def _hosted_requests(self, world: World, goals: Mapping[str, str]) -> list[tuple[int, str]]:
-        """R4.1, R4.4: what the controllers of hunters request that are not under full control: (seat, name)."""
+        """R4.1, R4.4: return the hosted controllers' requests, as (seat, name)."""
         found = []
         for seat, (control, hunter) in enumerate(zip(self._config.controls, world.hunters, strict=True)):
             if control == "full":
@@ -272,8 +272,8 @@ class ArenaService:
         return found
 
     def _choices(self, table: NDArray[np.int64], names: Sequence[str], goals: Mapping[str, str]) -> NDArray[np.int64]:
-        """R4.1, R4.4: the rank of the target that each hunter drives to, or asks for first, which is its active one in
-        this step: (1, H).
+        """R4.1, R4.4: return the rank of each hunter's active target in this step, (1, H): the target that it drives
+        to, or that it asks for first.
         """
         ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
         for hunter, name in goals.items():
@@ -284,7 +284,7 @@ class ArenaService:
         return ranks
 
     def _record_named(self, replay: Replay, choices: NDArray[np.int64], asked: Sequence[tuple[int, object]]) -> None:
-        """R8.4: what no rank stands for; a hunter's rank stands for its first request."""
+        """R8.4: record the requests without a rank; a hunter's rank, unless it is 0, stands for its first request."""
         ranked = {seat for seat, rank in enumerate(choices.tolist()) if rank}
         for seat, name in asked:
             if seat in ranked:
@@ -293,7 +293,7 @@ class ArenaService:
                 replay.named_requests.append(kept)
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
-        """Twists as fractions of the limits, (1, H, 2)."""
+        """Return Twists as fractions of the limits, (1, H, 2)."""
         commands = np.zeros((1, self._config.hunters, 2), dtype=np.float32)
         for hunter, twist in cmd_vel.items():
             seat = self._seat(hunter)
@@ -306,7 +306,7 @@ class ArenaService:
         return commands
 
     def _publish_changes(self, before: World) -> None:
-        """R1.4: the targets without those that were caught, and then with those that have appeared."""
+        """R1.4: publish the targets without those that left, and then with those that have appeared."""
         after = self.alive_turtles()
         names = {turtle.name for turtle in after.turtles}
         left = TurtleArray(tuple(turtle for turtle in before.alive_turtles.turtles if turtle.name in names))
@@ -344,12 +344,12 @@ class ArenaService:
 
 
 def response(ruling: Ruling) -> CatchTurtleResponse:
-    """R5.2: what catch_turtle answers."""
+    """R5.2: return the answer of catch_turtle to a request."""
     return CatchTurtleResponse(ruling.success)
 
 
 def _require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
-    """A position in the arena [m] and an angle of at most 1000 [rad]."""
+    """Raise ActionError unless (x, y) is in the arena [m] and theta is at most 1000 rad, either way."""
     for axis, value in (("x", x), ("y", y)):
         number = real_number(as_python(value))
         if number is None or not 0.0 <= number <= config.side_m:

@@ -1,4 +1,4 @@
-"""Streams whose reader may go, as `head` does: the process goes on, and its own result is what counts."""
+"""Streams whose reader may close the pipe, as `head` does: the process continues, and its own exit code counts."""
 
 import sys
 from contextlib import suppress
@@ -8,7 +8,7 @@ from typing import Any
 
 class _LastingFile(FileIO):
     def write(self, data: Any, /) -> int:
-        """Write; what nobody reads any more is lost."""
+        """Write data, and discard it if the pipe is closed."""
         try:
             return super().write(data)
         except BrokenPipeError:
@@ -16,7 +16,7 @@ class _LastingFile(FileIO):
 
 
 def lasting(stream: Any, descriptor: int, *, closefd: bool = True) -> TextIOWrapper:
-    """Return a text stream like this one, to a descriptor whose reader may go."""
+    """Return a text stream like this one, to a descriptor whose reader may close the pipe."""
     raw = _LastingFile(descriptor, "w", closefd=closefd)
     return TextIOWrapper(
         raw if stream.write_through else BufferedWriter(raw),  # as Python makes its own with -u
@@ -28,7 +28,7 @@ def lasting(stream: Any, descriptor: int, *, closefd: bool = True) -> TextIOWrap
 
 
 def outlive_readers() -> None:
-    """Replace stdout and stderr of this process: a print to a closed pipe raises nothing in a trusted agent."""
+    """Replace stdout and stderr of this process, so that printing to a closed pipe raises nothing, even in an agent."""
     for name in ("stdout", "stderr"):
         with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
             stream = getattr(sys, name)

@@ -1,5 +1,5 @@
-"""Checks that others can run on what they have made: `run_conformance` tries an arbiter, or a whole arena, with the
-cases of the conformance suite. docs/conformance.md shows how.
+"""Conformance checks for other implementations: `run_conformance` tests an arbiter, or a whole arena, with the cases
+of the conformance suite. docs/conformance.md has examples.
 """
 
 import time
@@ -30,24 +30,23 @@ def run_conformance(
     limit_s: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Report:
-    """Try an arbiter, an arena or both with the cases of the suite.
+    """Test an arbiter, an arena or both with the cases of the conformance suite.
 
     Args:
-        adapter: takes `arbitrate`'s keyword arguments and returns its rulings.
-        arena: plays the cases that need one, and those for arbiters that fit into one.
-        only: ids or beginnings of ids.
-        evidence: false compares verdicts alone.
-        exact_lots: requires of lots what the rulebook's appendix draws, where any one of the tied would do.
-        limit_s: how long a case may take before it is given up: without a limit, code that loops for ever is waited
-            for.
+        adapter: the arbiter; it takes `arbitrate`'s keyword arguments and returns rulings.
+        arena: the arena; it plays the cases for arenas, and the cases for arbiters that fit into an arena.
+        only: ids of cases, or beginnings of ids; () means all cases.
+        evidence: false to compare verdicts alone.
+        exact_lots: true to require the lots of the rulebook's appendix; else any of the tied hunters may win.
+        limit_s: time limit of a case [s]; with None, an endless loop is never ended.
         progress: called with (done, total) after each case.
 
     Returns:
-        a report with `passed`, `failures` and `diagnoses`, which are the failures by mistake. Whatever the adapter does
-        wrong stands in it.
+        a report with `passed`, `failures` and `diagnoses`, which group the failures by mistake. Errors that the adapter
+        raises are in it, too.
 
     Raises:
-        ConfigError: where there is nothing to try, or no such case.
+        ConfigError: without an arbiter and an arena, for an invalid limit, or for a word that matches no case.
     """
     if adapter is None and arena is None:
         raise ConfigError("an arbiter or an arena must be given")
@@ -63,10 +62,10 @@ def run_conformance(
 
 
 def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...]:
-    """The cases with these ids; where a word is no id, those whose ids begin with it; all without words.
+    """Return the cases with these ids, or whose ids begin with a word that is no id; all cases without words.
 
     Raises:
-        ConfigError: for a word without a case.
+        ConfigError: for a word that matches no case.
     """
     cases = load_cases()
     ids = {case.id for case in cases}
@@ -100,7 +99,7 @@ def _run_case(
         except DiffersError as error:
             failure = Failure(case, runner.how, error.differences)
             break
-        except TimeoutError as error:  # between two calls
+        except TimeoutError as error:  # the limit can also pass between two calls
             failure = Failure(case, runner.how, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),))
             break
     return Result(case, failure, time.perf_counter() - start, None if runners else needs(case))

@@ -1,7 +1,7 @@
-r"""Text from strangers is text: what agents are called, say and raise, as every terminal, file and page can hold it.
+r"""Safe forms of foreign text, such as agents' names, output and errors, for terminals, files and pages.
 
-What cannot be printed (control characters, halves of surrogate pairs, marks that turn the direction of writing) is
-shown as Python writes it: `\x1b`, `\ud800`, `\u202e`. It is done once, where such a text comes in.
+Unprintable characters (control characters, lone surrogates, marks that change the direction of writing) become
+Python's escapes: `\x1b`, `\ud800`, `\u202e`. This is done once, when such a text is received.
 """
 
 import re
@@ -10,14 +10,14 @@ import unicodedata
 from typing import Final
 
 LONGEST_NAME: Final = 100
-"""Characters of an entrant's name."""
+"""Largest length of an entrant's name [characters]."""
 LONGEST_LINE: Final = 300
-"""Characters of what is said about a failure."""
+"""Largest length of a failure's description [characters]."""
 _LOOKED_AT: Final = 8 * LONGEST_LINE
 _FOLDERS: Final = re.compile(
     r"""(?<=['"])/(?:[^/'"]+/+)+|(?<![\w<.~/])~?/(?:[^\s/'"<>]+/+)+|\b[A-Za-z]:[\\/](?:[^\s\\/'"<>]+[\\/]+)*"""
 )
-"""Of whole paths: in quotes, where they may have spaces, or not; and those of Windows."""
+"""Folders of absolute paths: in quotes (spaces allowed), without quotes, or of Windows."""
 _FORMULA: Final = ("=", "+", "-", "@")
 
 
@@ -30,48 +30,48 @@ def composed(text: str) -> str:
 
 
 def printable(text: str) -> str:
-    """The text in one line, with escapes for what cannot be printed, line ends among it."""
+    """Return the text in one line, with escapes for unprintable characters, including line ends."""
     return text if text.isprintable() else "".join(map(_letter, text))
 
 
 def printable_lines(text: str) -> str:
-    """The same, but that line ends and tabs stay."""
+    """Return the text with escapes for unprintable characters, except line ends and tabs."""
     return "\n".join("\t".join(map(printable, line.split("\t"))) for line in text.split("\n"))
 
 
 def one_line(text: str) -> str:
-    """The text's words in one line of at most LONGEST_LINE characters."""
+    """Return the text's words in one line of at most LONGEST_LINE characters."""
     return printable(" ".join(text[:_LOOKED_AT].split()))[:LONGEST_LINE]
 
 
 def in_short(value: object) -> str:
-    """A value as Python writes it, in one short line, whatever it is; its kind, where it cannot be written."""
+    """Return the shortened `repr` of any value in one line; the name of its type in <> if `repr` fails."""
     try:
         return printable(" ".join(reprlib.repr(value).split()))
-    except Exception:  # noqa: BLE001 - a stranger's value may raise anything, and a number be too long to be written
+    except Exception:  # noqa: BLE001 - foreign values may raise anything, and a number may be too long for `repr`
         return f"<{printable(type(value).__name__)}>"
 
 
 def with_type(value: object) -> str:
-    """A value in short with the name of its type, for errors about the type: `'4' (str)`."""
+    """Return a value's shortened `repr` with the name of its type, for errors about types: `'4' (str)`."""
     return "None" if value is None else f"{in_short(value)} ({printable(type(value).__name__)})"
 
 
 def name_fault(name: str) -> str | None:
-    """What is wrong with an entrant's name; None where nothing is."""
+    """Return an error text for an invalid entrant's name; None for a valid one."""
     if name and name.isprintable() and len(name) <= LONGEST_NAME:
         return None
     return f"its name must be of characters that can be printed, at most {LONGEST_NAME} of them, got {name[:200]!a}"
 
 
 def without_folders(text: str) -> str:
-    """The text with the name alone of each file that it gives a whole path of."""
+    """Return the text with each absolute path replaced by the file's name."""
     return _FOLDERS.sub("", text)
 
 
 def spreadsheet_cell(text: str) -> str:
-    """The text as a cell of a CSV file, in which a spreadsheet must not find a formula: with an apostrophe, which says
-    that text follows, where it begins like one.
+    """Return the text as a cell of a CSV file. Text that begins like a formula gets an apostrophe, so that spreadsheets
+    do not run it.
     """
     return f"'{text}" if text.startswith(_FORMULA) else text
 

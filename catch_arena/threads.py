@@ -1,4 +1,4 @@
-"""Threads that share the blocks of a batch; compiled code lets go of Python's lock, so that they run side by side."""
+"""Threads that share the blocks of a batch; compiled code releases Python's global lock, so they run in parallel."""
 
 import itertools
 import os
@@ -6,15 +6,15 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 
 Work = Callable[[int, int], None]
-"""What is done with one part: (which thread does it, which part)."""
+"""Function that does one part of the work; its arguments are the thread's index and the part's index."""
 
 
 class Threads:
-    """A team of threads, this one among them, that take parts of the work as they come free: a thread that the
-    machine holds up delays one part, not a whole share.
+    """A team of threads, including the caller's, in which each free thread takes the next part of the work. A slow
+    thread then delays one part, and not a whole share.
 
     Args:
-        size: from 1 up; 1 starts no thread.
+        size: the number of threads, from 1; with 1, no thread is started.
     """
 
     def __init__(self, size: int) -> None:
@@ -23,7 +23,7 @@ class Threads:
         self._process = 0
 
     def run(self, parts: int, work: Work) -> None:
-        """Do `work` for every part from 0 to parts - 1; what it raises in any thread is raised here, after all."""
+        """Do `work` for every part from 0 to parts - 1; an error in any thread is raised here when all have ended."""
         helpers = min(self.size, parts) - 1
         if helpers < 1:
             for part in range(parts):
@@ -45,17 +45,17 @@ class Threads:
             other.result()
 
     def close(self) -> None:
-        """End the threads that were started; the next `run` would start them again."""
+        """End the threads; the next `run` starts them again."""
         if self._pool is not None and self._process == os.getpid():
             self._pool.shutdown()
         self._pool = None
 
     def __reduce__(self) -> tuple[type["Threads"], tuple[int]]:
-        """Copied and pickled without what runs."""
+        """Copy and pickle the team without its running threads."""
         return Threads, (self.size,)
 
     def _helpers(self) -> ThreadPoolExecutor:
-        if self._pool is None or self._process != os.getpid():  # threads do not live on in a forked process
+        if self._pool is None or self._process != os.getpid():  # a forked process has no threads of its parent
             self._pool = ThreadPoolExecutor(self.size - 1, thread_name_prefix="catch-arena")
             self._process = os.getpid()
         return self._pool

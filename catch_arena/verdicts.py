@@ -1,4 +1,4 @@
-"""Rulebook R5.2: the answers of the arbiter, and the evidence that comes with each."""
+"""Rulebook R5.2: verdicts of the arbiter, and rulings, which add the evidence."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,10 +7,9 @@ from typing import Final
 
 
 class Verdict(IntEnum):
-    """R5.2: the eleven answers, in the order in which their tests are made; the first test that fails names the
-    verdict.
+    """R5.2: the eleven answers to a request, in the order of their tests; the first test that fails gives the verdict.
 
-    ROS's `catch_turtle` response has one bit for all this: its `success` is `verdict is Verdict.GRANTED`.
+    The `catch_turtle` response of ROS has one bit for them: its `success` is `verdict is Verdict.GRANTED`.
     """
 
     MATCH_OVER = 1
@@ -27,7 +26,7 @@ class Verdict(IntEnum):
 
 
 NO_REQUEST: Final = 0
-"""What stands in a table of verdicts for a hunter that requested nothing."""
+"""Entry in a table of verdicts for a hunter without a request."""
 
 _MEANINGS: Final = {
     Verdict.MATCH_OVER: ("the match is over", "R5.2"),
@@ -43,7 +42,7 @@ _MEANINGS: Final = {
     Verdict.GRANTED: ("caught", "R5.4"),
 }
 CLAUSES: Final[Mapping[Verdict, str]] = {verdict: clause for verdict, (_, clause) in _MEANINGS.items()}
-"""The clause that each verdict rests on."""
+"""Clause of the rulebook for each verdict."""
 REASONS: Final[Mapping[Verdict, str]] = {
     verdict: f"{words} ({clause})" for verdict, (words, clause) in _MEANINGS.items()
 }
@@ -56,21 +55,21 @@ class Ruling:
 
     verdict: Verdict
     hunter: int
-    """The seat of the hunter that asked."""
+    """Seat of the hunter that made the request."""
     target: object
-    """The name that was asked for, as it was given; None for a rank that has no target."""
+    """Requested name, as it was given; None for a rank that has no target."""
     distance_um: int | None = None
     """Distance between the centres [micrometres] (R5.3); None unless reach was tested."""
     winner: int | None = None
-    """The seat that won; None unless the request was granted or contested."""
+    """Seat of the hunter that won; None unless the request was granted or contested."""
     step: int = 0
-    """The step in which it was judged, from 0: how many were played before it. Pages and commands count from 1."""
+    """Step in which the request was judged, from 0: the number of steps before it. Pages and commands count from 1."""
 
     @classmethod
     def of_numbers(
         cls, verdict: float, hunter: int, target: object, distance_um: float, winner: float, step: int
     ) -> "Ruling":
-        """A ruling from numbers as the arbiter writes them, in which -1 is a distance or a winner that is not there."""
+        """Return a ruling from the arbiter's numbers, in which -1 stands for no distance or no winner."""
         return cls(
             Verdict(int(verdict)),
             hunter,
@@ -82,16 +81,16 @@ class Ruling:
 
     @property
     def success(self) -> bool:
-        """What the `catch_turtle` service answers (R5.2)."""
+        """R5.2: answer of the `catch_turtle` service."""
         return self.verdict is Verdict.GRANTED
 
     @property
     def reason(self) -> str:
-        """The verdict in words, with the clause it rests on."""
+        """Verdict in words, with its clause."""
         return REASONS[self.verdict]
 
     def __str__(self) -> str:
-        """One line for people: who asked for what, the answer, and the evidence."""
+        """Return one line for people: hunter, target, verdict and evidence."""
         evidence = "" if self.distance_um is None else f", {self.distance_um / 1e6:.6f} m away"
         if self.verdict is Verdict.LOST_CONTEST:
             evidence += f", won by hunter_{self.winner}"

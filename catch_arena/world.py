@@ -1,4 +1,4 @@
-"""The typed, read-only picture of one arena, in the world frame: what people, rendering and the service view read."""
+"""Typed, read-only state of one arena in the world frame, for people, rendering and the service view."""
 
 from dataclasses import dataclass, field
 
@@ -8,92 +8,92 @@ from catch_arena.verdicts import Ruling
 
 @dataclass(frozen=True, slots=True)
 class HunterState:
-    """One hunter; metres, radians in [-pi, pi), metres and radians per second."""
+    """State of one hunter, in m, m/s, rad/s; theta in rad in [-pi, pi)."""
 
     name: str
-    """The PettingZoo name, `hunter_{seat}`."""
+    """Name in PettingZoo's interface, `hunter_{seat}`."""
     x: float
     y: float
     theta: float
     linear_velocity: float
-    """The velocity that moves it (after R2.5's limits), signed; turtlesim's habit: not reduced by a wall."""
+    """Signed velocity after R2.5's limits; a wall does not reduce it, as in turtlesim."""
     angular_velocity: float
     score: int
     active_target: str | None = None
-    """The target that it chose for its hosted controller, or asked for under full control."""
+    """Name of the target chosen for the hosted controller, or asked for under full control; None without one."""
     at_wall: bool = False
-    """R2.3: it was clamped to the arena during the last step."""
+    """R2.3: true if the hunter was clamped to the arena during the last step."""
     withdrawn: bool = False
-    """R1.6: it takes no further part."""
+    """R1.6, R1.7: true if the hunter takes no further part."""
     team: int = field(kw_only=True)
-    """R11.1: its team, as its place among the config's `team_seats`; without teams its seat."""
+    """R11.1: index of the hunter's team in the config's `team_seats`; without teams, its seat."""
 
     @property
     def pose(self) -> Pose:
-        """The hunter as turtlesim publishes it: its linear velocity has no sign."""
+        """Pose as turtlesim publishes it: the linear velocity has no sign."""
         return Pose(self.x, self.y, self.theta, abs(self.linear_velocity), self.angular_velocity)
 
 
 @dataclass(frozen=True, slots=True)
 class TargetState:
-    """One alive target; theta is in [0, 2 pi), as drawn (R3.2), where targets move in [-pi, pi); metres and radians."""
+    """State of one alive target, in m, m/s, rad/s; theta in rad in [0, 2 pi) (R3.2), or [-pi, pi) if targets move."""
 
     name: str
     number: int
-    """R3.4: its identity, from 1, never used again in the episode."""
+    """R3.4: number of the target, from 1, unique in the episode."""
     x: float
     y: float
     theta: float
     spawned_ms: int
-    """When it appeared [ms since reset]."""
+    """Time at which the target appeared [ms since reset]."""
     linear_velocity: float = 0.0
     angular_velocity: float = 0.0
     at_wall: bool = False
-    """R2.3, R3.9: it was clamped to the arena during the last step."""
+    """R2.3, R3.9: true if the target was clamped to the arena during the last step."""
     prey: str | None = None
-    """R12.1: which prey plays it, None for nobody."""
+    """R12.1: name of the prey that plays the target; None if no prey does."""
 
 
 @dataclass(frozen=True, slots=True)
 class PreyState:
-    """One prey; where it is, and how it moves, its target says."""
+    """State of one prey; its pose and velocities are those of its target."""
 
     name: str
-    """The PettingZoo name, `prey_{index}`."""
+    """Name in PettingZoo's interface, `prey_{index}`."""
     target: str | None
-    """The target that it plays, by name; None while it is out (R12.3)."""
+    """Name of the target that the prey plays; None while it is out (R12.3)."""
     times_caught: int
-    """Its score (R12.5)."""
+    """Number of times that the prey was caught, which is its score (R12.5)."""
     caught_ms: int | None = None
-    """While it is out, the time of the state on which it was caught [ms since reset]."""
+    """Time of the state on which the prey was caught [ms since reset]; None while it is in play."""
     caught_by: int | None = None
-    """The seat of the hunter that caught it in the step that led here."""
+    """Seat of the hunter that caught the prey in the last step; None if no hunter did."""
     withdrawn: bool = False
-    """R12.5: it takes no further part, and stands still."""
+    """R12.5: true if the prey takes no further part, and stands still."""
 
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """One arena at a step's boundary."""
+    """State of one arena between two steps."""
 
     time_ms: int
     step: int
-    """How many steps have been played."""
+    """Number of steps played so far."""
     side_m: float
     hunters: tuple[HunterState, ...]
-    """By seat."""
+    """States of the hunters, by seat."""
     targets: tuple[TargetState, ...]
-    """The alive ones, in spawning order (R8.2)."""
+    """States of the alive targets, in spawning order (R8.2)."""
     rulings: tuple[Ruling, ...] = ()
-    """The verdicts of the step that led here, by seat."""
+    """Rulings of the last step, by seat."""
     spawned: int = 0
-    """How many targets have appeared so far: catches of all hunters + alive (R5.8)."""
+    """Number of targets that have appeared so far: catches of all hunters plus alive targets (R5.8)."""
     prey: tuple[PreyState, ...] = ()
-    """By index."""
+    """States of the prey, by index."""
 
     @property
     def team_scores(self) -> tuple[int, ...]:
-        """R11.1: the sums of the scores of each team's hunters; without teams, each hunter's."""
+        """R11.1: sum of the scores of each team's hunters; without teams, each hunter's score."""
         scores = [0] * (1 + max(hunter.team for hunter in self.hunters))
         for hunter in self.hunters:
             scores[hunter.team] += hunter.score
@@ -101,5 +101,5 @@ class World:
 
     @property
     def alive_turtles(self) -> TurtleArray:
-        """R8.2: the alive list as the exercise's spawner publishes it."""
+        """R8.2: alive targets as the exercise's spawner publishes them."""
         return TurtleArray(tuple(Turtle(target.name, target.x, target.y, target.theta) for target in self.targets))

@@ -1,8 +1,8 @@
-"""Why did B lose? The contests, refusals and highlights of a recorded match as facts, and the facts in words.
+"""Explanations of recorded matches: contests, refusals and highlights as facts, and the facts in words.
 
-- match_summary: a whole match. step_explanation: all about one step. highlights: what is worth seeing.
-- facts: what is told, as data; found by contests, captures (of prey) and seen_targets (who saw which target).
-- sentences: facts in words, with formatting for lengths and times. seats: which hunter is meant.
+- match_summary: a whole match. step_explanation: one step in detail. highlights: moments worth seeing.
+- facts: the data of explanations, found by contests, captures (of prey) and seen_targets (targets in sight).
+- sentences: facts in words, with formatting for lengths and times. seats: labels of agents, and selection by name.
 """
 
 from catch_arena.explanation.facts import (

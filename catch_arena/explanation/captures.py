@@ -1,4 +1,4 @@
-"""What became of prey (chapter 12): who caught it, from where, and when it returned."""
+"""Captures of prey (chapter 12): catcher, distance and return of each."""
 
 from catch_arena.explanation.facts import Capture, PreySummary
 from catch_arena.explanation.seats import prey_labels
@@ -7,7 +7,7 @@ from catch_arena.world import World
 
 
 class PreyRecord:
-    """The captures of a match and a summary of each prey, as its worlds come."""
+    """Captures of a match and a summary of each prey, collected world by world."""
 
     def __init__(self, replay: Replay) -> None:
         self._period_ms = replay.config.control_period_ms
@@ -15,11 +15,11 @@ class PreyRecord:
         self._open: dict[int, Capture] = {}
         self.captures: list[Capture] = []
         self.by_target: dict[str, str] = {}
-        """For each target that prey has played: what this is called."""
+        """Label of the prey by the name of each target that it has played."""
         self.summaries = [PreySummary(index, name) for index, name in enumerate(prey_labels(replay))]
 
     def note(self, world: World) -> None:
-        """One more state."""
+        """Add the next world of the match."""
         last, self._last = self._last, world
         for summary, now in zip(self.summaries, world.prey, strict=True):
             if now.target is not None:

@@ -1,4 +1,4 @@
-"""The contests of a step, from the arbiter's evidence (R5.6), and the lots that decided them."""
+"""Contests of a step, from the arbiter's evidence (R5.6), and the lots that decided them."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -16,7 +16,7 @@ _CONTESTED: Final = (Verdict.GRANTED, Verdict.KILL_FAILED, Verdict.LOST_CONTEST)
 
 
 def contests_of(replay: Replay, world: World) -> list[Contest]:
-    """The contests of the step that led to a world."""
+    """Return the contests of the step that led to a world."""
     by_target: dict[object, list[Ruling]] = {}
     for ruling in world.rulings:
         if ruling.verdict in _CONTESTED:
@@ -57,11 +57,11 @@ def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling
 
 @entry
 def _tie_lot(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
-    """R5.5: the core's own rule, as Python can call it."""
+    """R5.5: return the lot of a seat in a tie: the core's rule, callable from Python."""
     return tie_lot(seed, step, number, seat)
 
 
 @entry
 def _service_lot(seed: np.uint64, step: int, seat: int) -> np.uint64:
-    """R5.9: the core's own rule, as Python can call it."""
+    """R5.9: return the lot of a seat in the queue of `first_come`: the core's rule, callable from Python."""
     return service_lot(seed, step, seat)

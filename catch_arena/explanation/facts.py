@@ -1,4 +1,4 @@
-"""What is told of a match: contests, refusals, what became of each hunter, and what each did in a step."""
+"""Data of explanations: contests, refusals and captures, summaries of hunters and prey, and actions in a step."""
 
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Final
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _JSON_KEYS: Final = {"hunters": "asked", "prey_by_target": "played"}
-"""Fields that have other names in JSON."""
+"""Names in JSON of the fields that have another name there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,40 +20,40 @@ class Claim:
     seat: int
     verdict: Verdict
     distance_um: int | None
-    """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
+    """Distance at the beginning of the step (R5.3); None under the policy `capstone`, which does not measure."""
     lot: int | None = None
-    """Where a lot decided (R5.5, R5.9): its word, of which the lowest wins."""
+    """Lot of the claim, of which the lowest wins (R5.5, R5.9); None if no lot decided."""
     mate: bool = False
-    """It lost to its own team-mate (R11.3)."""
+    """True if the hunter lost to its own team-mate (R11.3)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """Several hunters could have caught one target in one step."""
+    """Contest: several hunters could have caught one target in one step."""
 
     step: int
-    """Counted from 1."""
+    """Number of the step, from 1."""
     judged_ms: int
-    """When it was judged: the step's beginning (R1.4)."""
+    """Time at which the contest was judged [ms since reset]: the beginning of the step (R1.4)."""
     target: str
     clause: str
-    """What decided: R5.4 the distance, R5.5 a lot among equally near ones, R5.9 the queue of `first_come`, R9.1 that
-    the capstone's service refuses nobody.
+    """Clause that decided the contest: R5.4 the distance, R5.5 a lot among equally near hunters, R5.9 the queue of
+    `first_come`, R9.1 the capstone's service, which refuses no claim.
     """
     claims: tuple[Claim, ...]
-    """The winner first, then the nearer ones first."""
+    """Claims of all hunters in the contest: the winner's first, then by distance."""
 
     @property
     def margin_um(self) -> int | None:
-        """How much nearer the winner was than the nearest loser; negative where a lot preferred a farther one."""
+        """Distance of the nearest loser minus that of the winner; negative if a lot preferred a farther one."""
         first, second = (claim.distance_um for claim in self.claims[:2])
         return None if first is None or second is None else second - first
 
 
 @dataclass(slots=True)
 class Refusals:
-    """One hunter's requests for one target that were refused for the same reason, with no catch and no contest of its
-    own between, and no other target asked for by rank.
+    """Run of one hunter's requests for one target that were refused for the same reason, without a catch or contest of
+    its own or a request by rank for another target in between.
     """
 
     seat: int
@@ -61,14 +61,14 @@ class Refusals:
     first_step: int
     last_step: int
     first_ms: int
-    """When the first of them was judged: the step's beginning (R1.4)."""
+    """Time at which the first request was judged [ms since reset]: the beginning of its step (R1.4)."""
     last_ms: int
     target: str | None
-    """None where the rank that was asked for had none, or no text was given."""
+    """Name of the target; None for a rank without a target, or a requested name that was no string."""
     by_name: bool = False
-    """Whether no rank stood for it (R8.4)."""
+    """True if the requests were by name, without a rank (R8.4)."""
     other_names: bool = False
-    """Whether these are requests for several names: those beyond the first few that the hunter asked for."""
+    """True if these are requests for several names: those after the first few that the hunter asked for."""
     times: int = 0
     nearest_um: int | None = None
     farthest_um: int | None = None
@@ -76,7 +76,7 @@ class Refusals:
 
 @dataclass(slots=True)
 class HunterSummary:
-    """What became of one hunter."""
+    """Summary of one hunter's match."""
 
     seat: int
     name: str
@@ -84,25 +84,25 @@ class HunterSummary:
     contests_won: int = 0
     contests_lost: int = 0
     won_by_um: float | None = None
-    """How much nearer than the nearest rival it was in the contests that it won, on average."""
+    """Mean of `Contest.margin_um` over the contests that it won; None without one."""
     contests_lost_to_mates: int = 0
-    """Of those that it lost (R11.3)."""
+    """Number of the lost contests that a team-mate won (R11.3)."""
     lost_by_um: float | None = None
-    """How much nearer the winner was in those that it lost, on average."""
+    """Mean of its distance minus the winner's over the contests that it lost; None without one."""
     refused: dict[str, int] = field(default_factory=dict)
-    """Requests refused for other reasons, by verdict."""
+    """Number of requests refused for other reasons, by verdict."""
     forestalled: int = 0
-    """Targets that it was heading for, and that another hunter caught without a contest between them."""
+    """Number of its active targets that another hunter caught without a contest between them."""
     never_seen: int | None = None
-    """Targets that another hunter caught, and that it never had in sight (R7.5); None where hunters see everything."""
+    """Number of targets caught by others that it never had in sight (R7.5); None if hunters see everything."""
     withdrawn_ms: int | None = None
     dropped_out: bool = False
-    """It left by chance (R1.7), and was not withdrawn (R1.6)."""
+    """True if the hunter left by chance (R1.7), and was not withdrawn (R1.6)."""
 
 
 @dataclass(frozen=True, slots=True)
 class TeamSummary:
-    """What a team has (R11.1)."""
+    """Result of one team (R11.1)."""
 
     name: str
     seats: tuple[int, ...]
@@ -112,45 +112,45 @@ class TeamSummary:
 
 @dataclass(slots=True)
 class Capture:
-    """One prey was caught (R12.3)."""
+    """One catch of a prey (R12.3)."""
 
     prey: int
-    """Its index."""
+    """Index of the prey."""
     step: int
-    """Counted from 1."""
+    """Number of the step, from 1."""
     judged_ms: int
-    """When the catch was judged: the step's beginning (R1.4)."""
+    """Time at which the catch was judged [ms since reset]: the beginning of the step (R1.4)."""
     seat: int
-    """Who caught it."""
+    """Seat of the hunter that caught the prey."""
     target: str
-    """Which it was to the arbiter."""
+    """Name of the target that the prey played."""
     distance_um: int | None
-    """At the step's beginning (R5.3); None under the policy `capstone`, which does not measure."""
+    """Distance at the beginning of the step (R5.3); None under the policy `capstone`, which does not measure."""
     in_play_ms: int
-    """For how long it had been in play."""
+    """Time for which the prey had been in play [ms]."""
     returned_ms: int | None = None
-    """When it returned; None where it did not before the end."""
+    """Time of the return [ms since reset]; None if the prey did not return before the end."""
     returned_as: str | None = None
 
 
 @dataclass(slots=True)
 class PreySummary:
-    """What became of one prey."""
+    """Summary of one prey's match."""
 
     index: int
     name: str
     times_caught: int = 0
     returns: int = 0
     in_play_ms: int = 0
-    """For how long in all (R12.5)."""
+    """Total time in play [ms] (R12.5)."""
     out: bool = False
-    """At the end."""
+    """True if the prey is out at the end."""
     withdrawn_ms: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a hunter asked for by name, beside the rank of its action, and the verdict (R8.4)."""
+    """R8.4: one request of a hunter by name, in addition to its action's rank, and the verdict."""
 
     target: str | None
     verdict: Verdict
@@ -160,58 +160,58 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class HunterAction:
-    """What one hunter did in a step, and the answer."""
+    """Action of one hunter in a step, and the verdict on its request."""
 
     seat: int
     control: str
     action: str
-    """In words."""
+    """Action in words."""
     chosen: str | None
-    """The target of the rank that it named; None without one."""
+    """Target of the rank in the action; None if the rank has no target."""
     target: str | None
-    """What it requested; None where it requested nothing, or a rank without a target."""
+    """Target that the hunter requested; None without a request, or for a rank without a target."""
     verdict: Verdict | None
-    """None where it requested nothing."""
+    """Verdict on the request; None without a request."""
     reason: str | None
     distance_um: int | None
-    """The arbiter's evidence: None unless reach was tested."""
+    """Distance in the arbiter's evidence; None unless reach was tested."""
     winner: int | None
     mate: bool
-    """It lost to its own team-mate (R11.3)."""
+    """True if the hunter lost to its own team-mate (R11.3)."""
     out: str | None
-    """Why it took no part: "withdrawn" (R1.6) or "dropped out" (R1.7); None for one that did."""
+    """Reason for taking no part: "withdrawn" (R1.6) or "dropped out" (R1.7); None if the hunter took part."""
     seen: int
-    """How many targets it saw (R7.5)."""
+    """Number of targets that the hunter saw (R7.5)."""
     unseen: tuple[Unseen, ...]
-    """Those that it did not, the nearest first."""
+    """Targets that the hunter did not see, the nearest first."""
     by_name: tuple[Answer, ...]
-    """What else it requested, in its order."""
+    """Requests of the hunter by name, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
 class PreyAction:
-    """What one prey did in a step, and what became of it."""
+    """Action of one prey in a step, and its capture or return."""
 
     index: int
     name: str
     action: str
-    """In words."""
+    """Action in words."""
     target: str | None
-    """Which it was when the step began; None while it was out."""
+    """Target that the prey played at the beginning of the step; None while it was out."""
     caught_by: int | None
-    """The seat of who caught it in this step."""
+    """Seat of the hunter that caught the prey in this step; None if no hunter did."""
     returned_as: str | None
-    """The target that it returned as at the step's end (R12.3)."""
+    """Target as which the prey returned at the step's end (R12.3); None if it did not return."""
     withdrawn: bool
 
 
 def facts_as_json(facts: "DataclassInstance") -> dict[str, Any]:
-    """JSON-ready: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
+    """Return facts as JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
     return {_JSON_KEYS.get(name, name): json_ready(value) for name, value in asdict(facts).items()}
 
 
 def json_ready(value: Any) -> Any:
-    """Verdicts by name, lots as hexadecimal digits: a program that reads JSON may not know 64-bit integers."""
+    """Return a JSON-ready value: verdicts by name, lots in hexadecimal, since JSON readers may lack 64-bit integers."""
     if isinstance(value, Verdict):
         return value.name
     if isinstance(value, dict):

@@ -1,23 +1,23 @@
-"""Lengths and times in words: lengths in whole micrometres, as the arbiter measures them, and times in milliseconds."""
+"""Formatting of lengths (in micrometres, as the arbiter measures them) and of times (in milliseconds) as text."""
 
 
 def metres(length_um: int | None) -> str:
-    """To the micrometre; «?» where nothing was measured."""
+    """Return a length in metres to the micrometre; "?" for None."""
     return "?" if length_um is None else f"{length_um / 1e6:.6f} m"
 
 
 def seconds(time_ms: int) -> str:
-    """To the tenth, or to the millisecond where that is needed."""
+    """Return a time in seconds, with one decimal if that is exact, else with three."""
     return f"{time_ms / 1000:.1f} s" if time_ms % 100 == 0 else f"{time_ms / 1000:.3f} s"
 
 
 def exact_length(length_um: float) -> str:
-    """A difference: in millimetres to the micrometre, or in metres."""
+    """Return a length in millimetres if it is below 1 m, else in metres, to the micrometre."""
     return f"{length_um / 1e3:.3f} mm" if abs(length_um) < 1e6 else f"{length_um / 1e6:.6f} m"
 
 
 def short_length(length_um: int) -> str:
-    """Two digits of a short length, in the unit that fits."""
+    """Return a short length with about two digits, in micrometres, millimetres or centimetres."""
     if length_um < 1000:
         return f"{length_um} µm"
     if length_um < 9950:

@@ -1,7 +1,7 @@
-"""Highlights: the moments of recorded matches that are worth seeing, each with its reason and a score.
+"""Highlights: moments of recorded matches that are worth seeing, each with its reason and a score.
 
-A match is played once for its events, and its highlights follow from these. `SCORES` has the rule of each kind, and
-docs/videos.md the same rules in words.
+Each match is played once to extract its events, which give its highlights. `SCORES` has the rule of each kind, and
+docs/videos.md has the rules in words.
 """
 
 import math
@@ -28,47 +28,47 @@ SCORES: Final[Mapping[Kind, Callable[..., float]]] = {
     "finish": lambda difference, most: (1.0 - difference / most) ** 2,
     "upset": lambda favourites_share, winners_share: favourites_share - winners_share,
 }
-"""The score of each kind, in [0, 1], by its own numbers."""
+"""Function of each kind that returns a highlight's score in [0, 1] from the numbers of that kind."""
 KINDS: Final = tuple(SCORES)
 
 CLOSE_CATCHES: Final = 2
-"""A match that ends with no more between the first and the second was close."""
+"""Largest difference between the first and the second score of a close match."""
 LAST_MS: Final = 5000
-"""The last seconds of a match."""
+"""Length of a match's final part [ms]."""
 STREAK: Final = 3
-"""So many catches in a row are a streak."""
+"""Smallest number of catches in a row that is a streak."""
 LEAST_OTHER_MATCHES: Final = 2
-"""Who has played fewer others has no record yet, and nothing that it does is an upset."""
+"""Smallest number of other matches that gives an entrant a win rate, without which there is no upset."""
 REPEAT_FACTOR: Final = 0.7
-"""Each highlight of a kind that is taken already makes the others of that kind count so much less."""
+"""Factor on the scores of a kind for each highlight of that kind that was already selected."""
 
 _BEFORE_MS: Final = 2000
 _AFTER_MS: Final = 1500
 
 
 class Catch(NamedTuple):
-    """One catch, and the scores that it led to."""
+    """One catch, and the scores after its step."""
 
     judged_ms: int
-    """When it was judged: the step's beginning (R1.4)."""
+    """Time at which the catch was judged [ms since reset]: the beginning of the step (R1.4)."""
     seat: int
     contender: int
     scores: tuple[int, ...]
-    """By contender."""
+    """Scores after the step, by contender."""
 
 
 @dataclass(frozen=True, slots=True)
 class MatchEvents:
-    """What a match's highlights are found by. A contender is a team, or where there are none a hunter."""
+    """Events of a match, from which its highlights follow. A contender is a team, or a hunter if there are no teams."""
 
     hunters: tuple[str, ...]
-    """By seat, each once."""
+    """Labels of the hunters, by seat, all different."""
     prey: tuple[str, ...]
-    """By index."""
+    """Labels of the prey, by index."""
     names: tuple[str, ...]
-    """By contender, each once."""
+    """Labels of the contenders, all different."""
     entrants: tuple[str, ...]
-    """By contender, as they are called in other matches too."""
+    """Names of the entrants, by contender, which are the same in all matches."""
     duration_ms: int
     reach_um: int
     catches: tuple[Catch, ...]
@@ -77,7 +77,7 @@ class MatchEvents:
 
     @property
     def scores(self) -> tuple[int, ...]:
-        """The final ones."""
+        """Final scores, by contender."""
         return self.catches[-1].scores if self.catches else (0,) * len(self.names)
 
 
@@ -88,23 +88,23 @@ class Highlight:
     kind: Kind
     start_ms: int
     decisive_ms: int
-    """The instant that it is about."""
+    """Decisive instant [ms since reset]."""
     end_ms: int
-    """After the match's end its last picture stays."""
+    """End of the part [ms since reset]; after the match's end, the last picture stays."""
     score: float
     what: str
     why: str
 
     def overlaps(self, other: "Highlight") -> bool:
-        """Some instant belongs to both."""
+        """Return whether the two parts have an instant in common."""
         return self.start_ms < other.end_ms and other.start_ms < self.end_ms
 
 
 def extract_events(replay: Replay, progress: Callable[[int, int], None] | None = None) -> MatchEvents:
-    """A match, played again.
+    """Play a match again and return its events.
 
     Raises:
-        ReplayError: where it does not play as recorded.
+        ReplayError: if the match does not play as recorded.
     """
     period_ms = replay.config.control_period_ms
     catches: list[Catch] = []
@@ -139,11 +139,11 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
 
 
 def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = None) -> list[Highlight]:
-    """All that is worth seeing in one match, in the order of time.
+    """Return all highlights of one match, in the order of time.
 
     Args:
         events: the match's events.
-        rates: the share of their other matches that the entrants won (`win_rates`): without it there are no upsets.
+        rates: the share of its other matches that each entrant won (`win_rates`); without it there are no upsets.
     """
     found = [
         *_contests(events),
@@ -157,14 +157,14 @@ def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = Non
 
 
 class WinRecord(NamedTuple):
-    """What an entrant has done in a folder's matches; who shares a win has a part of it."""
+    """Number of matches played and won by an entrant in a folder; a shared win counts as a fraction."""
 
     played: int = 0
     won: float = 0.0
 
 
 def win_records(matches: Iterable[MatchEvents]) -> dict[str, WinRecord]:
-    """The records of all entrants."""
+    """Return the win records of all entrants."""
     found: dict[str, WinRecord] = {}
     for events in matches:
         most = max(events.scores)
@@ -175,16 +175,16 @@ def win_records(matches: Iterable[MatchEvents]) -> dict[str, WinRecord]:
 
 
 def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, float]:
-    """The share of their other matches that a match's entrants won; who has no record yet is left out."""
+    """Return the share of its other matches that each entrant of a match won, without entrants with too few of them."""
     mine = win_records([events])
     others = {name: WinRecord(known[name].played - one.played, known[name].won - one.won) for name, one in mine.items()}
     return {name: one.won / one.played for name, one in others.items() if one.played >= LEAST_OTHER_MATCHES}
 
 
 def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> list[tuple[str, Highlight]]:
-    """The most worth seeing, with where they are from, the best one last; fewer where there are no more.
+    """Return at most `count` of the best highlights, each with its match's key in `found`, the best one last.
 
-    No two of one match overlap, and a kind that was taken k times already counts REPEAT_FACTOR ** k.
+    No two of one match overlap. The score of a kind that was taken k times is multiplied by REPEAT_FACTOR ** k.
     """
     left = [(place, one) for place in sorted(found) for one in found[place]]
     chosen: list[tuple[str, Highlight]] = []
@@ -203,7 +203,7 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
         if contest.margin_um is None or winner.verdict is not Verdict.GRANTED or contest.clause not in ("R5.4", "R5.5"):
             continue
         if loser.mate:
-            continue  # nobody has lost anything by it
+            continue  # no team has lost the target
         first, second = events.hunters[winner.seat], events.hunters[loser.seat]
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
@@ -224,7 +224,7 @@ def _captures(events: MatchEvents) -> Iterable[Highlight]:
 
 
 def _leads(events: MatchEvents) -> Iterable[Highlight]:
-    """Each change of the sole leader; the catches of one step count together."""
+    """Yield a highlight for each change of the sole leader; the catches of one step count together."""
     leader: int | None = None
     since_ms = 0
     for at_ms, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
@@ -254,7 +254,7 @@ def _streaks(events: MatchEvents) -> Iterable[Highlight]:
 
 
 def _finish(events: MatchEvents) -> Iterable[Highlight]:
-    """The last seconds of a close match."""
+    """Yield the final part of a close match."""
     ranked = sorted(range(len(events.names)), key=lambda contender: -events.scores[contender])[:2]
     most, second = (events.scores[contender] for contender in (ranked[0], ranked[-1]))
     difference = most - second
@@ -270,7 +270,7 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
 
 
 def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highlight]:
-    """The sole winner had won less of its other matches than the favourite."""
+    """Yield a highlight if the sole winner had won a smaller share of its other matches than the favourite."""
     scores, names = events.scores, events.names
     winner = scores.index(max(scores))
     if scores.count(scores[winner]) > 1 or not all(name in rates for name in events.entrants):
@@ -280,7 +280,7 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
     if shares[favourite] <= shares[winner]:
         return
     at_ms = events.catches[-1].judged_ms
-    for catch in reversed(events.catches):  # back to the catch from which on it leads alone
+    for catch in reversed(events.catches):  # back to the catch after which the winner always leads alone
         if catch.scores[winner] <= _best_other(catch.scores, winner):
             break
         at_ms = catch.judged_ms
@@ -303,7 +303,7 @@ def _highlight(
     start_ms: int | None = None,
     end_ms: int | None = None,
 ) -> Highlight:
-    """Return a moment with its score; without times of its own it is a few seconds about the decisive instant."""
+    """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
     start_ms = max(0, decisive_ms - _BEFORE_MS) if start_ms is None else start_ms
     end_ms = decisive_ms + _AFTER_MS if end_ms is None else end_ms
     return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), what, why)

@@ -1,4 +1,4 @@
-"""What happened in a match, from the arbiter's evidence (R5.6): contests, refusals, and what became of each hunter."""
+"""Summary of a match, from the arbiter's evidence (R5.6): contests, refusals, captures, and each agent's results."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -34,10 +34,10 @@ from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 _MOST_NAMES: Final = 8
-"""So many runs of names are told of one hunter and one verdict: a node may ask for thousands."""
+"""Largest number of names with runs of their own, for one hunter and one verdict: a node may ask for thousands."""
 _RANKED: Final = ""
 _OTHER_NAMES: Final = "others"
-"""Which run a refusal goes on with; a name is in quotes there."""
+"""Keys of the runs that are not of one name; the key of a name is its `repr`, in quotes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,29 +47,29 @@ class Explanation:
     title: str
     policy: str
     reaches_um: tuple[int, ...]
-    """By seat (R2.7)."""
+    """Reach of each hunter in micrometres, by seat (R2.7)."""
     steps: int
     duration_ms: int
     names: tuple[str, ...]
-    """What the hunters are called, by seat."""
+    """Labels of the hunters, by seat."""
     prey_names: tuple[str, ...]
-    """What prey is called, by index."""
+    """Labels of the prey, by index."""
     prey_by_target: dict[str, str]
-    """For each target that prey played: what this is called; in JSON `played`."""
+    """Label of the prey by the name of each target that it played; in JSON `played`."""
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
     records: tuple[HunterSummary, ...]
     teams: tuple[TeamSummary, ...]
-    """() where the scenario has no teams."""
+    """Results of the teams; () if there are no teams."""
     captures: tuple[Capture, ...]
-    """Of the prey or by the hunters that it is about."""
+    """Captures of or by the prey and hunters that the explanation is about."""
     prey: tuple[PreySummary, ...]
-    """That it is about, by index."""
+    """Summaries of the prey that the explanation is about, by index."""
 
     def lines(self) -> list[str]:
-        """The match in words: a paragraph for each contest and each run of refusals in their order, then one for each
-        hunter and each prey, with an empty line between them.
+        """Return the match in words: an opening line, the contests, runs of refusals and captures in order, and the
+        summaries of the hunters and prey, with an empty line between these parts.
         """
         prey = self.prey_by_target
         events = [(one.step, 0, contest_sentence(one, self.names, prey.get(one.target))) for one in self.contests]
@@ -82,22 +82,22 @@ class Explanation:
         return [opening_sentence(self), "", *found, "", *summaries]
 
     def to_dict(self) -> dict[str, Any]:
-        """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits, distances in micrometres."""
+        """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
         return facts_as_json(self)
 
 
 def explain(
     replay: Replay, hunter: int | str | None = None, progress: Callable[[int, int], None] | None = None
 ) -> Explanation:
-    """Play a match again, and tell its contests and refusals.
+    """Play a match again, and return its contests, refusals, captures and summaries.
 
     Args:
         replay: the recorded match.
-        hunter: a seat, `prey_{index}`, or the name of an agent or a team, to hear of those alone.
-        progress: called with (steps played, steps in all).
+        hunter: a seat, `prey_{index}`, or the name of an agent or a team, to explain only those; None for all.
+        progress: called with (steps played, number of steps).
 
     Raises:
-        ReplayError: where the match does not play as recorded.
+        ReplayError: if the match does not play as recorded.
         ConfigError: for an unknown hunter.
     """
     seats, prey_indices = find_subjects(replay, hunter)
@@ -156,7 +156,7 @@ def explain(
 
 
 def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
-    """R11.1: by the config's order."""
+    """R11.1: return the results of the teams, in the config's order."""
     teams = replay.config.teams or ()
     sums = [sum(scores[seat] for seat in seats) for seats in teams]
     return tuple(
@@ -166,8 +166,8 @@ def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
 
 
 class _RefusalRuns:
-    """Refusals in runs. Whoever asks by rank has one target at a time. By name a node may ask for several in turn, in
-    each step: so many runs go on beside each other, up to a number of names; what it asks for beyond is one run.
+    """Collector of refusals in runs. A hunter that asks by rank has one run at a time. A node may ask for several names
+    in each step: each of the first _MOST_NAMES names has a run of its own, and the other names share one run.
     """
 
     def __init__(self) -> None:
@@ -176,7 +176,7 @@ class _RefusalRuns:
         self._names: Counter[tuple[int, Verdict]] = Counter()
 
     def note(self, by_rank: Sequence[Ruling], by_name: Sequence[Ruling], judged_ms: int, contested: set[int]) -> None:
-        """A step's refusals go on with their runs, or begin new ones; a contest is told as such."""
+        """Add a step's refusals to runs. A catch or contest ends the hunter's runs, except `others`."""
         told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
         for seat, verdict, name in list(self._running):
             if seat in told_elsewhere and name != _OTHER_NAMES:
@@ -212,14 +212,14 @@ class _RefusalRuns:
 
 
 class _SeenInMatch:
-    """R7.5: what each hunter has had in sight so far."""
+    """R7.5: names of the targets that each hunter has had in sight so far."""
 
     def __init__(self, replay: Replay) -> None:
         self._targets = SeenTargets(replay.config)
         self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
 
     def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
-        """One more state, and the catches that led to it."""
+        """Count the catches of never seen targets in the last step, and add the targets in sight now."""
         caught = [(str(ruling.target), ruling.hunter) for ruling in world.rulings if ruling.success]
         names = np.array([target.name for target in world.targets], dtype=object)
         for summary, seen in zip(summaries, self._seen, strict=True):
@@ -230,7 +230,7 @@ class _SeenInMatch:
 
 
 def _note_departures(replay: Replay, world: World, summaries: Sequence[HunterSummary]) -> None:
-    """R1.6, R1.7: a hunter that takes no part in a step has left at its beginning."""
+    """R1.6, R1.7: note the departures in a step; a hunter that takes no part in it left at its beginning."""
     for summary, hunter in zip(summaries, world.hunters, strict=True):
         if hunter.withdrawn and summary.withdrawn_ms is None:
             summary.withdrawn_ms = world.time_ms - replay.config.control_period_ms
@@ -238,7 +238,7 @@ def _note_departures(replay: Replay, world: World, summaries: Sequence[HunterSum
 
 
 def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequence[HunterSummary]) -> None:
-    """R4.1's active target was caught by somebody else, and the hunter did not even contest it."""
+    """Count the hunters whose active target (R4.1) another hunter caught without a contest between them."""
     catchers = {ruling.target: ruling.hunter for ruling in world.rulings if ruling.success}
     contested = {(contest.target, claim.seat) for contest in contests for claim in contest.claims}
     for summary, hunter in zip(summaries, world.hunters, strict=True):
@@ -248,8 +248,8 @@ def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequ
 
 
 def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Contest]) -> None:
-    """Contests won and lost, and by how much on average."""
-    decided = [one for one in contests if one.clause != "R9.1"]  # there everybody won
+    """Add to the summaries the numbers of contests won and lost, and the mean margins."""
+    decided = [one for one in contests if one.clause != "R9.1"]  # under R9.1 every claim wins
     for summary in summaries:
         won, lost = [], []
         for contest in decided:

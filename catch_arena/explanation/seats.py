@@ -1,4 +1,4 @@
-"""What the hunters of a match are called, and who is meant."""
+"""Labels of the hunters, prey and teams of a match, and their selection by name."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,18 +8,18 @@ from catch_arena.replay import Replay
 
 
 def labels(names: Sequence[str], kind: str = "hunter") -> tuple[str, ...]:
-    """The agents' names by seat; a name that occurs twice comes with its seat. Of prey likewise, by index."""
+    """Return unique labels of agents, by seat or by index of prey; a name that occurs twice gets its seat or index."""
     return tuple(f"{name} ({kind}_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
 
 
 def prey_labels(replay: Replay) -> tuple[str, ...]:
-    """The prey's agents by index, each with what PettingZoo calls it."""
+    """Return the labels of the prey by index: the agent's name with its name in PettingZoo's interface."""
     agents = zip(replay.prey_names, replay.config.prey_names, strict=True)
     return tuple(name if name == agent else f"{name} ({agent})" for name, agent in agents)
 
 
 def team_label(replay: Replay, seats: Sequence[int]) -> str:
-    """A team: its only agent, with its seats if that plays in other teams too; or all its members."""
+    """Return a team's label: its only agent, with the seats if other teams have that agent too, or all members."""
     names = [replay.hunter_names[seat] for seat in seats]
     if len(set(names)) > 1:
         return " + ".join(labels(replay.hunter_names)[seat] for seat in seats)
@@ -28,34 +28,34 @@ def team_label(replay: Replay, seats: Sequence[int]) -> str:
 
 
 def with_seat(name: str, seat: int) -> str:
-    """An agent's label with its seat: a copy called nearest#2 may sit anywhere."""
+    """Return an agent's label with its seat, since a name such as nearest#2 does not give the seat."""
     own = f"hunter_{seat}"
     return name if name == own or name.endswith(f"({own})") else f"{name} ({own})"
 
 
 def how_it_left(replay: Replay, seat: int) -> str:
-    """Of a hunter that has left: it was "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
+    """Return the reason why a hunter left: "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
 
 
 class Subjects(NamedTuple):
-    """Whom an explanation is about."""
+    """Hunters and prey that an explanation is about."""
 
     seats: tuple[int, ...]
     prey: tuple[int, ...]
-    """By index."""
+    """Indices of the prey."""
 
 
 def find_subjects(replay: Replay, who: int | str | None) -> Subjects:
-    """Everybody who is meant by a name, or all where it is None.
+    """Return the hunters and prey that a name means; all of them for None.
 
     Args:
         replay: the recorded match.
-        who: a seat's number, `hunter_{seat}`, `prey_{index}`, or the name of an agent or a team: all that are called
-            so.
+        who: a seat's number, `hunter_{seat}`, `prey_{index}`, or the name of an agent or a team; a name selects all
+            that have it.
 
     Raises:
-        ConfigError: for whom the match does not have.
+        ConfigError: for a seat or a name that the match does not have.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     config = replay.config
@@ -69,7 +69,7 @@ def find_subjects(replay: Replay, who: int | str | None) -> Subjects:
     teams = {team_label(replay, members): members for members in config.teams or ()}
     if who in teams:
         return Subjects(teams[who], ())
-    # an agent may have been given a name such as hunter_1 in another seat
+    # agents' names come first, since an agent may be called hunter_1 in another seat
     for hunters, prey in (replay.hunter_names, replay.prey_names), (config.hunter_names, config.prey_names):
         found = Subjects(_called(hunters, who), _called(prey, who))
         if any(found):
@@ -83,10 +83,10 @@ def _called(names: Sequence[str], who: str) -> tuple[int, ...]:
 
 
 def find_seat(replay: Replay, hunter: int | str) -> int:
-    """The only seat that is meant, as of `find_subjects`.
+    """Return the only seat that a name means; names are as in `find_subjects`.
 
     Raises:
-        ConfigError: for a hunter that the match does not have, prey, and a name that several have.
+        ConfigError: for a hunter that the match does not have, for prey, and for a name that several hunters have.
     """
     seats, _ = find_subjects(replay, hunter)
     if not seats:

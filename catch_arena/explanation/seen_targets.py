@@ -1,4 +1,4 @@
-"""R7.5: what each hunter saw, and why not the other targets."""
+"""R7.5: targets that each hunter saw, and the reasons why it did not see the others."""
 
 import math
 from collections.abc import Iterator
@@ -25,15 +25,15 @@ class Unseen:
     target: str
     distance_um: int
     off_heading_deg: float
-    """How far off the hunter's heading it was, from 0 to 180."""
+    """Angle between the hunter's heading and the target's direction [degrees], 0 to 180."""
     too_far: bool
-    """It was not within view_radius_m."""
+    """True if the target was not within view_radius_m."""
     outside_cone: bool
-    """It was not within view_angle_deg."""
+    """True if the target was not within the cone of view_angle_deg."""
 
 
 class SeenTargets:
-    """Who sees what in the arenas of a config."""
+    """Visibility of targets and rivals in the arenas of a config."""
 
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
@@ -41,20 +41,20 @@ class SeenTargets:
         self._reach_limits_m2 = limits_by_seat(config)[:, SeatLimits._fields.index("reach_limit_m2")].tolist()
 
     def of(self, world: World, seat: int) -> NDArray[np.bool_]:
-        """Which of a world's targets a seat sees: (targets,), in the order of `world.targets`. Of a withdrawn
-        hunter: what one in its place would see.
+        """Return whether a seat sees each target: (targets,), in the order of `world.targets`. A withdrawn hunter
+        counts like an active one in its place.
         """
         me = world.hunters[seat]
         x, y = np.array([(target.x, target.y) for target in world.targets]).reshape(-1, 2).T
         sine, cosine = sincos(me.theta)
-        # the core's own rule, of all targets at once: it branches by the settings alone
+        # the core's rule takes arrays, too, since it branches on the settings alone
         rule = cast("Any", is_seen)
         return cast(
             "NDArray[np.bool_]", rule(x - me.x, y - me.y, sine, cosine, self._reach_limits_m2[seat], self._settings)
         )
 
     def ranked(self, world: World, seat: int) -> list[str]:
-        """R7.1: the targets in a seat's view by rank: nearest first, and then by spawn number."""
+        """R7.1: return the names of the targets in a seat's view by rank: nearest first, ties by spawn number."""
         me = world.hunters[seat]
         ranked = sorted(
             (key_of(target.x - me.x, target.y - me.y, slot), target.name)
@@ -64,8 +64,8 @@ class SeenTargets:
         return [name for _, name in ranked[: self._config.targets_seen]]
 
     def ranked_rivals(self, world: World, seat: int) -> list[int]:
-        """R7.1: the seats of the rivals in a seat's view by rank: the nearest first; of those equally far as `precedes`
-        in `core/ranking.py` says.
+        """R7.1: return the seats of the rivals in a seat's view by rank: nearest first, ties in the order of `precedes`
+        in `core/ranking.py`.
         """
         me = world.hunters[seat]
         sine, cosine = sincos(me.theta)
@@ -96,7 +96,7 @@ class SeenTargets:
         return sorted(seen, key=order)[: self._config.hunters_seen]
 
     def unseen(self, world: World, seat: int) -> list[Unseen]:
-        """The targets out of a seat's sight, the nearest first."""
+        """Return the targets out of a seat's sight, the nearest first."""
         return sorted(self._unseen(world, seat), key=lambda one: one.distance_um)
 
     def _unseen(self, world: World, seat: int) -> Iterator[Unseen]:
@@ -107,6 +107,6 @@ class SeenTargets:
             um = int(measure_um(target.x - me.x, target.y - me.y))
             off = math.remainder(math.atan2(target.y - me.y, target.x - me.x) - me.theta, 2.0 * math.pi)
             too_far = config.view_radius_um is not None and um >= config.view_radius_um
-            # one that is near enough can only be outside the cone
+            # a target within the radius can only be outside the cone
             outside = not too_far or abs(math.degrees(off)) > config.view_angle_deg / 2.0
             yield Unseen(target.name, um, abs(math.degrees(off)), too_far, outside)

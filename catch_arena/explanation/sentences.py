@@ -29,7 +29,7 @@ _MOST_UNSEEN: Final = 3
 
 
 def opening_sentence(match: "Explanation") -> str:
-    """Return how long a match was, and who caught how many."""
+    """Return the length of a match, and the number of catches of each team and hunter, in words."""
     heading = f"{match.title}: " if match.title else ""
     sums = [f"{team.name} {team.score}" for team in sorted(match.teams, key=lambda team: team.rank)]
     of_teams = f"Teams (R11.1): {_listed(sums)}. " if sums else ""
@@ -40,12 +40,12 @@ def opening_sentence(match: "Explanation") -> str:
 
 
 def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -> str:
-    """One contest: who asked for what, from where, what decides, and the verdicts.
+    """Return one contest in words: the hunters, the target, the distances, the deciding clause and the verdicts.
 
     Args:
         contest: the contest.
-        names: what the hunters are called, by seat.
-        prey: what the prey that played the target is called, where one did.
+        names: the labels of the hunters, by seat.
+        prey: the label of the prey that played the target; None if no prey did.
     """
     winner, *losers = contest.claims
     asked = _listed(names[claim.seat] for claim in contest.claims)
@@ -75,7 +75,7 @@ def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
 
 
 def no_contest_sentence(match: "Explanation") -> str:
-    """Return that there was no contest: at all, or of the hunters and over the prey that the explanation is about."""
+    """Return the sentence for no contest: in the match, or of the hunters and prey that the explanation is about."""
     if len(match.records) == len(match.names):
         return "No contest: in no step could two hunters have caught the same target."
     sides = (("of", [one.name for one in match.records]), ("over", [one.name for one in match.prey]))
@@ -99,7 +99,7 @@ def _compared(claim: Claim, winner: Claim) -> str:
 
 
 def refusals_sentence(run: Refusals, match: "Explanation") -> str:
-    """Return when one hunter was refused, what for, and why."""
+    """Return one run of refusals in words: times, hunter, target and reason."""
     name, reach_um, prey = match.names[run.seat], match.reaches_um[run.seat], match.prey_by_target.get(run.target or "")
     if run.times == 1:
         when, often = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
@@ -124,13 +124,13 @@ def _from(distance_um: int | None) -> str:
 
 
 def _answered(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
-    """What was asked for, from which place, and the answer with its reason."""
+    """Return a requested target, the distance to it, and the verdict with its reason, in words."""
     limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
     return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
 
 
 def capture_sentence(one: Capture, match: "Explanation") -> str:
-    """Return who caught a prey, from where, and when it returned."""
+    """Return one capture of prey in words: the hunter, the distance, and the time of the return."""
     after = "; it did not return"
     if one.returned_ms is not None:
         after = f"; it returned at {seconds(one.returned_ms)} as {one.returned_as}"
@@ -140,7 +140,7 @@ def capture_sentence(one: Capture, match: "Explanation") -> str:
 
 
 def prey_sentence(summary: PreySummary) -> str:
-    """What became of one prey."""
+    """Return the summary of one prey in words."""
     parts = [
         f"caught {_counted(summary.times_caught, 'time')}",
         f"returned {_counted(summary.returns, 'time')}",
@@ -154,9 +154,9 @@ def prey_sentence(summary: PreySummary) -> str:
 
 
 def summary_sentence(summary: HunterSummary, policy: str) -> str:
-    """What became of one hunter."""
+    """Return the summary of one hunter in words."""
     parts = [_counted(summary.catches, "catch", "catches")]
-    if policy != "capstone":  # where nobody loses
+    if policy != "capstone":  # under capstone no hunter loses
         for count, what, by in (
             (summary.contests_won, "won", summary.won_by_um),
             (summary.contests_lost, "lost", summary.lost_by_um),
@@ -179,7 +179,7 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
 
 
 def action_sentences(one: HunterAction, step: "StepExplanation") -> str:
-    """Return what one hunter did in a step, what it asked for, and what it did not see."""
+    """Return one hunter's action in a step in words, with its requests and the targets out of its sight."""
     chosen = f" ({one.chosen})" if one.chosen else ""
     said = [f"{with_seat(step.names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."]
     if one.out is not None:
@@ -191,7 +191,7 @@ def action_sentences(one: HunterAction, step: "StepExplanation") -> str:
 
 
 def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
-    """What one prey did in a step, and what became of it."""
+    """Return one prey's action in a step in words, with its capture and return."""
     if one.withdrawn:
         told = ["withdrawn (R12.5)."]
     elif one.target is None:
@@ -221,7 +221,7 @@ def _requested(one: HunterAction, step: "StepExplanation") -> str:
 
 
 def _sight(one: HunterAction, step: "StepExplanation") -> str:
-    """Return what was out of its sight, the nearest first, and why."""
+    """Return the targets out of a hunter's sight in words, the nearest first, with the reasons."""
     limits = []
     if step.view_radius_m is not None:
         limits.append(f"nearer than {step.view_radius_m:g} m")
@@ -243,7 +243,7 @@ def _out_of_sight(one: Unseen) -> str:
 
 
 def distances_sentence(target: str, step: "StepExplanation") -> str:
-    """Return how far every hunter was from one target, the nearest first."""
+    """Return the distance of every hunter to one target in words, the nearest first."""
     ranked = sorted(
         (distance, name, " (out of its sight)" if seat in step.out_of_sight[target] else "")
         for seat, (distance, name) in enumerate(zip(step.distances_um[target], step.names, strict=True))
@@ -255,7 +255,7 @@ def distances_sentence(target: str, step: "StepExplanation") -> str:
 
 
 def _listed(words: Iterable[str]) -> str:
-    """«a, b and c»."""
+    """Return words as a list, such as «a, b and c»."""
     *most, last = words
     return f"{', '.join(most)} and {last}" if most else last
 

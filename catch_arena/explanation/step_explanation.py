@@ -1,4 +1,4 @@
-"""All about one step: what each hunter did, what it asked for, and how far everybody was from that."""
+"""Explanation of one step: each agent's action, its requests, and the distances of all hunters to the targets."""
 
 import math
 from collections.abc import Sequence
@@ -28,32 +28,32 @@ from catch_arena.world import World
 
 @dataclass(frozen=True, slots=True)
 class StepExplanation:
-    """One step; distances are those of the state that it was judged on (R5.1)."""
+    """Explanation of one step; distances are those of the state on which requests were judged (R5.1)."""
 
     step: int
-    """Counted from 1."""
+    """Number of the step, from 1."""
     begin_ms: int
     end_ms: int
     names: tuple[str, ...]
-    """What the hunters are called, by seat."""
+    """Labels of the hunters, by seat."""
     hunters: tuple[HunterAction, ...]
-    """Of each hunter that the explanation is about; in JSON `asked`."""
+    """Actions of the hunters that the explanation is about; in JSON `asked`."""
     prey: tuple[PreyAction, ...]
-    """Each that the explanation is about."""
+    """Actions of the prey that the explanation is about."""
     prey_by_target: dict[str, str]
-    """For each target that prey plays: what this is called; in JSON `played`."""
+    """Label of the prey by the name of each target that it plays; in JSON `played`."""
     distances_um: dict[str, tuple[int, ...]]
-    """For each target that these play, named or requested: every hunter's distance, by seat (R5.3)."""
+    """Distances of all hunters, by seat, to each target that these agents play, chose or requested (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
-    """For each of these: the seats that did not see it (R7.5)."""
+    """Seats that did not see the target, for each target of `distances_um` (R7.5)."""
     reaches_um: tuple[int, ...]
-    """How near each hunter had to be, by seat (R5.3)."""
+    """Reach of each hunter in micrometres, by seat (R5.3)."""
     view_radius_m: float | None
     view_angle_deg: float
     contests: tuple[Contest, ...]
 
     def lines(self) -> list[str]:
-        """The step in words: a paragraph for each hunter, each target and each contest."""
+        """Return the step in words: a line for the step, each hunter, each prey, each target and each contest."""
         begin, end, prey = seconds(self.begin_ms), seconds(self.end_ms), self.prey_by_target
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
@@ -64,19 +64,19 @@ class StepExplanation:
         ]
 
     def to_dict(self) -> dict[str, Any]:
-        """The same for programs: JSON-ready; verdicts by name, lots in hexadecimal digits."""
+        """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
         return facts_as_json(self)
 
 
 def step_at(replay: Replay, at_s: float) -> int:
-    """The step, counted from 1, that is judged on the state at a time or on the last one before it.
+    """Return the step, counted from 1, that is judged on the state at a time, or on the last state before it.
 
     Args:
         replay: the recorded match.
-        at_s: since its beginning [s].
+        at_s: the time since the beginning of the match [s].
 
     Raises:
-        ConfigError: for a time at which no step begins any more.
+        ConfigError: for a time outside the match's steps, or one that is no number.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     time_s = real_number(as_python(at_s))
@@ -91,16 +91,16 @@ def step_at(replay: Replay, at_s: float) -> int:
 
 
 def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> StepExplanation:
-    """Play a match as far as one step, counted from 1, and tell all about that.
+    """Play a match again up to one step, and return the explanation of that step.
 
     Args:
         replay: the recorded match.
-        step: which step, from 1.
-        hunter: a seat, `prey_{index}`, or the name of an agent or a team, to hear of those alone.
+        step: the step, counted from 1.
+        hunter: a seat, `prey_{index}`, or the name of an agent or a team, to explain only those; None for all.
 
     Raises:
-        ReplayError: where the match does not play as recorded.
-        ConfigError: for a step or a hunter that it does not have.
+        ReplayError: if the match does not play as recorded.
+        ConfigError: for a step or a hunter that the match does not have.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     number = whole_number(step)

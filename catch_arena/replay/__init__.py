@@ -1,9 +1,9 @@
-"""Matches that are kept: recorded, saved, loaded, played again, checked and compared (docs/replays.md).
+"""Replays: matches that are recorded, saved, loaded, played again, checked and compared (docs/replays.md).
 
-- recording: a match is recorded: `Replay`. fileformat: as a file, with states (their numbers in whole millionths) and
-  codec (columns of whole numbers as bytes). named_requests: what was asked for by name, and judged again.
-- verification: checks if a match plays as recorded. comparison: where two matches part. state_differences: in which
-  numbers. motion: where everybody is between two states.
+- recording: `Replay`, a recorded match. fileformat: its file, with states (numbers in whole millionths) and codec
+  (columns of whole numbers as bytes). named_requests: requests by name, which are judged again.
+- verification: checks if a match plays as recorded. comparison: the first differences of two matches.
+  state_differences: the differences of two states. motion: poses between two states.
 """
 
 from catch_arena.replay.fileformat import checked_names, checked_text

@@ -1,4 +1,4 @@
-"""Whole numbers as bytes that compress well: column by column, and within a column plane by plane."""
+"""Encoding of whole numbers as bytes that compress well: column by column, and byte plane by byte plane."""
 
 import json
 import struct
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 from catch_arena.errors import ReplayError
 
 LENGTH: Final = struct.Struct("<I")
-"""A length or a number of things, in front of these."""
+"""Length or number of items, which precedes them: four bytes, unsigned, little-endian."""
 _WIDEST: Final = 8
 
 
 def pack_json(value: object) -> bytes:
-    """Return a JSON text behind its length [bytes]."""
+    """Return a value as JSON text, preceded by its length [bytes]."""
     text = json.dumps(value, separators=(",", ":")).encode()
     return LENGTH.pack(len(text)) + text
 
 
 def pack_columns(columns: Iterable[NDArray[np.int64]]) -> bytes:
-    """Return each column as a width in bytes, 0 to 8, and that many planes: the lowest bytes of all its numbers, the
-    next ones, and so on. A sign stands in the lowest bit: 0, -1, 1, -2 become 0, 1, 2, 3.
+    """Return each column as its width in bytes, 0 to 8, and one plane for each byte: the lowest bytes of all numbers,
+    the next ones, and so on. The sign becomes the lowest bit: 0, -1, 1, -2 become 0, 1, 2, 3.
     """
     parts: list[bytes] = []
     for column in columns:
@@ -35,9 +35,9 @@ def pack_columns(columns: Iterable[NDArray[np.int64]]) -> bytes:
 
 
 class Reader:
-    """Reader of packed columns, JSON texts and plain bytes, from one end of a body to the other.
+    """Reader of packed columns, JSON texts and plain bytes, from the beginning of a body to its end.
 
-    Each of its methods raises a ReplayError if the body holds something else.
+    Each method raises a ReplayError if the body holds something else.
     """
 
     def __init__(self, body: bytes) -> None:
@@ -45,19 +45,19 @@ class Reader:
         self._at = 0
 
     def take(self, size: int) -> bytes:
-        """Return the next bytes."""
+        """Return the next `size` bytes."""
         if size > len(self._body) - self._at:
             raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, and more are announced")
         self._at += size
         return bytes(self._body[self._at - size : self._at])
 
     def length(self) -> int:
-        """Return the next number of four bytes."""
+        """Return the next length or count, a number of four bytes."""
         (number,) = LENGTH.unpack(self.take(LENGTH.size))
         return int(number)
 
     def json(self, what: str, longest: int) -> Any:
-        """Return what the next JSON text says, which is called `what` in errors, and has at most so many bytes."""
+        """Return the value of the next JSON text, of at most `longest` bytes; `what` names it in errors."""
         length = self.length()
         if length > longest:
             raise ReplayError(f"is damaged: its {what} is {length} bytes long, more than {longest}")
@@ -67,7 +67,7 @@ class Reader:
             raise ReplayError(f"is damaged: it has no readable {what}") from None
 
     def columns(self, count: int, size: int) -> NDArray[np.int64]:
-        """Return the next columns side by side: (size, count)."""
+        """Return the next `count` columns as a table: (size, count)."""
         read = np.zeros((size, count), dtype=np.int64)
         for index in range(count):
             read[:, index] = self._column(size)

@@ -1,4 +1,4 @@
-"""Two replays beside each other: where they part."""
+"""Comparison of two replays: the first differences."""
 
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
@@ -12,17 +12,17 @@ from catch_arena.replay.states import scores
 
 
 def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("in A", "in B")) -> list[str]:
-    """Where two replays part, in the order: headers, the first actions, the first state and its numbers, the scores.
+    """Return the differences of two replays: of headers, first actions, first state with its numbers, and scores.
 
-    What was recorded is compared; `verification.verify` says whether it is true.
+    The recorded data are compared; `verification.verify` checks them.
 
     Args:
-        one: the first.
-        other: the second.
-        labels: what the replays are called in the lines.
+        one: the first replay.
+        other: the second replay.
+        labels: the names of the replays in the lines.
 
     Returns:
-        lines, none for equal replays.
+        a line for each difference; [] for equal replays.
     """
     found = [f"{name}: {ours} {labels[0]}, {theirs} {labels[1]}" for name, ours, theirs in _headers(one, other)]
     for what in ("hunters", "prey"):
@@ -47,7 +47,7 @@ def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("i
 
 
 def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
-    """What differs in the headers: (name, ours, theirs)."""
+    """Yield each difference of the headers as (name, ours, theirs)."""
     for name in ("seed", "title"):
         if getattr(one, name) != getattr(other, name):
             yield name, repr(getattr(one, name)), repr(getattr(other, name))
@@ -68,7 +68,7 @@ def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
 
 
 def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Groups of settings taken apart: `gains` becomes `gains.kp_v` and so on."""
+    """Return the settings with groups as single entries: `gains` becomes `gains.kp_v` and so on."""
     flat: dict[str, Any] = {}
     for name, value in settings.items():
         parts = value.items() if isinstance(value, dict) else None
@@ -77,7 +77,7 @@ def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _first_actions(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
-    """Who did what in the first step in which somebody does something else."""
+    """Return the differences of actions and withdrawals in the first step that has any; [] if there are none."""
     agents = one.config.hunter_names + one.config.prey_names
     for step in range(steps + 1):
         gone = [set(each.withdrawn_before(step)) for each in (one, other)]
@@ -94,7 +94,7 @@ def _first_actions(one: Replay, other: Replay, steps: int, labels: tuple[str, st
 
 
 def _actions(replay: Replay, step: int) -> list[str]:
-    """What each agent did in a step, counted from 0; nobody does anything after the end."""
+    """Return each agent's action in a step, counted from 0; [] after the last step."""
     if step == replay.steps:
         return []
     hunters = []

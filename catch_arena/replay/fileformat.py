@@ -1,7 +1,7 @@
-"""A replay as the bytes of a file, and back (docs/replays.md).
+"""Conversion of a replay to the bytes of a file, and back (docs/replays.md).
 
-What is read may have been written by anybody: every size is checked before memory is taken for it, and whatever is not
-a whole replay of this ruleset is refused.
+Files are untrusted: every size is checked before memory is allocated for it, and a file that is not a whole replay of
+this ruleset is refused.
 """
 
 import hashlib
@@ -24,11 +24,11 @@ from catch_arena.replay.states import driven_seats, pack_states, state_length, u
 from catch_arena.seeding import checked_seed
 
 LARGEST_FILE: Final = 1 << 26
-"""No file is longer than this, and no body when it is unpacked [bytes]."""
-_MAGIC: Final = b"\x89CATCH\r\n"  # as PNG does it: a transfer that mangles bytes is noticed at once
+"""Largest length of a file, and of an unpacked body [bytes]."""
+_MAGIC: Final = b"\x89CATCH\r\n"  # as in PNG, it reveals transfers that change line ends or drop a bit
 _FORMAT: Final = 2
 _PREY, _NAMED_REQUESTS = 1, 2
-"""Optional parts; the format of a match that has them is higher by so much."""
+"""Optional parts of a file; each one that is present raises the format number by its value."""
 _NEWEST: Final = _FORMAT + _PREY + _NAMED_REQUESTS
 _PREFIX: Final = struct.Struct("<8sIQ")
 _CHECKSUM_BYTES: Final = 32
@@ -44,7 +44,7 @@ _Count = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
 
 
 class _Header(msgspec.Struct, forbid_unknown_fields=True):
-    """The JSON object at the beginning of a body."""
+    """JSON object at the beginning of a body."""
 
     ruleset: str
     package: str
@@ -55,14 +55,14 @@ class _Header(msgspec.Struct, forbid_unknown_fields=True):
     steps: _Count
     withdrawals: list[tuple[_Count, _Count]]
     spans: _Count
-    """The number of targets."""
+    """Number of spans of targets in the states, at least one for each target."""
 
 
 def encode_replay(match: Replay) -> bytes:
     """Return the content of a match's file.
 
     Raises:
-        ReplayError: for a match that is too long to be kept.
+        ReplayError: if the match is too long for a file.
     """
     config, steps = match.config, match.steps
     choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
@@ -104,7 +104,7 @@ def decode_replay(content: bytes) -> Replay:
     """Return the match in a file's content.
 
     Raises:
-        ReplayError: for whatever is not a whole replay of this ruleset.
+        ReplayError: if the content is not a whole replay of this ruleset.
     """
     form, body = _checked_body(content)
     reader = Reader(body)
@@ -134,12 +134,12 @@ def _pack_commands(commands: NDArray[np.float32]) -> bytes:
     """Return velocity commands, (steps, n, 2), as columns."""
     steps, bodies, _ = commands.shape
     bits = commands.reshape(steps, 2 * bodies).view(np.uint32)
-    turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the sign, which is noise, goes to the other noise
+    turned = (bits << np.uint32(1)) | (bits >> np.uint32(31))  # the noisy sign bit joins the noisy lowest bits
     return pack_columns(turned.astype(np.int64).T)
 
 
 def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float32]:
-    """Return what `_pack_commands` wrote."""
+    """Return the velocity commands that `_pack_commands` wrote: (steps, bodies, 2)."""
     turned = reader.columns(2 * bodies, steps)
     if turned.size and not 0 <= turned.min() <= turned.max() < 2**32:
         raise ReplayError("is damaged: a velocity command is not a float32")
@@ -163,10 +163,10 @@ def checked_text(what: str, text: object) -> str:
 
 
 def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
-    """Return the agents' names, of the hunters by seat and then of the prey by index.
+    """Return the agents' names: of the hunters by seat, and then of the prey by index.
 
     Raises:
-        ConfigError: for a number of names that is not that of the agents, and one that cannot be shown in one line.
+        ConfigError: if there is not one name for each agent, or a name is too long or cannot be printed.
     """
     plain, wanted = plain_setting(names), config.hunters + config.prey
     if not isinstance(plain, tuple) or len(plain) != wanted:
@@ -180,7 +180,7 @@ def _checksum(content: bytes | memoryview) -> bytes:
 
 
 def _checked_body(content: bytes) -> tuple[int, bytes]:
-    """Return the format, and the body as it is unpacked."""
+    """Return the format number and the unpacked body of a file, after all checks."""
     if not content.startswith(_MAGIC):
         raise ReplayError("is not a Catch Arena replay")
     if len(content) < _PREFIX.size + _CHECKSUM_BYTES:
@@ -209,7 +209,7 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
 
 
 def _read_header(reader: Reader) -> tuple[Replay, int, int]:
-    """Return a match without its steps, how many steps it has, and how many spans."""
+    """Return a match without its steps, the number of its steps, and the number of its spans."""
     found = reader.json("header", _LONGEST_HEADER)
     if not isinstance(found, dict):
         raise ReplayError("is damaged: its header is not a table")
@@ -235,7 +235,7 @@ def _read_header(reader: Reader) -> tuple[Replay, int, int]:
 
 
 def _require_sizes(config: ArenaConfig, steps: int, spans: int = 0) -> None:
-    """What is read must fit in memory, and be played in a time that somebody will wait for."""
+    """Raise ReplayError for a match that is too large for memory, or longer than a day."""
     if (steps + 1) * state_length(config) > _MOST_NUMBERS:
         most = _MOST_NUMBERS // state_length(config) - 1
         raise ReplayError(f"is too long to be kept: {steps} steps, and {most} are the most in such an arena")

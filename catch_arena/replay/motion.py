@@ -1,4 +1,4 @@
-"""Where everybody is at any instant: a step's ticks, run again, and straight lines between them."""
+"""Poses of hunters and targets at any instant: a step's ticks, computed again, and straight lines between them."""
 
 import math
 from collections.abc import Mapping
@@ -10,41 +10,42 @@ from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS, next_pose, turned
 from catch_arena.world import HunterState, TargetState, World
 
 Pose2D = tuple[float, float, float]
-"""x [m], y [m], theta [rad], as geometry_msgs has it; `messages.Pose` is turtlesim's, with velocities."""
+"""Pose x [m], y [m], theta [rad], as in geometry_msgs; `messages.Pose` is turtlesim's, with velocities."""
 
 _AGREES_M: Final = 1e-6
 _MOST_TICKS: Final = 625
-"""Of a step, in which targets are followed: ten seconds."""
+"""Largest number of ticks of a step in which targets are followed: ten seconds."""
 
 
 class Poses(NamedTuple):
-    """Where everybody is at one instant."""
+    """Poses of all hunters and targets at one instant."""
 
     hunters: tuple[Pose2D, ...]
-    """By seat."""
+    """Poses of the hunters, by seat."""
     targets: Mapping[int, Pose2D]
-    """By number: those that are not caught in this step."""
+    """Poses of the targets that are not caught in this step, by number."""
 
 
 @dataclass(frozen=True, slots=True)
 class StepMotion:
-    """One step's motion.
+    """Motion in one step.
 
-    `after` has the scores, the rulings and the targets that count from the step's beginning on:
-    R1.4 judges and commits before it moves.
+    The scores, rulings and targets of `after` hold from the beginning of the step: R1.4 judges and commits before the
+    turtles move.
     """
 
     before: World
     after: World
     poses: tuple[Poses, ...]
-    """By tick: first those in which the step began. After the last one here nobody moves."""
+    """Poses at each tick, first those at the beginning of the step. Nothing moves after the last one."""
 
     def at(self, time_ms: float, next_tick: Poses | None = None) -> Poses:
-        """The poses at an instant of this step, between the ticks about it.
+        """Return the poses at an instant of this step, interpolated between two ticks.
 
         Args:
-            time_ms: when, in milliseconds of the match.
-            next_tick: the first tick after this step, towards which they move from the last one; without it they stay.
+            time_ms: the instant [ms since reset].
+            next_tick: the poses at the first tick after this step, for instants after the last tick; None keeps the
+                last poses.
         """
         tick = math.floor(time_ms / TICK_MS)
         index = tick - self.before.time_ms // TICK_MS
@@ -57,12 +58,12 @@ class StepMotion:
         part = time_ms / TICK_MS - tick
         return Poses(
             tuple(interpolate(a, b, part) for a, b in zip(start.hunters, end.hunters, strict=True)),
-            # who is caught in the next step does not move in it
+            # a target that is caught in the next step does not move in it
             {number: interpolate(pose, end.targets.get(number, pose), part) for number, pose in start.targets.items()},
         )
 
     def ticks_between(self, after_ms: float, until_ms: float) -> list[Poses]:
-        """The poses at those of this step's ticks that fall into (after, until]."""
+        """Return the poses at this step's ticks in (after_ms, until_ms]."""
         first = self.before.time_ms // TICK_MS
         return [
             poses for tick, poses in enumerate(self.poses[1:], start=first + 1) if after_ms < tick * TICK_MS <= until_ms
@@ -70,7 +71,7 @@ class StepMotion:
 
 
 def poses_of(world: World) -> Poses:
-    """Where everybody is at a step's boundary."""
+    """Return the poses of a world, at a step's boundary."""
     return Poses(
         tuple((hunter.x, hunter.y, hunter.theta) for hunter in world.hunters),
         {target.number: (target.x, target.y, target.theta) for target in world.targets},
@@ -78,8 +79,8 @@ def poses_of(world: World) -> Poses:
 
 
 def interpolate(start: Pose2D, end: Pose2D, part: float) -> Pose2D:
-    """The pose that far along the straight way, turning the shorter way round."""
-    if start is end:  # as targets mostly are that stand still
+    """Return the pose at a fraction `part` of the straight way, with the shorter turn."""
+    if start is end:  # the case for most still targets
         return start
     turn = (end[2] - start[2] + math.pi) % (2.0 * math.pi) - math.pi
     return (
@@ -90,7 +91,7 @@ def interpolate(start: Pose2D, end: Pose2D, part: float) -> Pose2D:
 
 
 def step_motion(before: World, after: World) -> StepMotion:
-    """One step's ticks, from the former world's poses with the velocities that the latter shows."""
+    """Return a step's motion, from the poses of the world before it and the velocities of the world after it."""
     first = before.time_ms // TICK_MS
     fresh = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
     moved = any(target.linear_velocity or target.angular_velocity for target in after.targets)
@@ -132,8 +133,8 @@ def _body_ticks(
         x, y, sine, cosine, _ = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side_m)
         poses.append((x, y, turned(start.theta, turn, tick)))
     if math.hypot(x - end.x, y - end.y) > _AGREES_M:
-        # in steps of more than a second the watchdog has taken the velocity away, and in those of more than ten a
-        # target is not followed: a straight line is all that is known
+        # in steps of more than a second the watchdog has reset the velocity, and in steps of more than ten seconds
+        # targets are not followed: only a straight line can be drawn
         goal = (end.x, end.y, end.theta)
         poses = [interpolate(poses[0], goal, tick / max(1, ticks)) for tick in range(ticks + 1)]
     return poses

@@ -1,8 +1,8 @@
-"""Rulebook R8.4: what hunters asked for by name, beside the rank that an action holds.
+"""Rulebook R8.4: requests by name, in addition to the rank in an action.
 
-A rank stands for one target in view. A node may ask for what was caught, for what never was there, or twice in a step:
-such requests change nothing in the arena, but each was answered. A replay keeps them as they came, and the arbiter
-judges them again.
+A rank stands for one target in view. A ROS node may also ask for a target that was caught or never existed, or twice
+in a step. Such requests do not change the arena, but each got an answer. A replay keeps them in their order, and the
+arbiter judges them again.
 """
 
 from bisect import bisect_left
@@ -22,44 +22,44 @@ from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 MOST_REQUESTS: Final = 1 << 16
-"""Of a match; each hunter may have its part of them. A node can ask thousands of times in a second."""
+"""Largest number of named requests in a match, shared equally by the hunters; a node can send thousands per second."""
 MOST_CHARACTERS: Final = 1 << 20
-"""Of all their names; likewise."""
+"""Largest number of characters in the names of all named requests, shared equally by the hunters."""
 _LONGEST_NAME: Final = 256
-"""One more than a name may have (R5.2): what is longer stays too long."""
+"""Number of characters kept of a name, one more than R5.2 allows: a longer name stays too long."""
 _LONGEST_SHOWN: Final = 60
 _MOST_DIGITS: Final = 9
-"""Far more targets than a replay can hold."""
+"""Largest number of digits of a target's number, far more than a replay needs."""
 _LONGEST_TABLE: Final = 1 << 24
 _FOR_A_RANK: Final = frozenset({Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED})
-"""Verdicts on what is in reach. That is always in view (R7.5), so it has a rank."""
+"""Verdicts on targets in reach. Those are always in view (R7.5), so they have a rank."""
 
 
 class NamedRequest(NamedTuple):
-    """One request that no rank stands for."""
+    """One request without a rank in the action."""
 
     step: int
-    """How many steps were played before."""
+    """Number of steps played before the request."""
     seat: int
     name: str | None
-    """At most 256 characters; None for what was no text."""
+    """Requested name, at most 256 characters; None if it was no string."""
 
 
 class RequestBudget:
-    """Keeps what one hunter after the other asks for, until a hunter has asked for its part of what a file may hold.
+    """Limit on the named requests of a replay: each hunter has an equal share of a file's capacity.
 
     Args:
-        hunters: how many share it.
+        hunters: the number of hunters that share it.
     """
 
     def __init__(self, hunters: int) -> None:
         self._requests = [MOST_REQUESTS // hunters] * hunters
         self._characters = [MOST_CHARACTERS // hunters] * hunters
         self.left_out = 0
-        """How many requests had no place any more."""
+        """Number of requests that were not kept, since the hunter's share was used up."""
 
     def admit(self, step: int, seat: int, name: object) -> NamedRequest | None:
-        """The request as it is kept; None where the hunter's part is used up."""
+        """Return the request to keep; None if the hunter's share is used up."""
         kept = name[:_LONGEST_NAME] if isinstance(name, str) else None
         self._requests[seat] -= 1
         self._characters[seat] -= len(kept or "")
@@ -70,7 +70,7 @@ class RequestBudget:
 
 
 def requests_of_step(requests: Sequence[NamedRequest], step: int) -> Sequence[NamedRequest]:
-    """Those of one step, in the order in which they came."""
+    """Return the requests of one step, in their order."""
     first, end = (bisect_left(requests, at, key=lambda one: one.step) for at in (step, step + 1))
     return requests[first:end]
 
@@ -87,15 +87,15 @@ def judge_again(
 
     Args:
         config: the arena's settings.
-        seed: the match's.
-        requests: those of the step.
-        caught: the names that belonged to targets that were caught earlier.
-        before: the state on which they are judged (R5.1).
-        after: the state that the step led to; its rulings have the requests by rank, which came first.
+        seed: the match's seed.
+        requests: the named requests of the step.
+        caught: the requested names of targets that were caught earlier.
+        before: the state on which the requests are judged (R5.1).
+        after: the state after the step; its rulings are on the requests by rank, which came first.
 
     Raises:
-        ReplayError: for a request that could have been granted: a rank would stand for it, and the state would be
-            another one.
+        ReplayError: for a request that could have been granted: it would have a rank, and would have changed the
+            state.
     """
     ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings]
     rulings = arbitrate(
@@ -120,7 +120,7 @@ def judge_again(
 
 
 def name_in_words(name: str | None) -> str:
-    """A name that a stranger gave, in quotes and in short."""
+    """Return a requested name in quotes, shortened and printable; a phrase for None."""
     if name is None:
         return "what is no text"
     short = name if len(name) <= _LONGEST_SHOWN else f"{name[:_LONGEST_SHOWN]}..."
@@ -128,8 +128,8 @@ def name_in_words(name: str | None) -> str:
 
 
 def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
-    """Return a table of the names, each once, and columns: by how many steps each request is later than the one
-    before, the seat, and the name's place in the table.
+    """Return a table of the names, each once, and three columns: the number of steps since the request before, the
+    seat, and the name's index in the table.
     """
     names = list(dict.fromkeys(one.name for one in requests))
     places = {name: place for place, name in enumerate(names)}
@@ -139,10 +139,10 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
 
 
 def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[NamedRequest]:
-    """Return what `pack_requests` wrote.
+    """Return the requests that `pack_requests` wrote.
 
     Raises:
-        ReplayError: for what no arena would have taken.
+        ReplayError: for requests that no hunter could have made.
     """
     names = reader.json("table of names", _LONGEST_TABLE)
     if not isinstance(names, list) or not all(map(_is_kept, names)):
@@ -168,7 +168,7 @@ def _is_kept(name: object) -> bool:
 
 
 def number_of(config: ArenaConfig, name: str | None) -> int | None:
-    """The number of the target that has this name, or would have it (R3.4); None for a name that no target has."""
+    """Return the number of the target that has or would have this name (R3.4); None for a name of another form."""
     digits = (name or "").removeprefix(config.name_prefix)
     if not (digits.isascii() and digits.isdecimal() and len(digits) <= _MOST_DIGITS):
         return None
@@ -177,5 +177,5 @@ def number_of(config: ArenaConfig, name: str | None) -> int | None:
 
 @entry
 def _kill_service_down(seed: np.uint64, step: int, rate: float) -> bool:
-    """R8.3: the core's own rule, as Python can call it."""
+    """R8.3: return whether the kill service is down: the core's rule, callable from Python."""
     return kill_service_down(seed, step, rate)

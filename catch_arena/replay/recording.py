@@ -1,4 +1,4 @@
-"""Rulebook R10.2: a match as its header, its seed and its actions, with a digest of every state and its numbers."""
+"""Rulebook R10.2: recorded matches: header, seed and actions, with the digest and the numbers of every state."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -26,7 +26,7 @@ from catch_arena.world import World
 
 @dataclass(slots=True, eq=False)
 class Replay:
-    """One recorded match, or the part of it that has been played. Two are equal if they are the same in every bit."""
+    """One recorded match, or its part played so far. Two replays are equal if they agree in every bit."""
 
     __eq__ = equal_fields
     __hash__ = None  # type: ignore[assignment]
@@ -34,43 +34,43 @@ class Replay:
     config: ArenaConfig
     seed: int
     names: tuple[str, ...]
-    """The agents', of the hunters by seat and then of the prey by index."""
+    """Names of the agents: of the hunters by seat, and then of the prey by index."""
     title: str = ""
     choices: list[NDArray[np.int64]] = field(default_factory=list)
-    """The ranks of each step: (H,)."""
+    """Ranks that the hunters chose in each step: (H,)."""
     commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """The velocity commands of each step: (H, 2)."""
+    """Velocity commands of the hunters in each step: (H, 2)."""
     prey_commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """Prey's velocity commands of each step: (P, 2)."""
+    """Velocity commands of the prey in each step: (P, 2)."""
     digests: list[bytes] = field(default_factory=list)
-    """A.8, after the reset and after each step."""
+    """A.8: digests of the states after the reset and after each step."""
     states: list[QuantisedState] = field(default_factory=list)
-    """The states that the digests stand for, in whole millionths: they say in what two of them differ."""
+    """States after the reset and after each step, in whole millionths; they show the differences of two states."""
     withdrawals: list[tuple[int, int]] = field(default_factory=list)
-    """(steps played before it, agent): R1.6, R12.5. Agents count as in `names`."""
+    """R1.6, R12.5: withdrawals as (number of steps before it, agent); an agent is an index in `names`."""
     named_requests: list[NamedRequest] = field(default_factory=list)
-    """What was asked for by name and no rank stands for, in the order in which it was asked: R8.4."""
+    """R8.4: requests by name without a rank in the action, in their order."""
 
     html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
-    """Makes the HTML that a notebook shows: `catch_arena.player`, which stands above, sets it when it is imported."""
+    """Function that returns a replay's HTML for notebooks; importing `catch_arena.player` sets it. None before that."""
 
     @property
     def hunter_names(self) -> tuple[str, ...]:
-        """By seat."""
+        """Names of the hunters' agents, by seat."""
         return self.names[: self.config.hunters]
 
     @property
     def prey_names(self) -> tuple[str, ...]:
-        """By index."""
+        """Names of the prey's agents, by index."""
         return self.names[self.config.hunters :]
 
     @property
     def steps(self) -> int:
-        """How many steps were played."""
+        """Number of steps played."""
         return len(self.choices)
 
     def action(self, step: int, seat: int) -> str:
-        """What a seat did in a step, counted from 0, in words; nine digits tell any two float32 apart."""
+        """Return a hunter's action in a step, counted from 0, in words; nine digits distinguish all float32 numbers."""
         control = self.config.controls[seat]
         rank = int(self.choices[step][seat])
         if control == "target":
@@ -82,20 +82,20 @@ class Replay:
         return f"{commanded}, catch {asked}"
 
     def asked_by_name(self, step: int, seat: int) -> list[str]:
-        """What else a seat asked for in a step, in words, in its order (R8.4)."""
+        """R8.4: return the names in a hunter's requests by name in a step, in their order, in words."""
         requests = requests_of_step(self.named_requests, step)
         return [name_in_words(one.name) for one in requests if one.seat == seat]
 
     def prey_action(self, step: int, index: int) -> str:
-        """What a prey did in a step, likewise."""
+        """Return a prey's action in a step, counted from 0, in words."""
         return _in_words(self.prey_commands[step][index])
 
     def withdrawn_before(self, step: int) -> list[int]:
-        """Which agents were withdrawn when so many steps had been played."""
+        """Return the agents that were withdrawn after `step` steps, as indices in `names`."""
         return [agent for before, agent in self.withdrawals if before == step]
 
     def note(self, engine: Engine) -> None:
-        """One more state: the first one after the reset, the others by `append`."""
+        """Record the engine's state: here after the reset, and by `append` after each step."""
         self.digests.append(engine.digest())
         self.states.append(quantise(engine.state(), self.config))
 
@@ -105,12 +105,12 @@ class Replay:
         commands: NDArray[np.float32],
         engine: Engine,
     ) -> None:
-        """One more step: its actions, which are copied, and the state that it led to.
+        """Record one more step: its actions, which are copied, and the state after it.
 
         Args:
-            choices: (H,).
-            commands: (N, 2), those of prey after the hunters'.
-            engine: whose first arena is recorded.
+            choices: the hunters' ranks, (H,).
+            commands: the velocity commands of the hunters and then of the prey, (H + P, 2).
+            engine: the engine; its first arena is recorded.
         """
         self.choices.append(choices.copy())
         self.commands.append(commands[: self.config.hunters].copy())
@@ -118,13 +118,13 @@ class Replay:
         self.note(engine)
 
     def copy(self) -> "Replay":
-        """Return the match so far; the steps that are appended to one of the two do not appear in the other."""
+        """Return a copy of the match so far; steps appended to one of the two do not appear in the other."""
         values = (getattr(self, each.name) for each in fields(self))
         copied: list[Any] = [value.copy() if isinstance(value, list) else value for value in values]
         return Replay(*copied)
 
     def engines(self) -> Iterator[Engine]:
-        """The match again, checked against nothing: one engine, at every step's boundary, steps + 1 of them."""
+        """Play the match again without checks; yield the same engine at every step's boundary, steps + 1 times."""
         engine = Engine(self.config)
         engine.reset([self.seed])
         yield engine
@@ -136,18 +136,18 @@ class Replay:
             yield engine
 
     def worlds(self) -> Iterator[World]:
-        """The match again: the world at every step's boundary, steps + 1 of them, each checked against its digest.
+        """Play the match again; yield the world at every step's boundary, steps + 1 worlds, each checked by its digest.
 
         Raises:
-            ReplayError: that names the first step that differs, and in what.
+            ReplayError: if a state differs; it names the first such step and the difference.
         """
         return (engine.world() for engine in self.checked_engines())
 
     def checked_engines(self) -> Iterator[Engine]:
-        """The match again as `engines` plays it, each state checked against its digest.
+        """Play the match again; yield the engine as `engines` does, each state checked by its digest.
 
         Raises:
-            ReplayError: that names the first step that differs, and in what.
+            ReplayError: if a state differs; it names the first such step and the difference.
         """
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
@@ -160,10 +160,10 @@ class Replay:
             yield engine
 
     def named_rulings(self, before: World, after: World) -> list[Ruling]:
-        """Return the rulings on requests by name in the step between two worlds, in addition to the latter's (R8.4).
+        """R8.4: return the rulings on requests by name in the step between two worlds, which `after.rulings` lacks.
 
         Raises:
-            ReplayError: for a request that cannot have been made: somebody has written it into the file.
+            ReplayError: for a request that cannot have been made, so the file was altered.
         """
         requests = requests_of_step(self.named_requests, before.step)
         if not requests:
@@ -178,7 +178,7 @@ class Replay:
         return judge_again(self.config, self.seed, requests, caught, before, after)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the match, played in the report's player where that was imported."""
+        """Return the HTML for notebooks: a player of the match, if `catch_arena.player` was imported."""
         formatter = Replay.html_formatter
         if formatter is None:
             return f"<p>A replay of {self.steps} steps; it plays here after <code>import catch_arena.player</code></p>"
@@ -188,10 +188,10 @@ class Replay:
             return f"<p>{escape(str(error))}</p>"
 
     def save(self, file: str | os.PathLike[str] | BytesIO) -> None:
-        """Write the replay, to memory too; under a file's name appears a whole one or none.
+        """Write the replay to a file or a BytesIO; a file appears whole or not at all.
 
         Raises:
-            OutputError: where it cannot be written.
+            OutputError: if it cannot be written.
         """
         if not isinstance(file, str | os.PathLike | BytesIO):
             raise OutputError(f"file must be a path or a BytesIO, got {with_type(file)}")
@@ -211,7 +211,7 @@ class Replay:
         """Return the replay in a file.
 
         Raises:
-            ReplayError: for whatever is not a whole replay of this ruleset, and what is no path.
+            ReplayError: if the file is not a whole replay of this ruleset or cannot be read, or `path` is no path.
         """
         from catch_arena.replay.fileformat import LARGEST_FILE, decode_replay
 

@@ -1,4 +1,4 @@
-"""Two states of a match, number by number, in words."""
+"""Differences of two states of a match, number by number, in words."""
 
 import math
 from collections.abc import Sequence
@@ -10,22 +10,22 @@ from catch_arena.replay.states import ARENA, HUNTER, MICRO, OUT, PREY, Quantised
 
 _MOST_LINES: Final = 12
 _ARENA, _HUNTERS, _TARGETS, _PREY = range(4)
-"""Parts of a state, in the order of `StateParts`."""
+"""Indices of the parts of a state, in the order of `StateParts`."""
 
 
 def state_name(step: int) -> str:
-    """Return what the state is called that a step led to, or that stood before the first one."""
+    """Return the name of the state after `step` steps."""
     return "the initial state" if step == 0 else f"step {step}"
 
 
 def on_one_line(differences: Sequence[str]) -> str:
-    """Return the first difference, and how many more there are."""
+    """Return the first difference, and the number of further ones."""
     more = f" (and {len(differences) - 1} more)" if len(differences) > 1 else ""
     return f"{differences[0]}{more}"
 
 
 def first_lines(step: int, differences: Sequence[str]) -> list[str]:
-    """Return a line for each of the first differences, with the step, and how many more there are."""
+    """Return a line for each of the first differences, with the step, and one with the number of further ones."""
     shown = [f"{state_name(step)}: {line}" for line in differences[:_MOST_LINES]]
     more = len(differences) - _MOST_LINES
     return [*shown, f"{state_name(step)}: and {more} more"] if more > 0 else shown
@@ -38,14 +38,14 @@ def state_differences(
     other: QuantisedState,
     labels: tuple[str, str] = ("as recorded", "as replayed"),
 ) -> list[str]:
-    """Return a line for each number in which two states of an arena differ whose digests do: at least one line.
+    """Return a line for each number in which two states with different digests differ; at least one line.
 
     Args:
         config: the arena's settings.
-        names: the agents', of the hunters by seat and of the prey by index.
-        one: the first.
-        other: the second.
-        labels: what the states are called.
+        names: the agents' names, of the hunters by seat and then of the prey by index.
+        one: the first state.
+        other: the second state.
+        labels: the names of the states in the lines.
     """
     found = []
     tables = (ARENA, HUNTER, target_numbers(config), PREY)
@@ -64,7 +64,7 @@ def state_differences(
 
 
 def _rows(state: QuantisedState, config: ArenaConfig) -> dict[tuple[int, int], list[int]]:
-    """Return the numbers of each thing by (part of the state, seat or index, or number of a target)."""
+    """Return the numbers of the arena, each agent and each target by (part of the state, seat, index or number)."""
     found = {}
     for group, part in enumerate(parts_of(state, config)):
         for place, row in enumerate(part.tolist()):
@@ -87,7 +87,7 @@ def _compared(config: ArenaConfig, unit: str, values: Sequence[int], labels: tup
 
 
 def _apart(what: str, unit: str, values: Sequence[int]) -> str:
-    """Return by how much two values differ, if that says anything."""
+    """Return the difference of two values in words; "" if it has no meaning."""
     if unit in ("target", "flag") or (unit == OUT and min(values) < 0):
         return ""
     apart = abs(values[1] - values[0])

@@ -1,8 +1,7 @@
 """Quantised states: the numbers of A.8 in whole millionths, and their short form in files.
 
-A digest tells that two states differ; the quantised states tell in what. In a file the numbers of what moves stand as
-what is left after R2.2's motion has been taken off, which is almost nothing, and those of a target that stands still
-stand once.
+Digests show that two states differ; quantised states show the numbers that differ. A file holds the numbers of moving
+bodies as differences from R2.2's motion, which are almost 0, and the numbers of a still target once.
 """
 
 from bisect import bisect_left
@@ -20,9 +19,9 @@ from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import Reader, pack_columns
 
 QuantisedState = NDArray[np.int64]
-"""One state: the numbers of `Engine.state()`, those of a length, an angle or a velocity in whole millionths."""
+"""One state: the numbers of `Engine.state()`; lengths, angles and velocities are in whole millionths."""
 Matrix = NDArray[np.int64]
-"""A column for each number, a row for each state or thing."""
+"""Table with a column for each number, and a row for each state, body or span."""
 
 ARENA: Final = {
     "time": "ms",
@@ -34,7 +33,7 @@ ARENA: Final = {
     "skipped_down": "",
     "refused": "",
 }
-"""The arena's numbers and their units: "" for a count, "flag", "target" for a target's number or 0."""
+"""Names and units of the arena's numbers. Units here and below: "" for a count, "target" for a number or 0."""
 HUNTER: Final = {
     "x": "m",
     "y": "m",
@@ -53,38 +52,38 @@ PREY: Final = {"target": "target", "times caught": "", "caught at": OUT}
 _STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": "ms"}
 _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": "flag"}
 MICRO: Final = frozenset({"m", "rad", "m/s", "rad/s", "m s", "rad s"})
-"""Units of which a quantised state has whole millionths."""
+"""Units whose numbers are in whole millionths in a quantised state."""
 
 _THETA, _TURN_RATE, _ACTIVE, _SCORE = 2, 4, 7, 8
 _PLACE, _VELOCITIES = slice(0, 2), slice(3, 5)
 """Columns of a hunter, and of a moving target's motion."""
 _IDENTITY: Final = (0, 4)
-"""Columns of a target that never change: its number, and when it appeared."""
+"""Columns of a target that never change: its number, and the time at which it appeared."""
 _MOTION: Final = (1, 2, 3, 5, 6, 7)
-"""Columns of a moving target that do, in the order of a hunter's first five, with its wall flag behind them."""
+"""Columns of a moving target that change: in the order of a hunter's first five, and then the wall flag."""
 _USED_UP: Final = 3
 _LARGEST: Final = 2**53
 _MOST_TICKS: Final = WATCHDOG_MS // TICK_MS  # R2.4: after it the velocities are zero
 
 
 class StateParts(NamedTuple):
-    """A state taken apart."""
+    """Parts of a state."""
 
     arena: Matrix
-    """The arena's numbers, in one row."""
+    """Numbers of the arena, in one row."""
     hunters: Matrix
     targets: Matrix
-    """A row for each alive target."""
+    """Numbers of the alive targets, a row each."""
     prey: Matrix
 
 
 def target_numbers(config: ArenaConfig) -> dict[str, str]:
-    """Return a target's numbers and their units."""
+    """Return the names and units of a target's numbers."""
     return _MOVING_TARGET if config.targets_move else _STILL_TARGET
 
 
 def parts_of(state: QuantisedState, config: ArenaConfig) -> StateParts:
-    """Return the parts of a state, which share its memory."""
+    """Return the parts of a state, as views of its memory."""
     hunters, targets = len(ARENA), _before_targets(config)
     prey = len(state) - config.prey * len(PREY)
     return StateParts(
@@ -96,7 +95,7 @@ def parts_of(state: QuantisedState, config: ArenaConfig) -> StateParts:
 
 
 def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
-    """Return a state as `Engine.state()` gives it, in whole millionths."""
+    """Return a state of `Engine.state()` in quantised form."""
     scale = np.ones_like(state)
     tables = (ARENA, HUNTER, target_numbers(config), PREY)
     for part, numbers in zip(parts_of(scale, config), tables, strict=True):  # type: ignore[arg-type]
@@ -105,24 +104,24 @@ def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
 
 
 def state_length(config: ArenaConfig) -> int:
-    """Return how many numbers a state has at most."""
+    """Return the largest number of numbers in a state."""
     return _before_targets(config) + config.max_targets * len(target_numbers(config)) + config.prey * len(PREY)
 
 
 def scores(state: QuantisedState, config: ArenaConfig) -> tuple[list[int], list[int]]:
-    """Return every hunter's score in a state, and how often each prey was caught."""
+    """Return every hunter's score in a state, and the number of times that each prey was caught."""
     parts = parts_of(state, config)
     return parts.hunters[:, _SCORE].tolist(), parts.prey[:, 1].tolist()
 
 
 def has_appeared(number: int, states: Sequence[QuantisedState], config: ArenaConfig) -> bool:
-    """Return whether a target is in one of the states: a number is used up by a spawn that is refused, too."""
+    """Return whether a target is in one of the states; refused spawns use up numbers, too."""
     first = bisect_left(states, number, key=lambda state: int(state[_USED_UP]))
     return first < len(states) and number in parts_of(states[first], config).targets[:, 0]
 
 
 def driven_seats(config: ArenaConfig) -> list[int]:
-    """Return the seats whose velocity commands mean something."""
+    """Return the seats under velocity or full control, whose velocity commands have a meaning."""
     return [seat for seat, control in enumerate(config.controls) if control != "target"]
 
 
@@ -132,7 +131,7 @@ def pack_states(
     prey_commands: NDArray[np.float32],
     states: Sequence[QuantisedState],
 ) -> tuple[bytes, int]:
-    """Return the states of a match, the initial one and that of each step, as bytes; and how many spans they have.
+    """Return the states of a match (the initial one and one for each step) as bytes, and the number of their spans.
 
     Args:
         config: the arena's settings.
@@ -203,7 +202,7 @@ def unpack_states(
 
 
 def _before_targets(config: ArenaConfig) -> int:
-    """Return how many numbers a state has before its targets'."""
+    """Return the number of numbers in a state before those of its targets."""
     return len(ARENA) + config.hunters * len(HUNTER)
 
 
@@ -219,11 +218,11 @@ def _bounded(numbers: Matrix) -> Matrix:
 
 
 def _differences(numbers: Matrix) -> Matrix:
-    """Return by how much each row differs from the one before; the first one from zeros."""
+    """Return the difference of each row from the row before; that of the first row from zeros."""
     return np.diff(numbers, axis=0, prepend=0)
 
 
-# what moves
+# motion
 
 
 def _ticks(times_ms: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -232,7 +231,7 @@ def _ticks(times_ms: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _without_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
-    """Return how each row differs from the one before, but for what R2.2 moves: a body's numbers, and others."""
+    """Return the difference of each row from the row before, minus the motion of R2.2."""
     rest = _differences(numbers)
     rest[:, _THETA] -= _turned(numbers, ticks)
     rest[:, _PLACE] -= _travelled(numbers, ticks)
@@ -249,12 +248,12 @@ def _with_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
 
 
 def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
-    """R2.2: return how far a body's turn rate has turned it on its way to each state."""
+    """R2.2: return the angle by which a body's turn rate has turned it before each state."""
     return (TICK_MS * numbers[:, _TURN_RATE] * ticks + 500) // 1000
 
 
 def _travelled(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
-    """R2.2: return how far a body's velocities have carried it: (states, 2)."""
+    """R2.2: return a body's displacement by its velocities before each state: (states, 2)."""
     displacement = np.zeros((len(ticks), 2))
     before = np.concatenate(([0], numbers[:-1, _THETA]))[: len(ticks)]
     _travel(before.astype(np.float64), numbers[:, _VELOCITIES].astype(np.float64), ticks, displacement)
@@ -268,7 +267,7 @@ def _travel(
     ticks: NDArray[np.int64],
     displacement: NDArray[np.float64],
 ) -> None:
-    """R2.2 in millionths, on the core's own sine and cosine: every machine must take off what another one put on."""
+    """R2.2: compute displacements in millionths, with the core's sine and cosine, so that all machines agree."""
     for step in range(len(ticks)):
         angle = theta[step] / 1000000.0
         turn = velocities[step, 1] / 1000000.0 * DT
@@ -280,7 +279,7 @@ def _travel(
             displacement[step, 1] = displacement[step, 1] + sine * stride
 
 
-# what commands ask for
+# velocities that commands ask for
 
 
 def _asked(commands: NDArray[np.float32], high: NDArray[np.float64], *, reverse: bool) -> Matrix:
@@ -298,7 +297,7 @@ def _asked_of_hunters(config: ArenaConfig, commands: NDArray[np.float32]) -> Mat
 def _asked_of_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], plays: Matrix, spans: Matrix) -> Matrix:
     """R12.2: return the velocities that prey's commands ask for, state after state and span after span: (states, 2).
 
-    They are zeros for targets that nobody plays, and where one has just appeared: it stands still (R3.8).
+    They are 0 for targets without prey, and for the first state of a target, which stands still then (R3.8).
 
     Args:
         config: the arena's settings.
@@ -317,7 +316,7 @@ def _asked_of_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], p
     return found
 
 
-# when targets are alive
+# spans in which targets are alive
 
 
 def _ranges(begin: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -326,7 +325,7 @@ def _ranges(begin: NDArray[np.int64], length: NDArray[np.int64]) -> NDArray[np.i
 
 
 def _beginnings(spans: Matrix) -> NDArray[np.int64]:
-    """Return the place of each span's first state among the states of all spans."""
+    """Return the index of each span's first state among the states of all spans."""
     return np.cumsum(spans[:, 1]) - spans[:, 1]
 
 
@@ -338,9 +337,9 @@ def _ticks_of_targets(ticks: NDArray[np.int64], spans: Matrix) -> NDArray[np.int
 
 
 def _spans_of(rows: Matrix, at: NDArray[np.int64], config: ArenaConfig) -> tuple[Matrix, NDArray[np.int64]]:
-    """Return the stretches of states in which a target's identity stays, and where it stands still all its numbers.
+    """Return the spans of states in which a target's identity is constant (all its numbers, if targets stand still).
 
-    A span is where it begins, how long it is, and what stays. The rows' order by spans comes with them.
+    A span is (first state, number of states, constant numbers). The order of the rows by spans is returned, too.
     """
     stays = rows[:, _IDENTITY] if config.targets_move else rows
     order = np.lexsort((at, *stays.T[::-1]))
@@ -354,7 +353,7 @@ def _spans_of(rows: Matrix, at: NDArray[np.int64], config: ArenaConfig) -> tuple
 
 
 def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
-    """Raise a ReplayError for spans that cannot be, before there is a row for each of their states."""
+    """Raise ReplayError for impossible spans, before memory is allocated for a row for each of their states."""
     begin, end = spans[:, 0], spans[:, 0] + spans[:, 1]
     if np.any((begin < 0) | (begin >= end) | (end > size)):
         raise ReplayError("is damaged: its quantised states have a target outside the match")
@@ -364,7 +363,7 @@ def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
 
 
 def _by_state(targets: Matrix, at: NDArray[np.int64], size: int) -> list[Matrix]:
-    """Return the targets that are alive in each state, by number; `at` says which state a row is in."""
+    """Return the targets that are alive in each state, by number; `at` is the state of each row."""
     order = np.lexsort((targets[:, 0], at))
     targets, at = targets[order], at[order]
     if np.any((np.diff(at) == 0) & (np.diff(targets[:, 0]) == 0)):

@@ -1,4 +1,4 @@
-"""R10.2: checks if a match plays as it was recorded, and if not, what was altered."""
+"""R10.2: check that a match plays as it was recorded, and report the altered parts if it does not."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
@@ -14,21 +14,21 @@ from catch_arena.world import World
 
 
 def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:
-    """Play a match again and say all that does not fit; an empty list is a proof.
+    """Play a match again and return all differences; an empty list proves the replay.
 
-    A state follows from the one before. So if the digests differ from some step to the end, the match itself
-    differs: an action, a setting or a rule is another one. A step whose digest differs although all later ones agree
-    was altered in the file, and so was a quantised state if its digest agrees.
+    Each state follows from the one before. So if the digests differ from some step to the end, the match itself
+    differs: in an action, a setting or a rule. If a digest differs although all later ones agree, it was altered in the
+    file. If a quantised state differs although its digest agrees, the state was altered.
 
-    With prey a match can differ for some steps alone: where prey was does not matter any more when it has been caught
-    and returned. Then the numbers differ as well as the digests.
+    With prey, a match can differ in some steps only: the place of prey has no effect any more when it has been caught
+    and returned. Then both the numbers and the digests differ.
 
     Args:
         replay: the recorded match.
-        progress: called with (steps played, steps in all).
+        progress: called with (steps played, number of steps).
 
     Returns:
-        a line for each fault; if a match differs, a further line for each number that does in the first step.
+        a line for each fault; if the match differs, further lines for the numbers that differ in its first such step.
     """
     other_digests: list[int] = []
     other_numbers: dict[int, QuantisedState] = {}
@@ -57,7 +57,7 @@ def _impossible_request(replay: Replay, before: World, after: World) -> list[str
 
 
 def _faults(replay: Replay, other_digests: Sequence[int], other_numbers: Mapping[int, QuantisedState]) -> list[str]:
-    """Return what follows from the steps whose digests or numbers differ."""
+    """Return the faults that follow from the steps whose digests or numbers differ."""
     stretches = [[step for _, step in run] for _, run in groupby(enumerate(other_digests), lambda at: at[1] - at[0])]
     differs, altered = [], []
     for stretch in stretches:
