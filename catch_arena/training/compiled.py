@@ -23,11 +23,11 @@ from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures
 from catch_arena.policy import Limits, View, first_rival_column, rival_features, target_features
 
 Decide = Callable[[Any], Any]
-"""From a view of one hunter to its action."""
+"""Function from a view of one hunter to its action."""
 
 
 class _Seen(NamedTuple):
-    """What compiled code has in place of a `View`; `targets` and `rivals` are arrays of records."""
+    """Replacement for a `View` in compiled code; `targets` and `rivals` are arrays of records."""
 
     x: float
     y: float
@@ -106,7 +106,7 @@ def _look(seen: Any, row: int, first: int, columns: int, always: int, table: Any
 
 _decide: Any = None
 _write: Any = None
-"""What `_compiled` puts something else in place of."""
+"""Placeholders in `_act_all`, which `_compiled` replaces by functions."""
 
 
 def _act_all(seen: Any, shape: Any, targets: Any, rivals: Any, its: Any, theirs: Any, actions: Any) -> None:
