@@ -16,7 +16,7 @@ from catch_arena.tournament.players import Answer, Players
 from catch_arena.tournament.secret import agent_seed
 
 ASK_EVERY_MS: Final = 100
-"""R1.3: the usual control period, so that agents play as in any other match."""
+"""R1.3: the usual control period [ms], so that agents play as in any other match."""
 
 
 class AgentActions(NamedTuple):
@@ -28,7 +28,7 @@ class AgentActions(NamedTuple):
 
 
 class AgentSeats:
-    """Hunters that agents drive. The arena does not wait: an action holds until the next one is there.
+    """Hunters that agents drive. The arena does not wait: an action holds until the next one comes.
 
     Args:
         service: the arena.
