@@ -85,7 +85,7 @@ def call_adjudicator(what: str, function: Callable[..., object], *arguments: obj
         return function(*arguments)
     except DiffersError:
         raise
-    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+    except (Exception, SystemExit) as error:  # the code under test may raise anything
         where = _where(error)
         raised = f"none: it raised {printable(reason(error))}{where}"
         raise DiffersError(RaisedError(what, "an answer", raised, printable(type(error).__name__), where)) from error
@@ -122,7 +122,7 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
         too_few, got = given is None, in_short(given)
     else:
-        given = list(islice(given, len(expected) + 1))  # no more: it may never end
+        given = list(islice(given, len(expected) + 1))  # no more: the iterable may never end
         if len(given) == len(expected):
             return [
                 _ruling(place, one, ruling)

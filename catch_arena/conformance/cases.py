@@ -201,9 +201,9 @@ class CaseStep(_Table, frozen=True, kw_only=True):
     steps: Whole = 0
     """Number of steps without commands and requests."""
     driven: tuple[tuple[Whole, Number, Number], ...] = field(name="drive", default=())
-    """(seat, v [m/s], w [rad/s]), in the step of the requests."""
+    """Commands (seat, v [m/s], w [rad/s]) in the step of the requests; hunters without one stand still."""
     driven_prey: tuple[tuple[Whole, Number, Number], ...] = field(name="drive_prey", default=())
-    """(index, v [m/s], w [rad/s]) of prey, in the step of the requests."""
+    """Commands (index, v [m/s], w [rad/s]) of prey in the step of the requests; prey without one stands still."""
     expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
     """The requests of one more step, with their rulings: empty for a step without requests, None for no step."""
     read: dict[Reading, Any] = {}

@@ -13,7 +13,7 @@ WIDTH: Final = 100
 """Default width of a report [characters]."""
 _MOST_DIFFERENCES: Final = 6
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
-"""In a brief description of a case: the number of differences, and the most lines of each other paragraph."""
+"""Limits of a brief description of a case: the number of differences, and the lines of each other paragraph."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -120,7 +120,7 @@ class Suite:
 
 
 def _shipped(name: str, about: str) -> SuiteScenario:
-    config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own
+    config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own control
     return SuiteScenario(name, config, TRAINING_OPPONENTS, held_out=False, about=about)
 
 

@@ -50,7 +50,7 @@ class LearnerStep(NamedTuple):
     final_masks: NDArray[np.bool_]
     """Last masks of the rows in `ended`, (E, K + 1)."""
     figures: Figures
-    """Figures of the ended episodes, as of `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
+    """Figures of the ended episodes, as in `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
 
     With opponents also `opponents`, their indices in `opponents.names`, and `opponent_scores`, by seat: (E, S). Empty
     without auto_reset.
@@ -226,7 +226,7 @@ class LearnerBatch:
             self.opponents.act(self._seen, self._masks, self._choices, self._commands[:, :hunters])
         if self._prey is not None:
             self._prey.act(self._seen_by_prey, self._commands[:, hunters:])
-        seats = self._seats  # of the episodes that end here
+        seats = self._seats  # the seats of the episodes that end in this step
         observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
         self._take(observations, infos)
         over = np.flatnonzero(terminations | truncations)

@@ -62,7 +62,7 @@ class Opponents:
         distinct: whether no agent is drawn twice in an arena, while as many have a weight above 0 as there are seats.
 
     Raises:
-        ConfigError: for an empty pool, and for weights that cannot be.
+        ConfigError: for an empty pool, and for weights that are not allowed.
         AgentError: for an agent that cannot play.
     """
 
@@ -104,7 +104,7 @@ class Opponents:
         """Take one more agent into the pool, with the weight 0 until `weigh` gives it another.
 
         Returns:
-            its number: that of its place in `names`.
+            its number, the index of its name in `names`.
 
         Raises:
             AgentError: for an agent that cannot play.
@@ -167,7 +167,7 @@ class Opponents:
         """R10.2: return a copy of the pool, the seats, and everything that the agents store, for `restore`.
 
         Raises:
-            AgentError: that names an agent that cannot be copied.
+            AgentError: if an agent cannot be copied; it names the agent.
         """
         return _kept(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
 
@@ -247,7 +247,7 @@ class Opponents:
             choices[arenas, seats] = given
         if opponent.control != TARGET_CONTROL:
             given = _numbers(said, velocities, command_array, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
-            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN lies nowhere
+            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN fails both tests
             if not legal.all():
                 row = int(np.argmin(legal))
                 raise AgentError(

@@ -26,7 +26,7 @@ def who_plays_prey(config: ArenaConfig, agent: str | None) -> str | None:
         agent: a shipped name, a file or `package.module:Class`.
 
     Raises:
-        ConfigError: for an agent where there is no prey.
+        ConfigError: for an agent in arenas without prey.
         AgentError: for an agent that is not there, or has no class `Prey`.
     """
     if not config.prey:
@@ -103,7 +103,7 @@ def called(who: str, agent: Any, method: str, argument: object, where: str = "")
     """Return what a method of an agent returns.
 
     Raises:
-        AgentError: that names the agent, and where it plays, if it raises anything.
+        AgentError: if the method raises anything; it names the agent and its seat or prey.
     """
     try:
         return getattr(agent, method)(argument)
@@ -115,7 +115,7 @@ def copied(who: str, agents: Any, memo: dict[int, Any]) -> Any:
     """Return a copy of one agent or of several, with all that they remember.
 
     Raises:
-        AgentError: that names the agent, if it cannot be copied.
+        AgentError: if the agent cannot be copied; it names the agent.
     """
     try:
         return copy.deepcopy(agents, memo)

@@ -15,7 +15,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.training.batch import LearnerBatch, LearnerStep
 
 
-class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be there
+class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missing
     """Environment for `PPO("MlpPolicy", env)`, and for sb3-contrib's `MaskablePPO`, which calls `action_masks`.
 
     If an episode ends, the row's info has `terminal_observation`, `terminal_mask`, `TimeLimit.truncated`, `score`,

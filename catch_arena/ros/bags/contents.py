@@ -1,4 +1,4 @@
-"""Contents of a bag of turtlesim: where the turtles were, which targets were alive, and which were caught.
+"""Contents of a bag of turtlesim: the turtles' poses, the targets that were alive, and the catches.
 
 Times are milliseconds since the bag's first message.
 """

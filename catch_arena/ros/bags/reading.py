@@ -24,7 +24,7 @@ from catch_arena.ros.middleware.typestore import register
 from catch_arena.text import one_line
 
 _LONGEST_MS: Final = 24 * 3_600_000
-"""Duration of the longest bag, as of the longest replay [ms]; a recording machine's clock may jump by years."""
+"""Longest duration of a bag, equal to that of a replay [ms]; a recording machine's clock may jump by years."""
 _OUTSIDE_M: Final = 0.01
 """Distance by which a pose may lie outside of turtlesim's window, which clamps in float32 [m]."""
 _OWN_HUNTER: Final = re.compile(r"hunter_\d+")

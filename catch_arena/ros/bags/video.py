@@ -83,7 +83,7 @@ def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[Worl
         time_ms = tick * TICK_MS
         while lists and lists[0][0] < time_ms:
             listed_ms, turtles = lists.popleft()
-            listed = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name it is not in turtlesim
+            listed = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name: not in turtlesim
             born = {name: born.get(name) or (next(numbers), int(listed_ms)) for name in listed}
         catches = by_tick.get(tick, [])
         for one in catches:

@@ -126,7 +126,7 @@ class Bus(ABC):
 
     @abstractmethod
     def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
-        """Subscribe to a topic; a message that cannot be read is left out, with one line for all of them."""
+        """Subscribe to a topic. Messages that cannot be read are left out; one line is logged for all of them."""
 
     @abstractmethod
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:

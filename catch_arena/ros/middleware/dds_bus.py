@@ -119,7 +119,7 @@ class DdsBus(Bus):
 
     def _hand_out(self, one: "_Reader") -> int:
         """Handle the oldest sample of a reader, and return the number of taken samples: 0 or 1."""
-        taken = ddspy_take(one.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's own take cannot leave one out
+        taken = ddspy_take(one.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's own take cannot skip a bad sample
         if isinstance(taken, int):
             raise DDSException(taken, f"on {ros_name(one.reader.topic.name)}")
         for data, info in taken:
@@ -223,7 +223,7 @@ class _DdsClient:
         for handle in self._writer.get_matched_subscriptions():
             server = self._writer.get_matched_subscription_data(handle)
             if server is not None and is_fast_dds(str(server.participant_key)):
-                # It never answers, and may run out of memory over the request.
+                # Such a server never answers, and may run out of memory over the request.
                 raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
         return True
 
@@ -231,7 +231,7 @@ class _DdsClient:
         """Send a request."""
         number = next(self._numbers)
         self._calls[number] = call = Call()
-        if len(self._calls) > SERVICE_DEPTH:  # the oldest is not waited for any more
+        if len(self._calls) > SERVICE_DEPTH:  # the oldest call is given up
             del self._calls[next(iter(self._calls))]
         self._write(self._writer, to_sample(self._kind.request, request, client=self._own, number=number))
         return call

@@ -65,7 +65,7 @@ class RclpyBus(Bus):
         for name, space in nodes:
             full = _full_name(space, name)
             for kind, ask in asked:
-                with suppress(RuntimeError):  # it has just gone
+                with suppress(RuntimeError):  # the node has just gone
                     found += [Endpoint(full, kind, one, kept) for one, types in ask(name, space) for kept in types]
         there = {_full_name(space, name) for name, space in nodes}
         return [end for end in found if end.node in there]

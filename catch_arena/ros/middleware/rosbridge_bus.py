@@ -1,4 +1,4 @@
-"""The bus by rosbridge's JSON over a websocket: any middleware and any ROS, on the side where the server runs."""
+"""The bus by rosbridge's JSON over a websocket: the server's side may have any middleware and any ROS."""
 
 import json
 import math
@@ -93,7 +93,7 @@ class RosbridgeBus(Bus):
             on_message(from_json(kind, frame.get("msg")))
 
         self._inboxes["publish", topic] = _Inbox(deque(maxlen=DEPTH), handle)
-        # Without a queue_length: its queue's thread in rosbridge never ends if it is left with something in it.
+        # Without a queue_length: the thread of such a queue in rosbridge never ends if messages are left in it.
         self._send({"op": "subscribe", "topic": topic, "type": kind.name})
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
@@ -250,7 +250,7 @@ def _connection_to(url: str, open_s: float) -> ClientConnection:
         open_timeout=open_s,
         close_timeout=_CLOSE_S,
         max_size=_LONGEST_FRAME,
-        max_queue=None,  # a flood is read, and its newest kept
+        max_queue=None,  # all frames of a flood are read, so that an inbox keeps the newest
         compression=None,
     )
     return ExitStack().enter_context(opening)  # websockets wants a context; `close` ends it
@@ -281,7 +281,7 @@ def _value(field: Field, value: Any) -> Any:
             return tuple(from_json(field.type, one) for one in value)
         raise ValueError(f"{field.name} must be a list, got {in_short(value)}")
     if field.type.startswith("float") and value is None:
-        return math.nan  # rosbridge's word for NaN and the infinities, which JSON does not have
+        return math.nan  # rosbridge's null for NaN and the infinities, which JSON does not have
     kinds = _KINDS.get(field.type, (int,))
     if type(value) in kinds:
         with suppress(OverflowError):

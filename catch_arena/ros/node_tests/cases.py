@@ -171,7 +171,7 @@ def _granted(name: str) -> ExpectedRuling:
 
 
 def _can_be_sent(name: object) -> bool:
-    return isinstance(name, str) and "\0" not in name  # it ends a text in CDR
+    return isinstance(name, str) and "\0" not in name  # a zero byte ends a string in CDR
 
 
 def _float32(place: Place) -> Place:

@@ -52,7 +52,7 @@ class AgentSeats:
     def begin(self, seed: int) -> None:
         """Begin a match."""
         if self._answers is not None:
-            self._answers.exception()  # it is about the match before
+            self._answers.exception()  # wait for the answers about the previous match, and drop them
             self._answers = None
         self._next_ms = 0
         for hunters in (self._cmd_vel, self._goals, self.forfeits):

@@ -101,7 +101,7 @@ class ArenaNode:
             drawing[graph_names.set_pen_of(graph_names.TURTLE)] = interfaces.set_pen
             self._cmd_vels[only.hunter].append(_EXERCISE_CMD_VEL)
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
-        elif self.seats:  # turtle1 is no hunter
+        elif self.seats:  # no hunter is called turtle1 here
             bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _: self._explain_remapping())
         self._watched = [topic for seat in self.seats for topic in poses[seat.hunter]]
         """Topics whose new listeners are new nodes."""

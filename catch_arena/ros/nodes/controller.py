@@ -102,7 +102,7 @@ class Controller:
         (hunter,) = world.hunters
         self._cmd_vel(TwistMessage.of(hunter.linear_velocity, hunter.angular_velocity))
         for ruling in world.rulings:
-            if ruling.success:  # it is within reach: call the referee
+            if ruling.success:  # the target is within reach: call the referee
                 self._request_catch(names[str(ruling.target)])
 
     def stop(self) -> None:
