@@ -1,10 +1,10 @@
-"""Conformance cases as data: what the rulebook's arbiter and arena answer in positions that were chosen by hand.
+"""Conformance cases as data: the rulebook's answers in positions that were chosen by hand.
 
-Each file of the folder cases/ is a group of them; docs/conformance.md says how they are read and how to run them.
+Each file of the folder cases/ is a group of cases; docs/conformance.md explains their format and how to run them.
 
-- The cases: `cases` says what one is; `case_files` reads and checks the .toml files.
-- A run (catch_arena/testing.py begins it): `arbiter_runner` and `arena_runner` play a case; `answers` calls the code
-  under test and reads what it returns; `comparison` holds that against what is expected; `results` has what came of
-  each case, and `report` of all.
-- Why cases failed: `diagnosis`, by the table mistakes.toml.
+- The cases: `cases` defines their fields; `case_files` reads and checks the .toml files.
+- A run (catch_arena/testing.py starts it): `arbiter_runner` and `arena_runner` play a case; `answers` calls the code
+  under test and reads its answers; `comparison` compares them with the expected ones; `results` has the result of
+  each case, and `report` the results of all cases.
+- Causes of failures: `diagnosis`, by the table mistakes.toml.
 """

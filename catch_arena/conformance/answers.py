@@ -1,4 +1,4 @@
-"""A stranger's code is called, and its answer read: whatever is wrong with it becomes a difference in words."""
+"""Calls of the code under test, and its answers, read and checked: every fault becomes a `Difference`."""
 
 import operator
 import signal
@@ -19,22 +19,22 @@ from catch_arena.verdicts import Ruling, Verdict
 _EVIDENCE: Final = ("distance_um", "winner")
 _FIELDS: Final = ("verdict", "hunter", "target", *_EVIDENCE)
 _LARGEST: Final = 2**64
-"""Of whole numbers: longer ones mean nothing here, and Python refuses to write the longest."""
+"""The largest whole number in an answer: larger ones mean nothing here, and Python refuses to print the longest."""
 _AGAIN_S: Final = 1.0
-"""Code that swallows the interruption is interrupted again."""
+"""Time after which code that swallows the interruption is interrupted again [s]."""
 KINDS: Final = ("success", "verdict", "evidence")
 """Kinds of differences between rulings, the strongest first: in the grant, the verdict, the distance or the winner."""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One thing that was expected, and what came in its place."""
+    """One expected value, and the value that came in its place."""
 
     about: str
     expected: str
     got: str
     kind: str = field(default="", kw_only=True)
-    """One of KINDS; empty if it is not about a ruling."""
+    """One of KINDS; empty if the difference is not about a ruling."""
 
     def __str__(self) -> str:
         return f"{self.about}: expected {self.expected}; got {self.got}"
@@ -42,11 +42,11 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class UnreadableAnswer(Difference):
-    """An answer, or a part of it, that is no ruling whatever it says."""
+    """An answer, or a part of it, that cannot be read as a ruling."""
 
     looks_like: str
     rule: str
-    """What docs/conformance.md says."""
+    """The rule that the answer breaks, as in docs/conformance.md."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +54,13 @@ class RaisedError(Difference):
     """An error in place of an answer."""
 
     error: str
-    """Its class."""
+    """Name of the error's class."""
     where: str
-    """« (file, line)» of a stranger's code, or nothing."""
+    """« (file, line)» in the code under test, or empty."""
 
 
 class DiffersError(Exception):
-    """An adjudicator's answer is not what the case expects."""
+    """An adjudicator's answer differs from the one that the case expects."""
 
     def __init__(self, *differences: Difference) -> None:
         super().__init__(*differences)
@@ -69,23 +69,23 @@ class DiffersError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class WrongTarget:
-    """Stands for the target of a ruling that does not repeat what was asked for."""
+    """Placeholder for the target of a ruling that does not repeat the requested target."""
 
     in_short: str
     """The target, as `in_short` writes it."""
 
 
 def call_adjudicator(what: str, function: Callable[..., object], *arguments: object) -> Any:
-    """What a stranger's code returns; `what` names the call.
+    """Call a function of the code under test and return its result; `what` names the call.
 
     Raises:
-        DiffersError: where it raises anything.
+        DiffersError: if it raises anything.
     """
     try:
         return function(*arguments)
     except DiffersError:
         raise
-    except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+    except (Exception, SystemExit) as error:  # the code under test may raise anything
         where = _where(error)
         raised = f"none: it raised {printable(reason(error))}{where}"
         raise DiffersError(RaisedError(what, "an answer", raised, printable(type(error).__name__), where)) from error
@@ -93,9 +93,9 @@ def call_adjudicator(what: str, function: Callable[..., object], *arguments: obj
 
 @contextmanager
 def time_limit(seconds: float | None) -> Iterator[None]:
-    """A stranger's code that takes longer is interrupted where it stands, by a TimeoutError.
+    """Interrupt the code in the `with` block by a TimeoutError if it takes longer than `seconds`; None sets no limit.
 
-    Only the main thread can be interrupted, and not on Windows: elsewhere it may take as long as it likes.
+    Only the main thread can be interrupted, and not on Windows: elsewhere there is no limit.
     """
     if seconds is None or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
         yield
@@ -114,15 +114,15 @@ def time_limit(seconds: float | None) -> Iterator[None]:
 
 
 def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruling]:
-    """What an adjudicator answers to these requests; the target of a ruling that names another one is a WrongTarget.
+    """Return an adjudicator's rulings on these requests; a target that was not requested becomes a WrongTarget.
 
     Raises:
-        DiffersError: for the first thing that cannot be read.
+        DiffersError: for the first part of the answer that cannot be read.
     """
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
         too_few, got = given is None, in_short(given)
     else:
-        given = list(islice(given, len(expected) + 1))  # no more: it may never end
+        given = list(islice(given, len(expected) + 1))  # no more: the iterable may never end
         if len(given) == len(expected):
             return [
                 _ruling(place, one, ruling)
@@ -137,17 +137,17 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
 
 
 def counted(number: int, thing: str) -> str:
-    """So many of something, whose plural ends in s."""
+    """Return a number with its noun, whose plural ends in s: "1 case", "2 cases"."""
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def request_in_words(place: int, one: ExpectedRuling) -> str:
-    """Who asks for what."""
+    """Return a description of one request: its place, its hunter and its target."""
     return f"request {place}, hunter {one.hunter} asks for {in_short(one.target)}"
 
 
 def _where(error: BaseException) -> str:
-    """The file and line in which a stranger's code raised an error or was interrupted, if it was reached at all."""
+    """Return the file and line in which the code under test raised or was interrupted; empty if it was not reached."""
     own = Path(__file__).parent
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
         if Path(frame.filename).parent != own:
@@ -156,7 +156,11 @@ def _where(error: BaseException) -> str:
 
 
 def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
-    """A ruling of an object with its attributes, of a mapping with its keys, or of a sequence in its order."""
+    """Return the ruling read from an object's attributes, a mapping's keys, or a sequence in the order of _FIELDS.
+
+    Raises:
+        DiffersError: for a field that cannot be read.
+    """
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
         about = f"{request_in_words(place, expected)}: {field}"
@@ -187,7 +191,7 @@ def _fields(given: object) -> dict[str, object]:
         return {name: getattr(given, name) for name in _FIELDS if hasattr(given, name)}
     if isinstance(given, Mapping):
         return {name: given[name] for name in _FIELDS if name in given}
-    # one more may follow, the step, which is the case's own
+    # the step may follow as one more value; it is ignored, since the case fixes it
     if isinstance(given, Sequence) and not isinstance(given, str | bytes) and len(given) <= len(_FIELDS) + 1:
         return dict(zip(_FIELDS, given, strict=False))
     return {}
@@ -211,8 +215,9 @@ def _whole(value: object) -> int | None:
 
 
 def _repeats(asked: object, target: object) -> bool:
-    """Whether a ruling's target is what was asked for; by its looks, where that is no string: NaN does not equal
-    itself.
+    """Return whether a ruling's target is the requested one.
+
+    Targets that are not strings are compared by their `repr`, because NaN does not equal itself.
     """
     if isinstance(asked, str):
         return isinstance(target, str) and asked == target

@@ -1,4 +1,4 @@
-"""A case is played on an arbiter: as it stands, and in every variant that must not change the answer."""
+"""Play of a case on an arbiter: unchanged, and in every variant that must not change the answer."""
 
 import copy
 import itertools
@@ -15,15 +15,16 @@ from catch_arena.text import in_short
 from catch_arena.verdicts import Verdict
 
 Arbiter = Callable[..., object]
-"""Takes the keyword arguments of `catch_arena.arbitrate`, and returns one ruling for each request, in their order: each
-an object with the attributes of a Ruling, a mapping with them as keys, or a sequence of them in their order. A verdict
-may be a Verdict, its number or its name; what has no `distance_um` or `winner` has None."""
+"""Function with the keyword arguments of `catch_arena.arbitrate`. It returns one ruling for each request, in order.
+
+A ruling is an object with the attributes of a Ruling, a mapping with them as keys, or a sequence of them in their
+order. A verdict may be a Verdict, its number or its name; a missing `distance_um` or `winner` means None."""
 
 _MOST_VARIANTS: Final = 24
-"""How many orders and how many numberings of one case are played: all those of four, a sample of more."""
+"""Number of orders, and of numberings, of one case that are played: all of up to four elements, a sample of more."""
 
 Variants = Iterator[tuple[str, ArbiterCase]]
-"""How a case was changed, in words, and the case in that form."""
+"""Pairs of a description of the change ("with the requests in the order ...") and the changed case."""
 
 
 class ArbiterRunner:
@@ -34,10 +35,10 @@ class ArbiterRunner:
         self._case = case
         self._strictness = strictness
         self.how = ""
-        """How the case that is being played was changed, in words; "" as it stands."""
+        """Description of the variant that is being played; "" for the unchanged case."""
 
     def run(self) -> None:
-        """Play the case as it stands, and in every variant of it.
+        """Play the case unchanged, and in every variant of it.
 
         Raises:
             DiffersError: at the first variant whose answer is wrong.
@@ -54,7 +55,7 @@ class ArbiterRunner:
 
     def _judge(self, how: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
         self.how = how
-        arguments = copy.deepcopy(case.arguments())  # a stranger may change what it is given
+        arguments = copy.deepcopy(case.arguments())  # the code under test may change its arguments
         given = ask_for_rulings(lambda: self._arbiter(**arguments), case.expected)
         return compare(
             given,
@@ -85,12 +86,15 @@ class ArbiterRunner:
 
 
 def _with_lots_decided(case: ArbiterCase, decided: tuple[ExpectedRuling, ...]) -> ArbiterCase:
-    """The case as every further variant of it expects to be answered."""
+    """Return the case with its lots decided, as the basis of all further variants."""
     return replace(case, expected=decided, lots=())
 
 
 def _reordered(case: ArbiterCase) -> Variants:
-    """R5.1: the requests in other orders; those of one hunter keep theirs, since its first one stands."""
+    """R5.1: yield variants with the requests in other orders.
+
+    The requests of one hunter keep their order, because its first one counts.
+    """
     for order in _orders(tuple(one.hunter for one in case.expected), case.id):
         places = ", ".join(str(place + 1) for place in order)
         yield (
@@ -100,7 +104,7 @@ def _reordered(case: ArbiterCase) -> Variants:
 
 
 def _renumbered(case: ArbiterCase) -> Variants:
-    """R5.1: the hunters in other seats. A lot may then draw another one."""
+    """R5.1: yield variants with the hunters in other seats. A lot may then draw another hunter."""
     for order in _permutations(len(case.hunters), case.id):
         new = {old: seat for seat, old in enumerate(order)}
 
@@ -125,13 +129,14 @@ def _renumbered(case: ArbiterCase) -> Variants:
 
 
 def _in_seats(reach_m: float | Sequence[float], order: Sequence[int]) -> float | tuple[float, ...]:
-    """R2.7: each hunter keeps its reach."""
+    """R2.7: return the reaches [m] in a new order of seats, so that each hunter keeps its own."""
     return reach_m if isinstance(reach_m, int | float) else tuple(reach_m[old] for old in order)
 
 
 def _without_a_loser(case: ArbiterCase) -> Variants:
-    """R5.5: what a hunter asked that won nothing is left out; nobody else's ruling changes, but that a refused kill
-    without a rival is no contest any more (R5.6). The lots of the case are decided.
+    """R5.5: yield variants without the requests of one hunter that won nothing; the lots of the case are decided.
+
+    No other ruling changes, with one exception: a refused kill without a rival is no longer a contest (R5.6).
     """
     for seat in sorted({one.hunter for one in case.expected}):
         if any(one.hunter == seat and _has_won(one) for one in case.expected):
@@ -153,14 +158,14 @@ def _without_a_loser(case: ArbiterCase) -> Variants:
 
 
 def _in_other_steps(case: ArbiterCase) -> Iterator[ArbiterCase]:
-    """The case in `fair_over_steps` steps, with another seed in each."""
+    """Yield the case in `fair_over_steps` steps, with another seed in each."""
     lots = tuple(replace(lot, drawn=None) for lot in case.lots)
     for later in range(case.fair_over_steps):
         yield replace(case, seed=case.seed + later, step=case.step + later, lots=lots)
 
 
 def _under_nearest(case: ArbiterCase) -> ArbiterCase:
-    """The same requests under `nearest`, with what that answers."""
+    """Return the case under the policy `nearest`, with the rulings of that policy."""
     return replace(case, policy="nearest", expected=case.under_nearest, under_nearest=())
 
 
@@ -169,7 +174,7 @@ def _has_won(one: ExpectedRuling) -> bool:
 
 
 def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
-    """All orders of that many things but the given one, or a sample of them that depends on the name alone."""
+    """Return all orders of `count` elements but the given one; for more than 4, a sample that depends on the name."""
     if count <= 4:
         return list(itertools.permutations(range(count)))[1:]
     source = random.Random(name)
@@ -177,13 +182,13 @@ def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
 
 
 def _orders(seats: tuple[int, ...], name: str) -> list[tuple[int, ...]]:
-    """Orders of requests, by their places, in which those of one seat keep theirs."""
+    """Return orders of the requests, by their places, in which the requests of one seat keep their order."""
     given = tuple(range(len(seats)))
     found = dict.fromkeys(_in_turn(seats, order) for order in _permutations(len(seats), name))
     return [order for order in found if order != given]
 
 
 def _in_turn(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
-    """The order, with the places of each seat sorted."""
+    """Return the order with the places of each seat sorted."""
     waiting = {seat: iter([place for place, one in enumerate(seats) if one == seat]) for seat in set(seats)}
     return tuple(next(waiting[seats[place]]) for place in order)

@@ -1,4 +1,4 @@
-"""A case is played in an arena: those about spawning, time and identity, and those for arbiters that fit into one."""
+"""Play of a case in an arena: cases about spawning, time and identity, and the arbiter's cases that fit into one."""
 
 import operator
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,7 +16,7 @@ from catch_arena.verdicts import Verdict
 
 
 class ArenaUnderTest(Protocol):
-    """What an adjudicator with an arena offers, so that cases about spawning, time and identity can be played on it.
+    """Interface of an adjudicator with an arena, on which cases about spawning, time and identity can be played.
 
     Targets are named by their spawn numbers here. Hunters are under full control (R4.4) and stand still unless driven.
     """
@@ -25,22 +25,23 @@ class ArenaUnderTest(Protocol):
         """Begin an episode, with any seed.
 
         Args:
-            settings: as in ArenaConfig, of a turtlesim arena with one hunter, no initial targets and no spawns unless
-                they say so; a list of lists of seats for teams; and lists of what fails when: `kill_down`, steps from
-                0; `kill_refused`, [step, number]; `spawn_down`, firings from 1; `spawn_refused`, numbers; `drop_outs`,
+            settings: fields of ArenaConfig. By default the arena is turtlesim's, with one hunter, no initial targets
+                and no spawns. Teams are a list of lists of seats. Lists of failures: `kill_down`, steps from 0;
+                `kill_refused`, [step, number]; `spawn_down`, firings from 1; `spawn_refused`, numbers; `drop_outs`,
                 [step, seat].
         """
 
     def place(self, hunters: Sequence[tuple[float, float, float]], targets: Sequence[tuple[float, float]], /) -> None:
-        """Put the hunters at rest at these poses (x, y, theta), and these targets in an arena that has none but prey's:
-        they take the next numbers, in their order. Prey stays where it is.
+        """Put the hunters at rest at these poses (x, y, theta), and add these targets; prey stays where it is.
+
+        The arena has no other targets than prey's. The new targets take the next numbers, in their order.
         """
 
     def withdraw(self, seat: int, /) -> None:
-        """R1.6: the hunter takes no further part."""
+        """R1.6: withdraw a hunter from the episode."""
 
     def withdraw_prey(self, index: int, /) -> None:
-        """R12.5: the prey takes no further part."""
+        """R12.5: withdraw a prey from the episode."""
 
     def step(
         self,
@@ -52,18 +53,20 @@ class ArenaUnderTest(Protocol):
         """Play one control period.
 
         Args:
-            requests: (seat, number), at most one a seat, where the number 0 is a rank without a target.
+            requests: (seat, number), at most one per seat; the number 0 is a rank without a target.
             drive: (v [m/s], w [rad/s]) by seat.
-            prey: the same by index; given only in cases that have prey, which stands still unless it is here.
+            prey: (v [m/s], w [rad/s]) by index, given only in cases that have prey; prey without an entry stands still.
 
         Returns:
-            one ruling for each request, as of an arbiter, with the number that was asked for as its target. After the
-            end nothing moves, and all are MATCH_OVER.
+            one ruling for each request, as an arbiter returns it, with the requested number as its target. After the
+            end nothing moves, and all rulings are MATCH_OVER.
         """
 
     def read(self) -> Mapping[str, object]:
-        """What stands in the arena: `time_ms`; `alive`, numbers in spawning order; `appeared_ms`, their times;
-        `spawned`, how many appeared so far; `skipped_full`, `skipped_down` and `refused`, firings that had no target;
+        """Return the arena's state by name, with at least the following keys.
+
+        `time_ms`; `alive`, numbers in spawning order; `appeared_ms`, the times of the alive targets; `spawned`, the
+        number of targets so far; `skipped_full`, `skipped_down` and `refused`, counts of firings without a target;
         `scores` by seat; `team_scores` by team, in the order of the settings; `prey`, by index the number of the
         target that it plays, 0 while it is out; `times_caught` by index; `ended`, "", "terminated" or "truncated";
         `seen` by seat, the numbers that each hunter sees, the nearest first; `rivals_seen` by seat, the seats.
@@ -71,7 +74,7 @@ class ArenaUnderTest(Protocol):
 
 
 def fits_into_an_arena(case: ArbiterCase) -> bool:
-    """Whether hunters in an arena can ask what the case asks: once each, by rank, for targets that they see."""
+    """Return whether the case can be played in an arena: each hunter asks once, by rank, for a target that it sees."""
     seats = [one.hunter for one in case.expected]
     return (
         len(case.hunters) > 0
@@ -89,16 +92,16 @@ class ArenaRunner:
     def __init__(self, arena: ArenaUnderTest, case: ArbiterCase | ArenaCase, strictness: Strictness) -> None:
         self._arena = arena
         self._case = case
-        # the arena's seed is its own, so nobody can have worked its lots out
+        # the arena chooses its own seed, so a case cannot know which seat a lot draws
         self._strictness = replace_field(strictness, exact_lots=False)
         self.how = ""
-        """Which part of the case is being played."""
+        """Description of the part of the case that is being played."""
 
     def run(self) -> None:
         """Play the case, part by part.
 
         Raises:
-            DiffersError: at the first part of the play that goes otherwise.
+            DiffersError: at the first part of the play that differs from the case.
         """
         case = self._case
         self.how = "in an arena"
@@ -111,7 +114,7 @@ class ArenaRunner:
             self._play_step(case, step)
 
     def _play_position(self, case: ArbiterCase) -> None:
-        """An arbiter's case, and what must stand in the arena after it."""
+        """Play an arbiter's case, and check the alive targets and the scores after it."""
         number_of = {name: number for number, name in enumerate(case.targets, start=1)}
         refused = [number_of[name] for name in case.kill_refused if name in number_of]
         settings: dict[str, Any] = {

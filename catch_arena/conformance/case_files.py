@@ -1,4 +1,4 @@
-"""The suite's .toml files, read and checked."""
+"""Reading and checking of the suite's .toml files."""
 
 import re
 from collections.abc import Iterable
@@ -14,21 +14,21 @@ from catch_arena.files import tomllib
 
 @cache
 def load_cases() -> tuple[ArbiterCase | ArenaCase, ...]:
-    """Every case of the suite, by file and in the files' order."""
+    """Return all cases of the suite, file by file, in the order of each file."""
     folder = files("catch_arena.conformance") / "cases"
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
     return tuple(case for name in names for case in read_cases(name, (folder / name).read_text(encoding="utf-8")))
 
 
 def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
-    """The cases of one file.
+    """Return the cases of one file.
 
     Args:
-        name: the file's, and what is `written` in it; its stem begins the id of each of its cases.
-        written: a file of cases as TOML gives it.
+        name: name of the file; the id of each case begins with its stem.
+        written: text of the file, in TOML.
 
     Raises:
-        ConfigError: that names the file, the case and the field.
+        ConfigError: for a case that is not valid; it names the file, the case and the field.
     """
     try:
         content = tomllib.loads(written)
@@ -44,7 +44,7 @@ def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
             try:
                 case = msgspec.convert(table, kinds[word])
                 _require_sense(case, name.removesuffix(".toml"))
-            except ValueError as error:  # msgspec's are such
+            except ValueError as error:  # msgspec's errors are ValueErrors
                 raise ConfigError(f"{name}: {place or f'{word} without an id'}: {error}") from None
             if case.id in {one.id for one in found}:
                 raise ConfigError(f"{name}: {case.id}: id must be unique")

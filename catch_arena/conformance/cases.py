@@ -9,19 +9,19 @@ from catch_arena.config import ArbitrationPolicy, TargetMotion
 from catch_arena.verdicts import Verdict
 
 LOT: Final = "LOT"
-"""Stands for what a lot decides: as a verdict, who of the tied wins; as a winner, whoever that is."""
+"""Placeholder for the result of a lot: as a verdict, that of a tied hunter; as a winner, the seat that is drawn."""
 ANY: Final = "ANY"
-"""Stands for the distance to a target that was spawned wherever the adjudicator's random numbers put it."""
+"""Placeholder for the distance to a target whose place comes from the adjudicator's random numbers."""
 NEVER: Final = "NEVER"
-"""Stands for the None of `prey_returns_s`, which TOML cannot write."""
+"""Placeholder for the None of `prey_returns_s`, which TOML cannot write."""
 ANSWERS: Final = (LOT, *Verdict.__members__)
 
 Whole = Annotated[int, Meta(ge=0)]
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
-"""Finite."""
+"""Finite number, of a magnitude up to 1e12."""
 Place = tuple[Number, Number]
 Reach = Number | tuple[Number, ...]
-"""[m] of all hunters, or by seat (R2.7)."""
+"""Reach of all hunters, or by seat (R2.7) [m]."""
 Reading = Literal[
     "time_ms",
     "alive",
@@ -38,7 +38,7 @@ Reading = Literal[
     "seen",
     "rivals_seen",
 ]
-"""What a case may read of an arena; docs/conformance.md explains each."""
+"""Names of the values that a case may read from an arena; docs/conformance.md explains each."""
 READINGS: Final = get_args(Reading)
 
 
@@ -51,7 +51,7 @@ class ExpectedRuling(_Table, frozen=True, kw_only=True):
 
     hunter: Whole
     target: Any
-    """What was asked for: any object at all; of an arena, a spawn number, or 0 for a rank without a target."""
+    """The requested target: any object; for an arena, a spawn number, or 0 for a rank without a target."""
     answer: str = field(name="verdict")
     """One of ANSWERS."""
     distance_um: Whole | Literal["ANY"] | None = None
@@ -59,7 +59,7 @@ class ExpectedRuling(_Table, frozen=True, kw_only=True):
 
     @property
     def verdict(self) -> Verdict | Literal["LOT"]:
-        """The verdict, or LOT."""
+        """The expected verdict, or LOT."""
         return "LOT" if self.answer == LOT else Verdict[self.answer]
 
 
@@ -79,25 +79,25 @@ class Lot(_Table, frozen=True, kw_only=True):
     """R5.5, R5.9: one target that a lot gives to one of several seats."""
 
     target: Any
-    """As in the requests for it."""
+    """The target, as the requests name it."""
     seats: tuple[Whole, ...]
     drawn: Whole | None
-    """The seat that the appendix's hash draws; None in a variant of a case, whose lot nobody has worked out."""
+    """The seat that the appendix's hash draws; None in a variant of a case, for which it is not known."""
 
 
 class Case(_Table, frozen=True, kw_only=True):
-    """What every case says about itself."""
+    """Base of all cases: id, clauses, situation and reason."""
 
     id: str
     clauses: Annotated[tuple[Annotated[str, Meta(pattern=r"^R\d+\.\d+$")], ...], Meta(min_length=1)]
     situation: str
     why: str
     options: tuple[str, ...] = ()
-    """Where the rulebook could have chosen otherwise: what it could have said, its own choice first."""
+    """Rules that were possible here, the rulebook's own choice first; empty if there was no choice."""
 
     @property
     def group(self) -> str:
-        """The file that the case stands in."""
+        """Stem of the name of the case's file."""
         return self.id.partition(".")[0]
 
 
@@ -119,9 +119,9 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
     match_over: bool = False
     lots: tuple[Lot, ...] = ()
     fair_over_steps: Whole = 0
-    """How many steps the lots are drawn in: every one of their seats must win in some of them; 0 leaves that out."""
+    """Number of steps in which the lots are drawn; each of their seats must win in some of them. 0: no such test."""
     under_nearest: tuple[RulingByName, ...] = ()
-    """Of a case under another policy: what `nearest` answers to the same requests."""
+    """Rulings of the policy `nearest` on the same requests, for a case under another policy; else empty."""
 
     @property
     def circumstances(self) -> dict[str, Any]:
@@ -129,7 +129,7 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
         return {key: getattr(self, key) for key in DEFAULTS}
 
     def arguments(self) -> dict[str, Any]:
-        """The keyword arguments of `arbitrate`, in fresh containers."""
+        """Return the keyword arguments of `arbitrate`, in new containers."""
         given = {key: list(value) if isinstance(value, tuple) else value for key, value in self.circumstances.items()}
         return {
             "hunters": list(self.hunters),
@@ -148,7 +148,7 @@ DEFAULTS: Final[Mapping[str, Any]] = {
         *("kill_service_up", "kill_refused", "match_over"),
     }
 }
-"""Defaults of a case: those of `arbitrate`."""
+"""Defaults of a case, equal to those of `arbitrate`."""
 
 
 class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
@@ -171,63 +171,63 @@ class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
     control_period_ms: Whole | None = None
     time_limit_s: Number | None = None
     drop_outs: tuple[tuple[Whole, Whole], ...] | None = None
-    """(step, seat)."""
+    """Pairs (step, seat)."""
     kill_down: tuple[Whole, ...] | None = None
-    """Steps."""
+    """Steps in which the kill service is down."""
     kill_refused: tuple[tuple[Whole, Whole], ...] | None = None
-    """(step, number)."""
+    """Pairs (step, number) of refused kills."""
     spawn_down: tuple[Whole, ...] | None = None
-    """Firings."""
+    """Firings, from 1, at which the spawn service is down."""
     spawn_refused: tuple[Whole, ...] | None = None
-    """Numbers."""
+    """Numbers of the targets whose spawning is refused."""
     spawning: bool | None = None
     teams: tuple[tuple[Whole, ...], ...] | None = None
-    """Seats, by team."""
+    """Seats by team."""
     prey: Whole | None = None
     prey_returns_s: Number | Literal["NEVER"] | None = None
     hunters: Whole = 1
 
 
 class CaseStep(_Table, frozen=True, kw_only=True):
-    """One part of an arena's case: what happens to the arena next, in the order of these fields."""
+    """One part of an arena's case: events in the arena, in the order of these fields."""
 
     reset: bool = False
     hunters: tuple[tuple[Number, Number, Number], ...] | None = None
-    """With `targets`, a position to place: (x, y, theta) by seat."""
+    """Poses to place, (x, y, theta) by seat, together with `targets`; None places nothing."""
     targets: tuple[Place, ...] = ()
     withdraw: Whole | None = None
     withdraw_prey: Whole | None = None
-    """By index."""
+    """Index of the prey to withdraw."""
     steps: Whole = 0
-    """Steps in which nobody moves or asks."""
+    """Number of steps without commands and requests."""
     driven: tuple[tuple[Whole, Number, Number], ...] = field(name="drive", default=())
-    """(seat, v [m/s], w [rad/s]), in the step of the requests."""
+    """Commands (seat, v [m/s], w [rad/s]) in the step of the requests; hunters without one stand still."""
     driven_prey: tuple[tuple[Whole, Number, Number], ...] = field(name="drive_prey", default=())
-    """The same of prey, by index."""
+    """Commands (index, v [m/s], w [rad/s]) of prey in the step of the requests; prey without one stands still."""
     expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
-    """The requests of one more step, with their rulings: none at all where it is empty; no step where it is None."""
+    """The requests of one more step, with their rulings: empty for a step without requests, None for no step."""
     read: dict[Reading, Any] = {}
     """The expected state of the arena after the step."""
 
     @property
     def drive(self) -> dict[int, tuple[float, float]]:
-        """(v, w) by seat."""
+        """Velocities (v [m/s], w [rad/s]) by seat."""
         return {seat: (v, w) for seat, v, w in self.driven}
 
     @property
     def drive_prey(self) -> dict[int, tuple[float, float]]:
-        """(v, w) by prey's index."""
+        """Velocities (v [m/s], w [rad/s]) by the prey's index."""
         return {index: (v, w) for index, v, w in self.driven_prey}
 
 
 class ArenaCase(Case, frozen=True, kw_only=True):
-    """A piece of a match, for adjudicators that have an arena: spawning, time and identity."""
+    """One part of a match, for adjudicators that have an arena: spawning, time and identity."""
 
     arena: Settings = field(name="settings")
     play: tuple[CaseStep, ...]
 
     @property
     def settings(self) -> dict[str, Any]:
-        """The given settings of its arena, with the number of hunters."""
+        """The given settings of the arena, with the number of hunters."""
         given: dict[str, Any] = {"hunters": self.arena.hunters} | to_builtins(self.arena)
         return {key: None if value == NEVER else value for key, value in given.items()}

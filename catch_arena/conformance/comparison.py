@@ -1,4 +1,4 @@
-"""An adjudicator's answer beside what a case expects of it."""
+"""Comparison of an adjudicator's answer with the answer that a case expects."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,25 +21,25 @@ from catch_arena.verdicts import Ruling, Verdict
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strictness:
-    """What is compared."""
+    """Parts of an answer that are compared."""
 
     evidence: bool = True
-    """Distances and winners too, not the verdicts alone."""
+    """True to compare distances and winners, not the verdicts alone."""
     exact_lots: bool = False
-    """A lot must draw the seat that the appendix's hash draws; else any one of its seats will do."""
+    """True if a lot must draw the seat that the appendix's hash draws; else any one of its seats may win."""
     success_only: bool = False
-    """Nothing but whether requests are granted: that is all that the service catch_turtle answers."""
+    """True to compare only if requests are granted: the service catch_turtle answers no more than that."""
 
 
 REFUSED: Final = Verdict.OUT_OF_REACH
-"""Where only success is told, this verdict stands for every refusal."""
+"""Verdict that stands for every refusal if an answer contains only the success."""
 
 
 def ask_for_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
-    """What an adjudicator answers.
+    """Call an adjudicator and return its rulings.
 
     Raises:
-        DiffersError: where that cannot be read.
+        DiffersError: if its answer cannot be read.
     """
     given = call_adjudicator("the call", function)
     return tuple(call_adjudicator("the answer", read_rulings, given, expected))
@@ -53,17 +53,17 @@ def compare(
     refused: Iterable[object],
     strictness: Strictness,
 ) -> tuple[ExpectedRuling, ...]:
-    """The expected rulings, with the lots as the adjudicator drew them, where its answer agrees with them.
+    """Compare rulings with the expected ones, and return the expected ones with the lots as the adjudicator drew them.
 
     Args:
-        given: its rulings.
-        expected: what the rulebook answers.
-        lots: which lots may be drawn.
+        given: the adjudicator's rulings.
+        expected: the rulebook's rulings.
+        lots: the lots that may be drawn.
         refused: the targets whose kill is refused.
-        strictness: what is compared.
+        strictness: the parts of an answer that are compared.
 
     Raises:
-        DiffersError: with every difference that can be told.
+        DiffersError: for a lot without exactly one allowed winner, else with all differences.
     """
     by_lot = {one.target for one in expected if one.verdict == LOT}
     winners = {lot.target: _winner(lot, expected, given, strictness) for lot in lots if lot.target in by_lot}
@@ -84,7 +84,11 @@ def compare(
 
 
 def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling], strictness: Strictness) -> int:
-    """Whom a lot drew: the one seat that the rulings let win."""
+    """Return the seat that a lot drew: the only one that wins by the rulings.
+
+    Raises:
+        DiffersError: if not exactly one seat wins, or if that seat may not win.
+    """
     won = [
         one.hunter
         for one, ruling in zip(expected, given, strict=True)
@@ -106,7 +110,7 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
 def _decide_lots(
     expected: Sequence[ExpectedRuling], winners: Mapping[object, int], refused: set[object]
 ) -> tuple[ExpectedRuling, ...]:
-    """The rulings that follow once it is known whom the lots drew."""
+    """Return the expected rulings with the verdicts and winners that follow from the drawn seats."""
     decided = []
     for one in expected:
         answer, winner = one.answer, one.winner
@@ -127,7 +131,7 @@ def _kind(right: ExpectedRuling, given: Ruling) -> str:
 
 
 class _Compared(NamedTuple):
-    """What of a ruling is compared; a tuple, in which a NaN is equal to itself."""
+    """The fields of a ruling that are compared; in a tuple a NaN is equal to itself."""
 
     hunter: int
     target: object
@@ -147,7 +151,7 @@ def _compared(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: S
 
 
 def _in_words(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: Strictness) -> str:
-    """What of a ruling is compared; its lot is decided."""
+    """Return the compared fields of a ruling in words; its lot is decided."""
     hunter, target, verdict, distance_um, winner = _compared(right, one, strictness)
     words = [verdict.name if isinstance(verdict, Verdict) else verdict]
     if distance_um is not None:

@@ -14,7 +14,7 @@ from catch_arena.conformance.results import Failure, Result
 from catch_arena.files import tomllib
 
 _TOLERATED: Final = 0.1
-"""Of the cases that a mistake explains, how many others may contradict it, as a share."""
+"""Largest number of cases that may contradict a mistake, as a share of the cases that it explains."""
 
 Ids = Mapping[str, tuple[str, ...]]
 """Names of cases by group."""
@@ -27,14 +27,14 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     rule: str
     """The rulebook's rule."""
     success: Ids = {}
-    """Cases in which it grants what it should not, or does not grant what it should."""
+    """Cases in which it grants a wrong request, or refuses a right one."""
     verdict: Ids = {}
     """Cases in which other verdicts differ."""
     evidence: Ids = {}
     """Cases in which distances or winners alone differ."""
 
     def kinds(self, strictness: Strictness) -> dict[str, str]:
-        """Return the kinds of its failures if rulings are so compared: one of KINDS by the ids of cases."""
+        """Return the kinds of its failures under a comparison: one of KINDS by the ids of cases."""
         tables = {"success": self.success}
         if not strictness.success_only:
             tables["verdict"] = self.verdict
@@ -47,7 +47,7 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 @cache
 def known_mistakes() -> tuple[Mistake, ...]:
-    """The mistakes in the order of mistakes.toml: of two that fail equally many cases the first is named."""
+    """Return the mistakes in the order of mistakes.toml; of two that fit equally well the first is named."""
     text = (files("catch_arena.conformance") / "mistakes.toml").read_text(encoding="utf-8")
     return msgspec.convert(tomllib.loads(text)["mistake"], tuple[Mistake, ...])
 
@@ -61,14 +61,15 @@ class Diagnosis:
     rule: str
     """The rulebook's rule, or ""."""
     failures: tuple[Failure, ...]
-    """In the order of the suite."""
+    """The failed cases, in the order of the suite."""
     known: bool = False
-    """Whether an arbiter with a known mistake fails these cases."""
+    """True if an arbiter with a known mistake fails these cases."""
 
 
 def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnosis, ...]:
-    """Return each failure in one diagnosis: first what raised errors or could not be read, then known mistakes, then
-    what is left by clause; of each kind the largest first.
+    """Return diagnoses that contain each failure once: errors and unreadable answers, known mistakes, then clauses.
+
+    In each of these three kinds the diagnosis with the most failures comes first.
     """
     failures = {result.case.id: result.failure for result in results if result.failure is not None}
     groups: dict[tuple[str, str], list[Failure]] = {}
@@ -96,8 +97,9 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
 
 
 def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictness) -> list[Diagnosis]:
-    """The mistakes that explain the most failures, one after the other, less the cases that contradict them: those that
-    they fail, and that passed or failed by less.
+    """Return the mistakes that explain the most failures, less the cases that contradict them, one after the other.
+
+    A case contradicts a mistake that fails it if it passed, or if it failed by a weaker kind of difference.
     """
     fitting = []
     for one in known_mistakes():
@@ -119,5 +121,5 @@ def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictne
 
 
 def _rank(failure: Failure) -> int:
-    """0 for the strongest kind of difference; more than any for none of them."""
+    """Return the index of the failure's kind in KINDS, 0 for the strongest; len(KINDS) if it has none."""
     return KINDS.index(failure.kind) if failure.kind else len(KINDS)

@@ -1,4 +1,4 @@
-"""What came of a run of the suite: for people in words, for a build server as JUnit XML."""
+"""Report of a run of the suite: as text for readers, and as JUnit XML for a build server."""
 
 import textwrap
 from collections import Counter
@@ -16,17 +16,17 @@ from catch_arena.text import printable, printable_lines
 
 _USUAL: Final = Strictness()
 _MOST_IN_FULL: Final = 10
-"""Of further diagnoses only a case is named: who has mended these asks again."""
+"""Number of diagnoses that are printed in full; of further ones only one case is named."""
 _MOST_LINES_OF_IDS: Final = 2
 
 
 @dataclass(frozen=True)
 class Report:
-    """What came of all cases that were asked for."""
+    """Results of all selected cases."""
 
     results: tuple[Result, ...]
     strictness: Strictness = _USUAL
-    """How answers were compared."""
+    """The parts of the answers that were compared."""
 
     @property
     def failures(self) -> tuple[Failure, ...]:
@@ -35,17 +35,17 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether every case that was played was answered as the rulebook does, and at least one was."""
+        """True if no case failed and at least one was played."""
         return not self.failures and any(result.played for result in self.results)
 
     @cached_property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
-        """The failures by what they have in common: each is in one of them."""
+        """The failures grouped by their causes; each failure is in one diagnosis."""
         return diagnose(self.results, self.strictness)
 
     @property
     def summary(self) -> str:
-        """One line: how many passed, how many failed, and how many could not be played."""
+        """One line with the numbers of cases that passed, failed, and could not be played."""
         played = sum(result.played for result in self.results)
         failed = len(self.failures)
         left_out = Counter(result.left_out for result in self.results if result.left_out is not None)
@@ -57,11 +57,11 @@ class Report:
         return f"cases: {', '.join(counts)}"
 
     def __str__(self) -> str:
-        """The failures by mistake, how each group of cases fared if any failed, and the summary."""
+        """Return the failures by mistake, the passed cases by group if any failed, and the summary."""
         return self.by_mistake(WIDTH)
 
     def by_mistake(self, width: int) -> str:
-        """The same, in lines of at most so many characters."""
+        """Return the report by mistake (see `__str__`), in lines of at most `width` characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
         paragraphs = [self._in_words(number, one, width) for number, one in numbered[:_MOST_IN_FULL]]
         if rest := numbered[_MOST_IN_FULL:]:
@@ -71,12 +71,12 @@ class Report:
         return "\n\n".join([*paragraphs, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
 
     def in_full(self, width: int = WIDTH) -> str:
-        """Every failure, how each group of cases fared if any failed, and the summary."""
+        """Return every failure, the passed cases by group if any failed, and the summary."""
         failures = (failure.in_words(width) for failure in self.failures)
         return "\n\n".join([*failures, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
 
     def _in_words(self, number: int, diagnosis: Diagnosis, width: int) -> str:
-        """What failures look like, the first of them, and the names of the others."""
+        """Return a diagnosis as text: its heading, its first failure, and the names of the others."""
         first, *others = diagnosis.failures
         lines = [
             wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
@@ -89,7 +89,7 @@ class Report:
         return "\n".join(lines)
 
     def _names(self, failures: Sequence[Failure]) -> str:
-        """Their ids by group, which is said once; those of a group without a pass are not listed one by one."""
+        """Return the ids of failures by group; "all" and their number for a group whose played cases are all here."""
         names: dict[str, list[str]] = {}
         for failure in failures:
             names.setdefault(failure.case.group, []).append(failure.case.id.partition(".")[2])
@@ -103,13 +103,13 @@ class Report:
         return Counter(result.case.group for result in self.results if result.played)
 
     def _by_group(self, width: int) -> list[str]:
-        """How many cases of each group were passed, in one paragraph."""
+        """Return one paragraph with the number of passed cases of each group; nothing if no case failed."""
         failed = Counter(failure.case.group for failure in self.failures)
         passed = ", ".join(f"{group} {count - failed[group]} of {count}" for group, count in self._groups.items())
         return [wrapped(f"passed: {passed}", width, "", "  ")] if failed else []
 
     def junit(self) -> str:
-        """The report as JUnit XML, one test case for each case."""
+        """Return the report as JUnit XML, with one test case for each case."""
         totals = {
             "tests": str(len(self.results)),
             "failures": str(len(self.failures)),
@@ -137,6 +137,6 @@ class Report:
 
 
 def _heading(diagnosis: Diagnosis) -> str:
-    """What failures have in common, and how many there are."""
+    """Return a diagnosis's cause and its number of failures."""
     what = f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
     return f"{what}: {counted(len(diagnosis.failures), 'failure')}"

@@ -1,4 +1,4 @@
-"""What came of one case, in words where it failed."""
+"""Result of one case, with a description of its failure."""
 
 import textwrap
 from collections.abc import Sequence
@@ -10,33 +10,33 @@ from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, Case
 from catch_arena.text import in_short
 
 WIDTH: Final = 100
-"""Of a report, in characters, where nobody asks for another one."""
+"""Default width of a report [characters]."""
 _MOST_DIFFERENCES: Final = 6
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
-"""Of a large case, in brief: how many differences, and lines of anything else."""
+"""Limits of a brief description of a case: the number of differences, and the lines of each other paragraph."""
 
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """One case that an adjudicator answers otherwise than the rulebook."""
+    """One case in which an adjudicator's answer differs from the rulebook's."""
 
     case: ArbiterCase | ArenaCase
     how: str
-    """How the case was played when it failed; "" as it stands."""
+    """Description of the variant or part that failed; "" for the unchanged case."""
     differences: tuple[Difference, ...]
 
     @property
     def kind(self) -> str:
-        """The strongest kind of its differences: see `answers.KINDS`."""
+        """The strongest kind of its differences, see `answers.KINDS`; "" if none has a kind."""
         found = {one.kind for one in self.differences}
         return next((kind for kind in KINDS if kind in found), "")
 
     def __str__(self) -> str:
-        """Case, clauses, expected, got, and why it matters."""
+        """Return the failure as text: case, clauses, expected and given answer, and why it matters."""
         return self.in_words(WIDTH)
 
     def in_words(self, width: int, *, brief: bool = False) -> str:
-        """The same, in lines of at most so many characters; `brief`, what is long is cut off."""
+        """Return the failure as text (see `__str__`) in lines of at most `width` characters; `brief` cuts it."""
         case = self.case
         if isinstance(case, ArbiterCase):
             paragraphs = [f"Position: {_position(case)}", f"Requests: {_requests(case.expected)}"]
@@ -59,7 +59,7 @@ class Failure:
 
 
 class LeftOut(NamedTuple):
-    """Why a case was not played: in words that follow it, and in words that follow several."""
+    """Reason why a case was not played, as a phrase after one case and as a phrase after several."""
 
     of_one: str
     of_several: str
@@ -70,29 +70,30 @@ _NEEDS_ARENA: Final = LeftOut("needs an arena", "need an arena")
 
 
 def needs(case: ArbiterCase | ArenaCase) -> LeftOut:
-    """Why a case was not played where there was nothing to play it on."""
+    """Return the reason why a case cannot be played without an arbiter or an arena."""
     return _NEEDS_ARBITER if isinstance(case, ArbiterCase) else _NEEDS_ARENA
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What came of one case."""
+    """Result of one case."""
 
     case: ArbiterCase | ArenaCase
     failure: Failure | None
     seconds: float
     left_out: LeftOut | None = None
-    """Why it was not played; None where it was."""
+    """Reason why the case was not played; None if it was played."""
 
     @property
     def played(self) -> bool:
-        """Whether it was."""
+        """True if the case was played."""
         return self.left_out is None
 
 
 def wrapped(text: str, width: int, first: str = "", then: str | None = None, most: int | None = None) -> str:
-    """A text in lines of at most so many characters, where its words allow that, with what begins the lines; cut off
-    after `most` lines.
+    """Return a text in lines of at most `width` characters, unless a word is longer; it is cut off after `most` lines.
+
+    The first line begins with `first`, the others with `then`, or with `first` if that is None.
     """
     return textwrap.fill(
         text,
@@ -107,7 +108,7 @@ def wrapped(text: str, width: int, first: str = "", then: str | None = None, mos
 
 
 def _position(case: ArbiterCase) -> str:
-    """Where everybody is, and what is not as usual."""
+    """Return the places of hunters and targets, and the arguments that differ from the defaults."""
     hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
     targets = [f"{in_short(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
     given = case.arguments()
@@ -120,7 +121,7 @@ def _settings(case: ArenaCase) -> str:
 
 
 def _case_step(step: CaseStep) -> str:
-    """What happens in one part of a play, in the order in which it does."""
+    """Return the events of one part of a play, in their order."""
     events = ["reset"] if step.reset else []
     if step.hunters is not None:
         events += [f"hunter {seat} put at {pose}" for seat, pose in enumerate(step.hunters)]

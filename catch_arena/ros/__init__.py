@@ -1,8 +1,8 @@
 """The arena on a ROS 2 bus (docs/ros2.md, docs/ros2_bags.md).
 
-- middleware: messages and services, and what carries them: DDS, rosbridge or rclpy. Nothing of the arena.
+- middleware: messages and services, and the back-ends that carry them: DDS, rosbridge or rclpy; no code of the arena.
 - nodes: the arena as a node, and the exercise's two nodes.
-- node_tests: the conformance cases asked of somebody else's node, and its grade.
-- doctor: what keeps a node from playing.
-- bags: recorded matches as bags, and bags of turtlesim read and judged.
+- node_tests: conformance cases and grades for nodes of students.
+- doctor: facts and problems that keep a node from playing.
+- bags: export of recorded matches as bags; reading and judging of turtlesim's bags.
 """

@@ -1,4 +1,4 @@
-"""What keeps nodes from playing on this machine's ROS 2 bus: facts, and problems with a command for each."""
+"""Diagnosis of this machine's ROS 2 bus: facts, and problems that keep nodes from playing, with a command for each."""
 
 import os
 import sys
@@ -14,11 +14,11 @@ from catch_arena.ros.middleware.ros_types import described
 from catch_arena.ros.nodes.neighbours import Neighbours
 
 LOOK_S: Final = 3.0
-"""How long nodes are looked for: as long as they need to find each other on a busy machine."""
+"""Time of the search for other nodes [s]: as long as they need to find each other on a busy machine."""
 _VARIABLES: Final = ("ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY")
 _VERBS: Final = {"publisher": "publishes", "subscription": "hears", "service": "answers", "client": "calls"}
 ARENA: Final = "/catch_arena"
-"""The node of `ros serve`, which may run meanwhile."""
+"""Name of the node of `ros serve`, which may run at the same time."""
 _HOUSEKEEPING: Final = ("/rosout", "/parameter_events")
 
 
@@ -28,7 +28,7 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
     Args:
         bus: the bus.
         given: the packages of --interfaces and --turtlesim.
-        look_s: how long to look [s].
+        look_s: time of the search [s].
 
     Returns:
         the facts, and the problems, a line each.

@@ -1,6 +1,6 @@
-"""What is in a suite: scenarios for training and held-out ones, who plays against the agent in each, and how often.
+"""Contents of a suite: scenarios for training and held-out ones, the opponents in each, and the number of matches.
 
-`catch_arena_suite_v1` is frozen: numbers in papers belong to it. What should be otherwise goes into a new version.
+`catch_arena_suite_v1` is frozen, because numbers in papers belong to it. Every change goes into a new version.
 """
 
 import hashlib
@@ -18,35 +18,36 @@ from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
 from catch_arena.tournament.secret import Secret
 
 TRAINING_OPPONENTS: Final = ("first", "nearest", "contested", "contested_by_time", "patrol")
-"""Who plays where the opponents are known. A learner may train against any agent but the held-out ones."""
+"""Opponents in scenarios with known opponents. A learner may train against any agent but the held-out ones."""
 HELD_OUT_OPPONENTS: Final = ("assignment", "intercept", "spoiler", "tour", "voronoi")
-"""Who plays where they are not: no learner has met, imitated or been chosen by them."""
+"""Held-out opponents: no learner has met or imitated them, or was selected by its results against them."""
 REFERENCES: Final = ("nearest", "contested_by_time", "patrol")
-"""Whose results are kept with the package (`make card`), and compared with."""
+"""Agents whose results are kept with the package (`make card`), for comparison with other agents."""
 QUICK_BLOCKS: Final = 2
-"""Of each scenario, for a first look that is not the protocol."""
+"""Number of blocks of each scenario for a first look, which is not the protocol."""
 
 
 @dataclass(frozen=True, slots=True)
 class SuiteScenario:
-    """One arena of a suite, with those who play against the agent."""
+    """One arena of a suite, with the agent's opponents."""
 
     name: str
     config: ArenaConfig
     opponents: tuple[str, ...]
-    """Shipped agents. In each block others of them fill the seats that the agent leaves free."""
+    """Names of shipped agents. In each block other ones of them fill the seats that the agent leaves free."""
     held_out: bool
     about: str
-    """What is special in it."""
+    """Short description of what differs from other scenarios."""
 
     @property
     def parties(self) -> Parties:
-        """Who plays as one; the agent is one of them."""
+        """The parties of a match; the agent is one of them."""
         return Parties.of(self.config)
 
     def lineup(self, block: int) -> tuple[int, ...]:
-        """Who plays against the agent in a block, by index among the opponents: all of them as often as they fit in,
-        and of the rest each group in turn.
+        """Return the agent's opponents in a block, by index in `opponents`.
+
+        Each opponent plays as often as all of them fit in; the remaining parties are a group that changes by block.
         """
         everybody = range(len(self.opponents))
         whole, rest = divmod(len(self.parties) - 1, len(everybody))
@@ -56,26 +57,27 @@ class SuiteScenario:
 
 @dataclass(frozen=True)
 class Suite:
-    """Scenarios, with what is fixed for all of them."""
+    """Scenarios, and the number of blocks and the seed that are fixed for all of them."""
 
     name: str
     scenarios: tuple[SuiteScenario, ...]
     blocks: int
-    """Of each scenario: one seed each, played in every rotation of its players through the seats."""
+    """Blocks of each scenario: one seed each, played in every rotation of its players through the seats."""
     seed: int
-    """All that is drawn follows from it. It is public, so a learner must not train on what follows from it."""
+    """Seed of all random draws. It is public, so a learner must not train on matches that follow from it."""
 
     def part(self, *, held_out: bool) -> tuple[SuiteScenario, ...]:
-        """The scenarios for training, or those that are held out."""
+        """Return the scenarios for training, or the held-out ones."""
         return tuple(one for one in self.scenarios if one.held_out == held_out)
 
     def secret(self, scenario: SuiteScenario) -> Secret:
-        """From what a scenario's matches are drawn."""
+        """Return the secret from which all seeds of a scenario's matches follow."""
         return Secret.of(self.seed).part("suite", self.scenarios.index(scenario))
 
     def plan(self, scenario: SuiteScenario, blocks: int) -> FixedPlan:
-        """The matches of one agent in a scenario, entrant 0 being the agent and those that follow the opponents. With
-        fewer blocks it has the first ones of a longer plan.
+        """Return the matches of one agent in a scenario: entrant 0 is the agent, the others are its opponents.
+
+        A plan with fewer blocks has the first blocks of a longer plan.
         """
         parties = scenario.parties
         roles = round_robin(len(parties), parties, blocks, self.secret(scenario))
@@ -84,19 +86,20 @@ class Suite:
             playing = (0, *(1 + index for index in scenario.lineup(block[0].block)))
             return tuple(match.with_players(playing) for match in block)
 
-        # how many blocks there are is no part of it, so that what was played for a first look is not played again
+        # without the number of blocks, so that the matches of a first look are not played again
         about = {"format": "suite", "suite": self.name, "scenario": scenario.name}
         return FixedPlan(about, roles.size, lambda: map(seated, roles.blocks()))
 
     @cached_property
     def digest(self) -> str:
-        """16 hexadecimal digits that stand for all of it."""
+        """Digest of all facts of the suite, 16 hexadecimal digits."""
         text = json.dumps(self.facts(), sort_keys=True, separators=(",", ":"))
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
     def facts(self) -> dict[str, Any]:
-        """All of it as JSON-ready values. Of the settings those are named that differ from `ArenaConfig`'s, so that a
-        setting that is added later changes nothing.
+        """Return the whole suite as JSON-ready values.
+
+        It has only the settings that differ from `ArenaConfig`'s defaults, so that a new setting changes nothing.
         """
         usual = ArenaConfig().to_dict()
         return {
@@ -117,7 +120,7 @@ class Suite:
 
 
 def _shipped(name: str, about: str) -> SuiteScenario:
-    config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own
+    config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own control
     return SuiteScenario(name, config, TRAINING_OPPONENTS, held_out=False, about=about)
 
 
@@ -197,4 +200,4 @@ SUITE: Final = Suite(
     blocks=10,
     seed=1,
 )
-"""The current version."""
+"""The current version of the suite."""

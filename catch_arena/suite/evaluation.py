@@ -1,4 +1,4 @@
-"""An agent plays a suite: each scenario is a tournament of its own, kept in a folder of the agent's."""
+"""Play of a suite by an agent: each scenario is a tournament of its own, kept in the agent's folder."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,27 +22,27 @@ from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """One agent in a suite, and on what terms it plays."""
+    """One agent in a suite, and the terms on which it plays."""
 
     suite: Suite
     agent: Entrant
     opponents: Mapping[str, Entrant]
-    """All that the suite names."""
+    """All opponents of the suite, by name."""
     folder: Path
-    """Where its matches are kept: a folder for each scenario, with the store of a tournament."""
+    """Folder of the agent's matches, with a folder for each scenario that contains the store of a tournament."""
     blocks: int
-    """Of each scenario; as many as the suite has, or fewer for a first look."""
+    """Number of blocks of each scenario: as many as the suite has, or fewer for a first look."""
     limits: AgentLimits | None
-    """Those of an isolated agent; None where it is trusted."""
+    """Limits of an isolated agent; None for a trusted one."""
     max_forfeits: int
 
     @property
     def matches(self) -> int:
-        """In all scenarios."""
+        """Number of matches in all scenarios."""
         return sum(self._plan(one).size for one in self.suite.scenarios)
 
     def entrants(self, scenario: SuiteScenario) -> tuple[Entrant, ...]:
-        """The agent and its opponents, as the plan counts them; a namesake among them is called `nearest#2`."""
+        """Return the agent and its opponents in the plan's order; an opponent of its name is called `nearest#2`."""
         opponents = (self.opponents[name] for name in scenario.opponents)
         named = (replace(one, name=one.name + "#2" * (one.name == self.agent.name)) for one in opponents)
         return self.agent, *named
@@ -51,7 +51,7 @@ class Evaluation:
         """Check that no scenario's folder holds matches yet.
 
         Raises:
-            StoreError: where matches are kept already.
+            StoreError: if matches are kept already.
         """
         for one in self.suite.scenarios:
             if (self._folder(one) / STORE).exists():
@@ -61,23 +61,25 @@ class Evaluation:
                 )
 
     def cannot_play(self, sandbox: Sandbox | None) -> Iterator[tuple[str, str]]:
-        """The scenarios in which the agent fails at its first observation, and why; nothing of these steps is kept.
+        """Yield the scenarios in which the agent fails at its first observation, and the reasons; no match is kept.
 
         Args:
-            sandbox: how an agent that is not trusted runs; None where it is.
+            sandbox: the sandbox of an agent that is not trusted; None for a trusted one.
         """
         if self.agent.fault is not None:
             yield "any scenario", self.agent.fault
             return
         for one in self.suite.scenarios:
-            # further hunters of its team are under names of their own already (isolation.playing)
+            # each hunter of its team has its own name already (isolation.playing)
             result = play_first_step(one.config, self.suite.seed, [self.agent] * len(one.parties), sandbox)
             if (forfeit := result.details[0]) is not None:
                 yield one.name, forfeit.reason
 
     def estimate_s(self) -> float:
-        """How long the matches that are missing will take one process, about: some of the first scenario are tried, and
-        not kept, and others counted by how many hunters they have, for how many steps.
+        """Return the estimated time of the missing matches in one process [s]; 0 if none is missing.
+
+        Some matches of the first scenario are played and not kept. Times of other scenarios are scaled by their number
+        of hunters times steps.
         """
         missing = {one: self._plan(one).size - len(self.played(one)) for one in self.suite.scenarios}
         if not any(missing.values()):
@@ -88,19 +90,19 @@ class Evaluation:
         return 0.0 if cost is None else cost.seconds * moves / _moves(first)
 
     def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] | None = None) -> None:
-        """Play what is not kept yet, scenario by scenario.
+        """Play the matches that are not kept yet, scenario by scenario.
 
         Args:
-            jobs: how many processes play.
-            on_results: as of `runner.play_plan`.
+            jobs: number of processes.
+            on_results: see `runner.play_plan`; also called with the kept matches of each finished scenario.
 
         Raises:
             OtherTournamentError: for matches in the folder that are of another agent, or on other terms.
-            NoContest, OutputError: as `play_plan`.
+            NoContest, OutputError: see `play_plan`.
         """
         waiting = []
         for one in self.suite.scenarios:
-            self._begun(one).close()  # first of all: they are this agent's matches
+            self._begun(one).close()  # checks all folders first: their matches must be this agent's
             kept = self.played(one)
             if len(kept) < self._plan(one).size:
                 waiting.append(one)
@@ -123,7 +125,7 @@ class Evaluation:
                     )
 
     def played(self, scenario: SuiteScenario) -> list[PlayedMatch]:
-        """What is kept of a scenario, of the blocks that count: there may be more."""
+        """Return the kept matches of a scenario that belong to the first `blocks` blocks; the store may have more."""
         folder = self._folder(scenario)
         if not (folder / STORE).is_file():
             return []
@@ -131,10 +133,10 @@ class Evaluation:
             return [one for one in store.played() if one.match.block < self.blocks]
 
     def _begun(self, scenario: SuiteScenario) -> Store:
-        """The store of a scenario, made where there is none.
+        """Open the store of a scenario, or create it if there is none.
 
         Raises:
-            OtherTournamentError: for one of another agent, or on other terms.
+            OtherTournamentError: for a store of another agent, or on other terms.
         """
         terms = terms_of(self.limits, self.max_forfeits, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
@@ -152,13 +154,13 @@ class Evaluation:
 
 
 def enter_opponents(suite: Suite) -> dict[str, Entrant]:
-    """All that a suite names, by name."""
+    """Return all opponents of a suite, by name."""
     names = sorted({name for one in suite.scenarios for name in one.opponents})
     return dict(zip(names, enter(names), strict=True))
 
 
 def folder_of(out: Path, agent: Entrant) -> Path:
-    """Where an agent's matches are kept: its name, of which nothing is taken for another folder."""
+    """Return the folder of an agent's matches: its name, with `/` and `..` replaced so that it is one folder."""
     return out / agent.name.replace("/", "-").replace("..", "__")
 
 

@@ -1,4 +1,4 @@
-"""What came out of a suite: docs/suite.md says how each figure is made, and why."""
+"""Figures of an agent in a suite; docs/suite.md explains how each one is computed, and why."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -25,82 +25,83 @@ from catch_arena.tournament.statistics.separation import LEVEL, holm, p_values
 from catch_arena.tournament.statistics.standings import standings
 
 PROFILE_LEVELS = tuple(level / 20 for level in range(20))
-"""Of the performance profile."""
+"""Score levels of the performance profile, from 0 to 0.95."""
 AGENT = 0
 """The agent's index among the entrants of a suite's matches."""
 DIGITS = 6
-"""Behind the point, of the figures for programs."""
+"""Decimal places of the figures that programs read."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScenarioMeasures:
-    """An agent in one scenario."""
+    """Figures of an agent in one scenario."""
 
     name: str
     held_out: bool
     by_block: tuple[float, ...]
     """The normalised score of each block, in [0, 1]; 0.5 is level with the mean opponent."""
     score: Estimate
-    """Their mean."""
+    """Mean of `by_block`."""
     win_share: Estimate
-    """Matches won, in [0, 1]; those who share the first rank share the win."""
+    """Share of the matches won, in [0, 1]; parties that share the first rank share the win."""
     place: int
-    """Among the agent and its opponents, by rating (docs/ratings.md); 1 is best."""
+    """Place among the agent and its opponents by rating (docs/ratings.md), from 1, the best."""
     of: int
-    """How many these are."""
+    """Number of entrants, of which `place` is one: the agent and its opponents."""
     first: bool | None
-    """Whether it comes first; None where that is open (`comes_first`). One that forfeits all its matches does not."""
+    """True if the agent comes first, None if that is open (`comes_first`); False if it forfeits all its matches."""
     matches: int
     forfeits: Mapping[str, int]
-    """By code."""
+    """Number of forfeits by code."""
     move_ms: float
-    """The mean time of a move by the clock on the wall; NaN where it made none."""
+    """Mean time of a move by the wall clock [ms]; NaN if it made none."""
 
 
 @dataclass(frozen=True, slots=True)
 class AgentMeasures:
-    """An agent in all scenarios of a suite."""
+    """Figures of an agent in all scenarios of a suite."""
 
     agent: Entrant
     blocks: int
     scenarios: tuple[ScenarioMeasures, ...]
 
     def table(self, *, held_out: bool) -> Floats:
-        """(blocks, scenarios): the normalised scores of those for training, or of those that are held out."""
+        """Return the normalised scores, (blocks, scenarios), in the scenarios for training or the held-out ones."""
         return np.array([one.by_block for one in self.scenarios if one.held_out == held_out]).T
 
     @property
     def training(self) -> Estimate:
-        """The interquartile mean in the scenarios for training."""
+        """Interquartile mean of the normalised scores in the scenarios for training."""
         return interquartile_estimate(self.table(held_out=False))
 
     @property
     def held_out(self) -> Estimate:
-        """And in those that are held out."""
+        """Interquartile mean of the normalised scores in the held-out scenarios."""
         return interquartile_estimate(self.table(held_out=True))
 
     @property
     def gap(self) -> Estimate:
-        """The first less the second: what does not generalise."""
+        """Generalisation gap: the interquartile mean for training minus the held-out one."""
         return interquartile_gap(self.table(held_out=False), self.table(held_out=True))
 
     @property
     def forfeits(self) -> int:
-        """In all scenarios."""
+        """Number of forfeits in all scenarios."""
         return sum(sum(one.forfeits.values()) for one in self.scenarios)
 
     @property
     def move_ms(self) -> float:
-        """The mean time of a move, each scenario counting as much, but for those in which it made none."""
+        """Mean of the scenarios' mean times of a move [ms], without scenarios that have no move; NaN if none has."""
         times = [one.move_ms for one in self.scenarios if not math.isnan(one.move_ms)]
         return float(np.mean(times)) if times else math.nan
 
     def improvement(self, reference: Mapping[str, Sequence[float]], *, held_out: bool) -> Estimate:
-        """The probability that a block of this agent has a higher normalised score than one of the reference's.
+        """Return the probability that a block of this agent has a higher normalised score than one of a reference.
 
         Args:
-            reference: its normalised scores by block, by scenario; of a longer plan the first blocks are taken.
-            held_out: in which scenarios.
+            reference: normalised scores of the reference, by scenario and block; of a longer plan the first blocks
+                are used.
+            held_out: True for the held-out scenarios, False for those for training.
         """
         names = [one.name for one in self.scenarios if one.held_out == held_out]
         theirs = np.array([reference[name][: self.blocks] for name in names]).T
@@ -108,7 +109,7 @@ class AgentMeasures:
 
 
 def measure(evaluation: Evaluation) -> AgentMeasures:
-    """What an agent reached in a suite that it has played to its end."""
+    """Return the figures of an agent in a suite of which it has played all matches."""
     scenarios = (
         measure_scenario(one, evaluation.entrants(one), evaluation.played(one)) for one in evaluation.suite.scenarios
     )
@@ -118,10 +119,10 @@ def measure(evaluation: Evaluation) -> AgentMeasures:
 def measure_scenario(
     scenario: SuiteScenario, entrants: Sequence[Entrant], played: Sequence[PlayedMatch]
 ) -> ScenarioMeasures:
-    """What an agent reached in one scenario.
+    """Return the figures of an agent in one scenario.
 
     Args:
-        scenario: which one.
+        scenario: the scenario.
         entrants: the agent, and its opponents.
         played: all the matches of its plan, in the order of the plan.
     """
@@ -149,16 +150,16 @@ def measure_scenario(
 
 
 def comes_first(outcomes: Outcomes, score: Estimate) -> bool | None:
-    """Whether the agent comes first among itself and its opponents, as far as the matches can tell: True where it is
-    above each of them, None where that is open.
+    """Return whether the agent comes first among itself and its opponents; None if the matches cannot show it.
 
-    False where one of them is above it, or where it surely catches less than the mean opponent. Each of these may be
-    wrong 5 % of the time. The second needs fewer blocks, since all of them tell of it: an agent meets each opponent in
-    some of them only. And only its own comparisons count here (Holm 1979), while `groups` asks of every pair.
+    True if it is significantly above each opponent. False if an opponent is significantly above it, or if its score is
+    significantly below the mean opponent's (0.5). Each test may be wrong 5 % of the time. The test of the score needs
+    fewer blocks, because it uses all of them, and an agent meets each opponent only in some blocks. Only the agent's
+    own comparisons are corrected for here (Holm 1979), while `groups` compares every pair.
 
     Args:
-        outcomes: of all matches.
-        score: its normalised score, in [0, 1].
+        outcomes: outcomes of all matches.
+        score: the agent's normalised score, in [0, 1].
     """
     ratings = rate(outcomes)
     others = np.arange(outcomes.entrants) != AGENT
@@ -170,8 +171,10 @@ def comes_first(outcomes: Outcomes, score: Estimate) -> bool | None:
 
 
 def _normalised(block: Sequence[PlayedMatch]) -> float:
-    """The agent's catches in a block, as a share of its own and those of the mean opponent together. What it caught in
-    a match that it forfeited does not count; where nobody catches anything they are level.
+    """Return the agent's catches in a block, divided by its own and the mean opponent's catches together: in [0, 1].
+
+    Its catches in a forfeited match do not count. Without any catches the score is 0.5, or 0 if it forfeited all
+    matches.
     """
     own = others = 0
     forfeited = True
@@ -189,14 +192,15 @@ def _normalised(block: Sequence[PlayedMatch]) -> float:
 
 
 def over_training_runs(runs: Sequence[AgentMeasures], *, held_out: bool) -> Estimate:
-    """The interquartile mean of a method whose training runs, one for each training seed, these agents are: over runs
-    and scenarios, each being the mean of its blocks. The interval is that of other training seeds.
+    """Return the interquartile mean of a training method, over runs and scenarios; each value is a mean over blocks.
+
+    `runs` has one agent for each training seed. The interval covers the choice of training seeds.
     """
     return interquartile_estimate(np.array([run.table(held_out=held_out).mean(axis=0) for run in runs]))
 
 
 def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Mapping[str, Sequence[float]]]) -> Any:
-    """All of it as JSON-ready values; None where too few blocks tell."""
+    """Return all figures as JSON-ready values; None for a figure that needs more blocks."""
     parts = (("training", False), ("held_out", True))
     return {
         "suite": suite.name,

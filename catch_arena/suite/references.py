@@ -1,4 +1,5 @@
-"""What shipped agents reached in the suite, block by block: others are compared with them without playing them anew.
+"""Scores of shipped agents in the suite, block by block, for comparison without playing these agents again.
+
 `make card` writes the file.
 """
 
@@ -13,11 +14,14 @@ from catch_arena.suite.measures import AgentMeasures
 FILE: Final = Path(__file__).parent / "references.json"
 
 Scores = Mapping[str, tuple[float, ...]]
-"""The normalised scores by block, by scenario."""
+"""Normalised scores by scenario, for each block."""
 
 
 def references(suite: Suite, path: Path = FILE) -> dict[str, Scores]:
-    """By agent; nothing where the file is missing, or of another suite: its numbers cannot be compared then."""
+    """Return the references' scores by agent.
+
+    Empty if the file is missing, or if it is of another suite, whose numbers cannot be compared.
+    """
     try:
         found = json.loads(path.read_text())
     except FileNotFoundError:
@@ -31,13 +35,15 @@ def references(suite: Suite, path: Path = FILE) -> dict[str, Scores]:
 
 
 def references_text(suite: Suite, measured: Iterable[AgentMeasures], known: Mapping[str, Scores] | None = None) -> str:
-    """The file, from what agents reached; those that are no references, or played less, are left out. No score is
-    rounded: equal ones must stay equal.
+    """Return the text of the file from the figures of agents; agents that are no references are left out.
+
+    Agents that played fewer blocks than the suite has are left out too. Scores are not rounded, so that equal scores
+    stay equal.
 
     Args:
-        suite: which all of them played.
-        measured: the agents.
-        known: scores of before, which stay in the file where nothing newer is known.
+        suite: the suite that all of them played.
+        measured: the agents' figures.
+        known: earlier scores, which stay in the file if there are no newer ones.
     """
     scores = {name: dict(by_scenario) for name, by_scenario in (known or {}).items()} | {
         one.agent.name: {of.name: of.by_block for of in one.scenarios}

@@ -1,13 +1,12 @@
-"""What learners train in: batches with opponents in them, as the libraries for training know environments
-(docs/training.md).
+"""Environments for training: batches of arenas with opponents, and adapters for training libraries (docs/training.md).
 
-- batch: many arenas in which some seats learn. opponents: who plays the others. prey_players: who plays prey.
-  compiled: a decision for one hunter, made for many by the compiler.
+- batch: many arenas in which some seats learn. opponents: the agents in the other seats. prey_players: the agents that
+  play prey. compiled: a decision function for one hunter, compiled for many hunters.
 - sb3, gymnasium_vector, torchrl: adapters, one for each library.
 - networks: a trained network in NumPy. fitting: an observation in the width that a network was trained with.
-- destinations, pointer: what the trained agents that ship look at, and their networks.
+- destinations, pointer: the inputs of the trained agents that ship, and their networks.
 
-What is listed here loads on first use; the adapters need their library, and say so where it is missing.
+Names of this package load on first use. An adapter raises a ConfigError if its library is missing.
 """
 
 TYPE_CHECKING = False
@@ -32,10 +31,10 @@ _HOMES = {
     "fit_observation": "fitting",
 }
 _EXTRAS = {"stable_baselines3": "sb3", "torch": "torchrl", "torchrl": "torchrl", "tensordict": "torchrl"}
-"""Which extra brings a library."""
+"""The extra of the package that installs each library."""
 
 __all__ = ["GymnasiumVectorEnv", "LearnerBatch", "Mlp", "fit_mask", "fit_observation"]
-"""What needs no other library; see `__getattr__`."""
+"""Names that need no training library; `__getattr__` also offers the adapters."""
 
 
 def __getattr__(name: str) -> "Any":

@@ -1,6 +1,6 @@
-"""Many arenas of which some seats learn: a row for each learner, and everything a copy of its own.
+"""Batches of arenas in which some seats learn: a row for each learner, and arrays that are copies.
 
-The adapters for libraries stand on this.
+The adapters for training libraries are built on this module.
 """
 
 import copy
@@ -31,36 +31,37 @@ Figures = dict[str, NDArray[np.float32]]
 
 
 class LearnerStep(NamedTuple):
-    """What a step gave the N learners; every array is the caller's own."""
+    """Results of one step for the N learners; every array is a copy."""
 
     observations: NDArray[np.float32]
-    """(N, D): with auto_reset, where an episode ended, of the next one."""
+    """Observations, (N, D); with auto_reset, rows whose episode ended have the first one of the next episode."""
     masks: NDArray[np.bool_]
-    """(N, K + 1): the legal choices; (N, 0) under velocity control."""
+    """Legal choices, (N, K + 1); (N, 0) under velocity control."""
     rewards: NDArray[np.float32]
-    """(N,)."""
+    """Rewards, (N,)."""
     terminations: NDArray[np.bool_]
-    """(N,)."""
+    """Rows whose episode was terminated, (N,)."""
     truncations: NDArray[np.bool_]
-    """(N,): the value of the last observation still counts."""
+    """Rows whose episode was truncated, (N,): the value of their last observation still counts."""
     ended: NDArray[np.int64]
-    """The rows whose episode ended in this step: (E,)."""
+    """Numbers of the rows whose episode ended in this step, (E,)."""
     final_observations: NDArray[np.float32]
-    """Of these the last observations: (E, D)."""
+    """Last observations of the rows in `ended`, (E, D)."""
     final_masks: NDArray[np.bool_]
-    """And their masks: (E, K + 1)."""
+    """Last masks of the rows in `ended`, (E, K + 1)."""
     figures: Figures
-    """And their episodes in figures, `VectorArena`'s (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11); with
-    opponents also `opponents`, who they were as places in `opponents.names`, and `opponent_scores`, by seat: (E, S).
-    Empty without auto_reset.
+    """Figures of the ended episodes, as in `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
+
+    With opponents also `opponents`, their indices in `opponents.names`, and `opponent_scores`, by seat: (E, S). Empty
+    without auto_reset.
     """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SavedLearners:
-    """What `LearnerBatch.save` gives: as many can be kept, and pickled, as one likes.
+    """Saved state of a `LearnerBatch`, from its `save`; it can be pickled, and any number can be kept.
 
-    Two are equal in every bit. Agents in it are compared by their own `==`; most have none, and equal only themselves.
+    Two are equal if every bit is equal. Agents are compared by their own `==`; without one they equal only themselves.
     """
 
     __eq__ = equal_fields
@@ -69,35 +70,35 @@ class SavedLearners:
     arena: SavedState
     opponents: SavedOpponents | None
     prey: Mapping[Place, Any] | None
-    """Who plays prey, where there is any."""
+    """The agents that play prey, by arena and prey; None without prey."""
     seats: NDArray[np.int64]
-    """In which the learners sit: (B, learners)."""
+    """Seats of the learners, (B, learners)."""
     rotation: NDArray[np.int64]
-    """By how many seats they have moved on: (B,)."""
+    """Number of seats by which the learners have moved on, (B,)."""
     rng: Mapping[str, Any]
-    """The state of the generator."""
+    """State of the random generator."""
 
 
 class LearnerBatch:
-    """B arenas in lockstep, in each of which some seats learn and the others are played by opponents.
+    """B arenas in lockstep, in each of which some seats learn and opponents play the others.
 
     A row is one learner: N = B * learners, arena by arena. In each episode the learners move on by a seat, and every
-    other seat draws its opponent anew. Learners are hunters; where there is prey, an agent plays it.
+    other seat draws a new opponent. Learners are hunters; prey is played by an agent.
 
     Args:
         scenario: a name or a config.
-        num_envs: B.
+        num_envs: B, the number of arenas.
         opponents: see `Opponents`: an agent, several, or names with weights. None: all seats learn.
-        learners: how many seats of an arena learn, where there are opponents.
-        distinct: whether no opponent is drawn twice in an arena, as in a tournament, while there are as many as seats.
-        prey_agent: who plays prey, where there is any: a shipped name, a file or `package.module:Class`. None: `flee`.
-        normalise: divide each column by its largest magnitude, so that it lies in [-1, 1]; what is absent stays 0.
-        num_threads: how many threads play.
-        auto_reset: whether ended episodes begin anew at once.
+        learners: number of seats of an arena that learn, if there are opponents.
+        distinct: whether no opponent is drawn twice in an arena, as in a tournament, if there are enough of them.
+        prey_agent: the agent that plays prey: a shipped name, a file or `package.module:Class`. None: `flee`.
+        normalise: divide each column by its largest magnitude, so that it lies in [-1, 1]; absent values stay 0.
+        num_threads: number of threads.
+        auto_reset: whether an ended episode is followed by the next one in the same step.
         overrides: fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an argument that is not allowed.
         AgentError: for an opponent that cannot play, or one that cannot play prey.
     """
 
@@ -136,7 +137,7 @@ class LearnerBatch:
         self.opponents: Final = (
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
-        """Who plays the other seats; `add` and `weigh` change the pool, for the episodes that begin from then on."""
+        """The opponents, or None; `add` and `weigh` change the pool for the episodes that begin after the call."""
         self._prey = None if prey_agent is None else PreyPlayers(config, self.num_envs, prey_agent)
         self._control = CONTROLS[config.controls[0]]
         self.action_space: Final = self.arena.action_space()
@@ -146,7 +147,7 @@ class LearnerBatch:
         self.scale: Final[NDArray[np.float32] | None] = (
             np.where(magnitudes > 0, magnitudes, 1).astype(np.float32) if normalise else None
         )
-        """What each column is divided by, (D,), or None."""
+        """Divisor of each column, (D,); None without `normalise`."""
         low, high = bounds.T if self.scale is None else (bounds / self.scale[:, None]).T
         self.observation_space: Final = spaces.Box(low, high, dtype=np.float32)
         shape, agents = (self.num_envs, config.hunters), config.hunters + config.prey
@@ -162,18 +163,18 @@ class LearnerBatch:
 
     @property
     def seats(self) -> NDArray[np.int64]:
-        """The seats in which learners sit in the episodes under way: (B, learners)."""
+        """Seats of the learners in the running episodes, (B, learners)."""
         return self._seats.copy()
 
     @property
     def masks(self) -> NDArray[np.bool_]:
-        """The choices that are legal now: (N, K + 1); (N, 0) under velocity control."""
+        """Choices that are legal now, (N, K + 1); (N, 0) under velocity control."""
         if self._control == CONTROLS["velocity"]:
             return np.ones((self.num_rows, 0), np.bool_)
         return self._flat(self._masks[self._rows, self._seats]).astype(np.bool_)
 
     def close(self) -> None:
-        """End the threads that were started."""
+        """End the threads of the batch."""
         self.arena.close()
 
     def reset(
@@ -182,8 +183,8 @@ class LearnerBatch:
         """Begin episodes.
 
         Args:
-            seed: from which the arenas' seeds, the opponents and all that they draw follow; without it they go on.
-            arenas: the arenas to begin anew, as numbers or as a (B,) mask; all without it.
+            seed: seed of the arenas, of the choice of opponents and of their random draws; None continues these.
+            arenas: the arenas to reset, as numbers or as a (B,) mask; None resets all.
 
         Returns:
             the observations (N, D) and masks (N, K + 1) of all learners.
@@ -204,28 +205,28 @@ class LearnerBatch:
         return self._observations(self._seen), self.masks
 
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
-        """R1.4: one step of every arena.
+        """R1.4: play one step of every arena.
 
         Args:
-            actions: of the N learners: target: (N,) whole numbers; velocity: (N, 2) numbers in [-1, 1]; full:
-                {"cmd_vel": (N, 2), "catch": (N,)}.
+            actions: actions of the N learners. Target control: (N,) whole numbers; velocity control: (N, 2) numbers in
+                [-1, 1]; full control: {"cmd_vel": (N, 2), "catch": (N,)}.
 
         Raises:
             ActionError: for an action that is not legal; nothing has moved then.
-            AgentError: for an opponent or prey that raised, or whose action is not legal; nothing has moved then. After
-                one that raised as a new episode began, all must be reset.
+            AgentError: for an opponent or prey that raised, or whose action is not legal; nothing has moved then. If
+                it raised at the start of a new episode, all arenas must be reset.
             EpisodeError: before the first reset.
         """
         self._require_begun("step")
         self._place(actions)
         hunters = self.config.hunters
         if self.opponents is not None or self._prey is not None:
-            self.arena.check_actions(self._choices, self._commands)  # now: agents that have acted cannot take it back
+            self.arena.check_actions(self._choices, self._commands)  # before the agents act: they cannot undo it
         if self.opponents is not None:
             self.opponents.act(self._seen, self._masks, self._choices, self._commands[:, :hunters])
         if self._prey is not None:
             self._prey.act(self._seen_by_prey, self._commands[:, hunters:])
-        seats = self._seats  # of the episodes that end here
+        seats = self._seats  # the seats of the episodes that end in this step
         observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
         self._take(observations, infos)
         over = np.flatnonzero(terminations | truncations)
@@ -260,11 +261,13 @@ class LearnerBatch:
         )
 
     def save(self) -> SavedLearners:
-        """R10.2: all arenas, opponents and prey with all that they remember, and what will be drawn; `restore` takes it
-        back, here or in a batch made with the same arguments. What an agent keeps outside itself is not kept.
+        """R10.2: return a copy of all arenas, opponents, prey and random generators, for `restore`.
+
+        `restore` accepts it in this batch, and in a batch with the same arguments. It has everything that agents store
+        in themselves, and nothing that they store elsewhere.
 
         Raises:
-            AgentError: that names an agent that cannot be copied.
+            AgentError: if an agent cannot be copied; it names the agent.
             EpisodeError: before the first reset.
         """
         self._require_begun("save")
@@ -278,17 +281,17 @@ class LearnerBatch:
         )
 
     def restore(self, saved: SavedLearners) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Go on from a saved state, bit for bit, with the pool of that time.
+        """Continue from a saved state, bit for bit, with the pool of that time.
 
         Returns:
-            observations and masks, as `reset`.
+            observations and masks, as `reset` does.
 
         Raises:
-            ConfigError: for what was not saved from as many arenas of an equal config, with as many learners.
+            ConfigError: if `saved` is not from a batch with an equal config and as many arenas and learners.
         """
         if not isinstance(saved, SavedLearners):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
-        if saved.seats.shape[1] != self.learners:  # of as many there are opponents in both or in none
+        if saved.seats.shape[1] != self.learners:  # if equal, both or none have opponents
             raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
         observations, infos = self.arena.restore(saved.arena)
         if self.opponents is not None and saved.opponents is not None:
@@ -302,10 +305,10 @@ class LearnerBatch:
         return self._observations(self._seen), self.masks
 
     def clone(self) -> "LearnerBatch":
-        """A batch of its own in the same state, as `copy.deepcopy` makes it too.
+        """Return an independent copy of the batch in the same state; `copy.deepcopy` does the same.
 
         Raises:
-            AgentError: that names an agent that cannot be copied.
+            AgentError: if an agent cannot be copied; it names the agent.
         """
         return copy.deepcopy(self)
 
@@ -319,8 +322,8 @@ class LearnerBatch:
         return observations[:, : self.config.hunters, : len(self.columns)]
 
     def _begin(self, arenas: NDArray[np.int64]) -> None:
-        """Episodes begin: whoever plays in them does."""
-        self._begun = False  # until all have begun: one that raises leaves seats that nobody plays
+        """Prepare opponents and prey for the new episodes of these arenas."""
+        self._begun = False  # until all have begun: an agent that raises here leaves seats without a player
         if self.opponents is not None:
             self._seat(self.opponents, arenas)
         if self._prey is not None:
@@ -328,7 +331,7 @@ class LearnerBatch:
         self._begun = True
 
     def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:
-        """Learners move on by a seat, and the other seats draw their opponents."""
+        """Move the learners on by a seat, and draw the opponents of the other seats."""
         hunters = self.config.hunters
         self._rotation[arenas] += 1
         order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
@@ -345,7 +348,7 @@ class LearnerBatch:
             raise EpisodeError(f"{what} must follow a reset: no episode has begun")
 
     def _place(self, actions: Any) -> None:
-        """Write the learners' actions at their seats, and zeros elsewhere; the arena checks them."""
+        """Write the learners' actions at their seats, and zeros at the other seats; the arena checks them."""
         named = actions
         if self._control == CONTROLS["target"]:
             named = {"catch": actions}
@@ -362,7 +365,11 @@ class LearnerBatch:
             self._commands[self._rows, self._seats] = clipped(given)
 
     def _of_arenas(self, given: Any, read: Any, kinds: str, shape: tuple[int, ...]) -> NDArray[Any]:
-        """(N, ...) as (B, learners, ...)."""
+        """Return the learners' actions, (N, ...), checked and in the shape (B, learners, ...).
+
+        Raises:
+            ActionError: for another type or shape.
+        """
         if isinstance(given, Mapping):
             raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
         try:
@@ -383,4 +390,4 @@ class LearnerBatch:
 
     @staticmethod
     def _flat(table: NDArray[Any]) -> NDArray[Any]:
-        return table.reshape(table.shape[0] * table.shape[1], *table.shape[2:])  # -1 is refused where there is nothing
+        return table.reshape(table.shape[0] * table.shape[1], *table.shape[2:])  # -1 is refused for an empty table

@@ -23,11 +23,11 @@ from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures
 from catch_arena.policy import Limits, View, first_rival_column, rival_features, target_features
 
 Decide = Callable[[Any], Any]
-"""From a view of one hunter to its action."""
+"""Function from a view of one hunter to its action."""
 
 
 class _Seen(NamedTuple):
-    """What compiled code has in place of a `View`; `targets` and `rivals` are arrays of records."""
+    """Replacement for a `View` in compiled code; `targets` and `rivals` are arrays of records."""
 
     x: float
     y: float
@@ -85,14 +85,14 @@ def _actions(decide: Decide, write: Any, view: BatchView, actions: NDArray[Any])
 
 @lru_cache(maxsize=64)
 def _shape(limits: Limits) -> tuple[int, int, int, Any]:
-    """Return the columns of a target, where those of rivals begin, the columns of a rival, and the limits' numbers."""
+    """Return a target's number of columns, the first column of rivals, a rival's number of columns, and the limits."""
     columns = len(target_features(limits)._fields), first_rival_column(limits), len(rival_features(limits)._fields)
     return *columns, _Limits(*(getattr(limits, name) for name in _NUMBERS))
 
 
 @rule
 def _look(seen: Any, row: int, first: int, columns: int, always: int, table: Any) -> int:
-    """Copy what one hunter sees of one kind; return how many there are."""
+    """Copy the targets or rivals that one hunter sees into `table`, and return their number."""
     for place in range(len(table)):
         at = first + place * columns
         if seen[row, at + _PRESENT] == 0.0:
@@ -106,7 +106,7 @@ def _look(seen: Any, row: int, first: int, columns: int, always: int, table: Any
 
 _decide: Any = None
 _write: Any = None
-"""What `_compiled` puts something else in place of."""
+"""Placeholders in `_act_all`, which `_compiled` replaces by functions."""
 
 
 def _act_all(seen: Any, shape: Any, targets: Any, rivals: Any, its: Any, theirs: Any, actions: Any) -> None:
@@ -147,7 +147,7 @@ def _hypot(x: float, y: float) -> float:
 
 
 _MATH: Final = ModuleType("math")
-_MATH.__dict__.update(vars(math), hypot=_hypot, atan2=atan2)  # those of the C library take three times as long
+_MATH.__dict__.update(vars(math), hypot=_hypot, atan2=atan2)  # the C library's functions take three times as long
 
 
 @cache

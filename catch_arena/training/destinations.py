@@ -1,7 +1,7 @@
-"""Where a hunter could go next, and what speaks for each place: the input of the networks that ship.
+"""Candidate destinations of a hunter and their features: the input of the networks that ship.
 
-A *candidate* is a place: a target in view, the middle of one's own ground, or a waiting point. Each is described by the
-same numbers, whatever the scenario, so that one network plays with any number of targets and rivals, in any arena.
+A *candidate* is a place: a target in view, the middle of the hunter's own ground, or a waiting point. Each is described
+by the same features in every scenario, so that one network plays with any number of targets and rivals, in any arena.
 
 In the shapes of arrays there are N hunters, C candidates (P places, then K targets) and R rivals.
 """
@@ -15,28 +15,28 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.policy import Limits, View
 
 VERSION: Final = 1
-"""Of the features: a network that learned from others cannot read these."""
+"""Version of the features: a network that was trained with another version cannot use these."""
 
 NEVER_S: Final = 1e3
-"""The arrival of who is not there."""
+"""Arrival time of an absent rival [s]."""
 RIVALS: Final = 3
-"""As many rivals are described for each candidate: those that would arrive first."""
+"""Number of rivals that are described for each candidate: those that would arrive first."""
 GRID: Final = 3
-"""Waiting points lie on a grid of GRID x GRID."""
+"""Points per side of the grid of waiting points."""
 GROUND: Final = 5
-"""One's own ground is found on a grid of GROUND x GROUND points."""
+"""Points per side of the grid by which a hunter's own ground is found."""
 BEHIND_M: Final = 0.2
-"""A hunter stands about this far before the middle of what it has caught."""
+"""Typical distance between a hunter and the centre of a target that it has just caught [m]."""
 LONGEST_LEAD_S: Final = 1.5
-"""Nobody knows where a moving target turns to after that."""
+"""Longest time for which a target's motion is extrapolated [s]: it may turn after that."""
 GIVEN_UP_S: Final = 0.4
-"""A race that is lost by more is not run."""
+"""Delay [s] above which a lost race is given up."""
 LENGTH_M: Final = 3.0
-"""Lengths are told in parts of this."""
+"""Unit of lengths in the features [m]."""
 FARTHEST_S: Final = 3.0
-"""And times up to this."""
+"""Time that stands for an absent rival or next target in the features [s]; arrivals are cut at twice this."""
 ROWS: Final = 64
-"""Number of hunters that are described at a time: what is computed for more does not fit into a processor's caches."""
+"""Number of hunters that are described at a time: the arrays of more do not fit into a processor's caches."""
 
 _OF_CANDIDATE: Final = (
     *("forward", "left", "distance", "bearing_cos", "bearing_sin", "bearing", "arrival", "won"),
@@ -44,11 +44,11 @@ _OF_CANDIDATE: Final = (
     *("age", "active", "moving_ahead", "moving_aside", "from_ground"),
     *("targets", "caught", "speed", "turn_rate", "time_left"),
 )
-"""What is told of each candidate, about -3 to 3 each."""
+"""Names of the features of a candidate; values lie between about -3 and 3."""
 _OF_RIVAL: Final = ("margin", "bound_there", "facing_it", "distance", "speed", "mate")
-"""And then of each of the rivals that would be there first."""
+"""Names of the features of each of the rivals that would be at a candidate first."""
 FEATURES: Final = (*_OF_CANDIDATE, *(f"rival_{rival}_{name}" for rival in range(RIVALS) for name in _OF_RIVAL))
-"""All of them, in order."""
+"""Names of all F features, in order."""
 
 Floats = NDArray[np.float64]
 
@@ -57,24 +57,24 @@ class Destinations(NamedTuple):
     """The candidates of N hunters: first the places (P), then the targets (K) by rank; C = P + K."""
 
     forward: NDArray[np.float64]
-    """In the hunter's own frame [m]: (N, C)."""
+    """Distance ahead, in the hunter's own frame [m]: (N, C)."""
     left: NDArray[np.float64]
-    """(N, C)."""
+    """Distance to the left, in the hunter's own frame [m]: (N, C)."""
     legal: NDArray[np.bool_]
-    """(N, C)."""
+    """Candidates that may be chosen: (N, C)."""
     features: NDArray[np.float32]
-    """(N, C, F)."""
+    """Features in the order of FEATURES, 0 for candidates that are not legal: (N, C, F)."""
     preferred: NDArray[np.int64]
-    """What a good scripted agent would take: (N,)."""
+    """Candidate that a good scripted agent would choose: (N,)."""
     places: int
-    """P: of a candidate c from P on, the target's rank is c - P + 1."""
+    """P, the number of places: a candidate c >= P is the target of rank c - P + 1."""
 
 
 def destinations(view: View | BatchView) -> Destinations:
-    """Describe the candidates of one hunter, N = 1, or of many.
+    """Return the candidates and features of one hunter (N = 1) or of many.
 
-    Under target control the one place is where the hunter is, since to hold is all that it can do beside chasing. Else
-    they are its own ground and the waiting points, and a target that is as good as caught is no candidate.
+    Under target control the only place is the hunter's own, because it can only chase or hold. Otherwise the places are
+    its own ground and the waiting points, and a target that is as good as caught is not legal.
     """
     if isinstance(view, View):
         view = BatchView(np.array([view.observation]), np.zeros((1, 0), np.int8), view.limits)
@@ -85,7 +85,7 @@ def destinations(view: View | BatchView) -> Destinations:
 
 
 class _Block:
-    """Some hunters, with what they see, (N, K) and (N, R), and when everybody would be at each candidate."""
+    """Some hunters, the targets (N, K) and rivals (N, R) that they see, and all arrival times at each candidate."""
 
     def __init__(self, view: BatchView) -> None:
         self.limits: Limits = view.limits
@@ -111,35 +111,41 @@ class _Block:
         cosine, sine = self.rivals.heading_cos[..., None], self.rivals.heading_sin[..., None]
         ahead, self.far = cosine * dx + sine * dy, np.sqrt(dx * dx + dy * dy)
         self.facing = ahead / (self.far + 1e-3)
-        """The cosine of the angle between a rival's heading and the candidate, (N, R, C), as `far` [m] and `theirs`."""
+        """Cosine of the angle between a rival's heading and the direction of the candidate: (N, R, C).
+
+        `far`, the distance [m], and `theirs`, the arrival time [s], have the same shape.
+        """
         there = (self.rivals.present > 0)[..., None]
         self.theirs = np.where(there, self._arrival_s(ahead, cosine * dy - sine * dx), NEVER_S)
         self.soonest = self.theirs.min(axis=1, initial=NEVER_S)
         self.best, self.lost_by = self._best_races()
 
     def _in_own_frame(self, points: int) -> Floats:
-        """A grid of points x points in the arena, as (forward, left): (2, N, points * points)."""
+        """Return a grid of points x points in the arena, as (forward, left) [m]: (2, N, points * points)."""
         middles, own = (np.arange(points) + 0.5) * self.limits.side_m / points, self.own
         dx, dy = np.repeat(middles, points) - own.x, np.tile(middles, points) - own.y
         cosine, sine = own.heading_cos, own.heading_sin
         return np.stack((cosine * dx + sine * dy, cosine * dy - sine * dx))
 
     def _is_nearest(self, forward: Floats, left: Floats) -> NDArray[np.bool_]:
-        """Whether no rival is nearer to points of the own frame: (N, points)."""
+        """Return whether no rival is nearer to these points of the hunter's own frame: (N, points)."""
         dx, dy = forward[:, None] - self.rivals.forward[..., None], left[:, None] - self.rivals.left[..., None]
         nearer = dx * dx + dy * dy < (forward * forward + left * left)[:, None]
         nearest: NDArray[np.bool_] = ~(nearer & (self.rivals.present > 0)[..., None]).any(axis=1)
         return nearest
 
     def _own_ground(self) -> Floats:
-        """The mean of those points of the arena that no rival is nearer to, in the own frame: (2, N, 1)."""
+        """Return the mean of the points of the arena to which no rival is nearer, in the own frame [m]: (2, N, 1)."""
         points = self._in_own_frame(GROUND)
         own = self._is_nearest(*points)
         mean: Floats = (points * own).sum(axis=2, keepdims=True) / np.maximum(1, own.sum(axis=1))[:, None]
         return mean
 
     def _meetings(self) -> Floats:
-        """Where targets can be met: the time to that place, and the place by that time: (2, N, K)."""
+        """Return the places at which moving targets can be met, in the own frame [m]: (2, N, K).
+
+        Place and arrival time depend on each other, so they are computed twice in turn.
+        """
         now = np.stack((self.targets.forward, self.targets.left))
         if not self.limits.targets_move:
             return now
@@ -150,7 +156,10 @@ class _Block:
         return place
 
     def _as_good_as_caught(self) -> NDArray[np.bool_]:
-        """Whether the nearest target is requested for oneself: within reach, and no rival is nearer to it: (N, K)."""
+        """Return whether a target is as good as caught: (N, K).
+
+        Only the nearest target can be, if it is within reach and no rival is nearer to it; none under target control.
+        """
         forward, left = self.targets.forward[:, :1], self.targets.left[:, :1]
         caught: NDArray[np.bool_] = self.targets.present > 0
         within = forward * forward + left * left < (0.999 * self.limits.reach_m) ** 2
@@ -159,14 +168,16 @@ class _Block:
         return caught
 
     def _arrival_s(self, forward: Floats, left: Floats) -> Floats:
-        """`contested_by_time.arrival_s`."""
+        """Return arrival times [s] at points of a frame [m], computed as in `contested_by_time.arrival_s`."""
         way = np.maximum(0.0, np.sqrt(forward * forward + left * left) - self.limits.reach_m)
         turn: Floats = 0.5 * np.abs(np.arctan2(left, forward)) / self.limits.max_turn_rate_radps
         return way / self.limits.max_speed_mps + turn
 
     def _best_races(self) -> tuple[NDArray[np.int64], Floats]:
-        """The target (from 0) whose race suits oneself and then each rival best, else -1, and by how much it is lost
-        [s]: (N, 1 + R).
+        """Return the best target (from 0) of the hunter and of each rival, and the delay of a lost race [s].
+
+        Both have the shape (N, 1 + R), the hunter first. -1 means that there is no target, or that a rival is absent or
+        stands still. The delay is 0 if a race is won.
         """
         races = np.concatenate((self.mine[:, None], self.theirs), axis=1)[..., self.places :]
         moving = (self.rivals.present > 0) & (self.rivals.linear_velocity != 0)
@@ -182,7 +193,7 @@ class _Block:
         return np.where(racing & self.alive.any(axis=1)[:, None], best, -1), lost_by
 
     def described(self) -> Destinations:
-        """All that is told of these hunters."""
+        """Return the candidates of these hunters with all features."""
         given_up = (self.lost_by[:, 0] > GIVEN_UP_S) & (not self.hosted)
         preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])
         legal = np.concatenate((np.ones((len(self.alive), self.places), np.bool_), self.alive), axis=1)
@@ -196,7 +207,7 @@ class _Block:
         return Destinations(self.forward, self.left, legal, features, preferred, self.places)
 
     def _candidates(self) -> dict[str, Any]:
-        """Where candidates are, what they are, and what is told of the hunter itself."""
+        """Return the features of places and kinds of the candidates, and of the hunter itself, by name."""
         x, y, own, middle = self.forward, self.left, self.own, 0.5 * self.limits.side_m
         distance, number = np.sqrt(x * x + y * y), np.arange(x.shape[1])
         east = own.x + own.heading_cos * x - own.heading_sin * y
@@ -233,12 +244,14 @@ class _Block:
         return told | {name: np.concatenate((no_target, column), axis=1) for name, column in targets.items()}
 
     def _what_comes_next(self) -> dict[str, Any]:
-        """What comes after a candidate: the next target, the next two that no rival reaches before, and how many lie
-        about.
+        """Return the features of the targets after a candidate, by name.
+
+        These are the time to the next target, the times to the next two that no rival reaches earlier, and the density
+        of targets near the candidate.
         """
         x, y = self.forward, self.left
         distance = np.sqrt(x * x + y * y)
-        there = distance <= 1e-6  # and then it faces ahead
+        there = distance <= 1e-6  # the hunter keeps its heading in this case
         distance = np.where(there, 1.0, distance)
         cosine, sine = np.where(there, 1.0, x / distance), np.where(there, 0.0, y / distance)
         target_x, target_y = (one.T[self.places :, :, None] for one in (x, y))
@@ -256,8 +269,9 @@ class _Block:
         }
 
     def _first_rivals(self) -> Floats:
-        """What is told of the rivals that would be at a candidate first: in the order of their arrival, and of their
-        ranks where that is one: (N, C, RIVALS * F).
+        """Return the features of the rivals that would be at a candidate first: (N, C, RIVALS * features of a rival).
+
+        Rivals are in the order of their arrival; equal arrivals are in the order of their ranks.
         """
         features = (
             np.clip(self.theirs - self.mine[:, None], -2.0, 2.0),
@@ -277,7 +291,7 @@ class _Block:
 
 
 def _two_least(tables: Floats, most: float) -> tuple[Floats, Floats]:
-    """The least and the second least number at each place of some tables, `most` at most."""
+    """Return the smallest and the second smallest number at each place of some tables, both at most `most`."""
     first = second = np.full(tables.shape[1:], most)
     for table in tables:
         second = np.minimum(second, np.maximum(first, table))

@@ -1,4 +1,4 @@
-"""What a network sees in an arena of another width than that it was trained in: columns are taken by their names."""
+"""Observations for a network in an arena of another width than its training arena, with columns matched by name."""
 
 from functools import lru_cache
 
@@ -13,18 +13,18 @@ from catch_arena.scenarios import scenario
 
 
 def fit_observation(view: View | BatchView, trained: str | ArenaConfig) -> NDArray[np.float32]:
-    """An observation as hunters have it in the arena that a network was trained in.
+    """Return an observation with the columns of the arena that a network was trained in.
 
-    The columns of that arena, in its order, each with the value that the view has under the same name: the nearest
-    targets and rivals are those that are kept. What the view does not have is 0, as what is absent is anyhow. Values
-    are not rescaled: in a larger arena they may be larger than any that the network has met.
+    Each column has the view's value of the same name, so the nearest targets and rivals are kept. Columns that the view
+    does not have are 0, as for absent targets. Values are not rescaled: in a larger arena they may be larger than any
+    that the network was trained with.
 
     Args:
-        view: of one hunter, or of many (...).
+        view: the view of one hunter, or of many (...).
         trained: the scenario, or the config, that the network was trained in.
 
     Returns:
-        (D,), of many (..., D), where D is the width of `trained`.
+        the observation: (D,) for one hunter, (..., D) for many; D is the width of `trained`.
 
     Raises:
         ConfigError: for an unknown scenario.
@@ -37,16 +37,17 @@ def fit_observation(view: View | BatchView, trained: str | ArenaConfig) -> NDArr
 
 
 def fit_mask(view: View | BatchView, trained: str | ArenaConfig) -> NDArray[np.bool_]:
-    """The legal choices among those that a network has: a rank that is not in view here is none, and so whatever is
-    chosen with this mask is legal here.
+    """Return the legal choices among those of a network; every choice that this mask allows is legal in the view.
+
+    A rank that the view does not have is not legal.
 
     Args:
-        view: of one hunter, or of many (...).
-        trained: as of `fit_observation`.
+        view: the view of one hunter, or of many (...).
+        trained: see `fit_observation`.
 
     Returns:
-        (K + 1,), of many (..., K + 1), where K is how many targets are seen in `trained`; under velocity control, where
-        there are no choices, (0,).
+        the mask: (K + 1,) for one hunter, (..., K + 1) for many; K is the number of targets seen in `trained`. Under
+        velocity control, which has no choices, its last dimension is 0.
 
     Raises:
         ConfigError: for an unknown scenario.
@@ -67,14 +68,14 @@ def _limits(trained: str | ArenaConfig) -> Limits:
 
 @lru_cache(maxsize=64)
 def _places(seen: Limits, trained: Limits) -> NDArray[np.int64]:
-    """(D,): where each column of `trained` stands in what is seen; behind its end where it does not."""
+    """Return the index of each column of `trained` in an observation, (D,); its width if it has no such column."""
     names = _names(seen)
     place = {name: number for number, name in enumerate(names)}
     return np.array([place.get(name, len(names)) for name in _names(trained)], dtype=np.int64)
 
 
 def _names(limits: Limits) -> tuple[str, ...]:
-    """The names of `layout.columns`, from what a hunter knows of its arena."""
+    """Return the names of `layout.columns`, computed from a hunter's limits."""
     targets, rivals = target_features(limits)._fields, rival_features(limits)._fields
     return (
         *SELF_COLUMNS,

@@ -1,4 +1,4 @@
-"""Learners as a `gymnasium.vector.VectorEnv`: each row is an environment, so that Gymnasium's vector wrappers fit."""
+"""Learners as a `gymnasium.vector.VectorEnv`: each row is an environment, so that Gymnasium's vector wrappers work."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,17 +15,19 @@ from catch_arena.training.batch import LearnerBatch
 
 
 class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
-    """Every learner of every arena is a row. Episodes that end begin anew at once (SAME_STEP); with `auto_reset=False`
-    (DISABLED) they stand still until `reset(options={"reset_mask": rows})` names them: Gymnasium's
-    wrappers of observations take only that.
+    """Vector environment with a row for every learner of every arena.
 
-    `infos` holds `action_mask` (N, K + 1) int8 (not under velocity control), and where episodes ended `final_obs`
-    (N, D) and `final_info`: the last mask and the episode's figures. Each has beside it, under its name with `_` before
-    it, the mask (N,) of the rows that it is told of. Everything is the caller's own.
+    An ended episode is followed by the next one in the same step (SAME_STEP). With `auto_reset=False` (DISABLED) its
+    rows stand still until `reset(options={"reset_mask": rows})` names them; Gymnasium's wrappers of observations
+    support only this mode.
+
+    `infos` has `action_mask` (N, K + 1) int8 (not under velocity control). If episodes ended, it has also `final_obs`
+    (N, D) and `final_info`: the last mask and the episode's figures. For each entry, the entry of the same name with a
+    leading `_` is the mask (N,) of the rows that have a value. All arrays are copies.
 
     Args:
         scenario: a name or a config.
-        num_arenas: B; the env has B * learners rows.
+        num_arenas: B, the number of arenas; the env has B * learners rows.
         settings: `LearnerBatch`'s other arguments, and fields of ArenaConfig.
     """
 
@@ -48,14 +50,16 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         seed: int | Sequence[int | None] | NDArray[np.integer] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Begin all episodes, or those of `options["reset_mask"]`, (N,) bool: of all learners of an arena or of none.
-        Of a list of seeds, one for each row, the first counts, since the rows of an arena begin together.
+        """Begin all episodes, or those of `options["reset_mask"]`, (N,) bool.
+
+        The mask must have all learners of an arena or none. If `seed` is a list, one for each row, only its first
+        number is used, because the rows of an arena begin together.
 
         Returns:
             Observations (N, D) float32, and infos.
 
         Raises:
-            ConfigError: for a mask, a seed or options that cannot be.
+            ConfigError: for a mask, a seed or options that are not allowed.
         """
         require_options(options)
         first = as_python(seed)
@@ -78,7 +82,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
     def step(
         self, actions: Any
     ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """R1.4: one step of every row.
+        """R1.4: play one step of every row.
 
         Args:
             actions: (N,) choices, (N, 2) velocities, or under full control {"cmd_vel": (N, 2), "catch": (N,)}.
@@ -108,7 +112,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         return step.observations, step.rewards.astype(np.float64), step.terminations, step.truncations, infos
 
     def close_extras(self, **_: Any) -> None:
-        """End the threads that were started."""
+        """End the threads of the batch."""
         self.batch.close()
 
     @staticmethod
@@ -122,5 +126,5 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
 
 
 def _masks(masks: NDArray[np.bool_]) -> dict[str, NDArray[np.int8]]:
-    """Masks as Gymnasium's spaces take them; none under velocity control."""
+    """Return the masks as int8, the type of Gymnasium's spaces, under `action_mask`; empty under velocity control."""
     return {"action_mask": masks.view(np.int8)} if masks.size else {}

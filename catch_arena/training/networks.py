@@ -1,4 +1,4 @@
-"""A trained network without the library that trained it: NumPy alone, loaded in milliseconds."""
+"""Trained networks in NumPy, without the library that trained them; they load in milliseconds."""
 
 import os
 from collections.abc import Sequence
@@ -19,10 +19,10 @@ ACTIVATIONS: Final = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0)}
 
 
 class Mlp:
-    """A multi-layer perceptron: weights (out, in) and biases (out,) by layer, and an activation between them.
+    """A multi-layer perceptron: weights (out, in) and biases (out,) by layer, and an activation between layers.
 
     Args:
-        layers: a (weights, biases) for each, from the first to the last.
+        layers: (weights, biases) of each layer, from the first to the last.
         activation: "tanh" or "relu".
 
     Raises:
@@ -44,12 +44,12 @@ class Mlp:
 
     @classmethod
     def of_torch(cls, *modules: Any, scale: ArrayLike | None = None) -> "Mlp":
-        """The same network as these modules of torch one behind the other: Linear, Tanh, ReLU, and Sequential of them.
+        """Return the network that some torch modules form in sequence: Linear, Tanh, ReLU, and Sequential of them.
 
         Args:
             modules: for stable-baselines3's MlpPolicy `policy.mlp_extractor.policy_net, policy.action_net`.
-            scale: `env.batch.scale`, where the network has learned from normalised observations: this one takes
-                them as they are.
+            scale: `env.batch.scale`, if the network was trained with normalised observations; the returned one takes
+                observations that are not normalised.
 
         Raises:
             ConfigError: for other modules.
@@ -73,14 +73,14 @@ class Mlp:
 
     @property
     def inputs(self) -> int:
-        """How many numbers it takes."""
+        """Width of the observations that the network takes."""
         return len(self.layers[0][0].T)
 
     def __call__(self, observations: ArrayLike) -> NDArray[np.float32]:
-        """(..., inputs) to (..., outputs).
+        """Return the outputs, (..., outputs), for observations, (..., inputs).
 
         Raises:
-            ConfigError: for observations of another width: those of another scenario.
+            ConfigError: for observations of another width, as in another scenario.
         """
         x = np.asarray(observations, np.float32)
         if x.shape[-1:] != (self.inputs,):
@@ -93,10 +93,10 @@ class Mlp:
         return result
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to an .npz file.
+        """Write the network to an .npz file.
 
         Raises:
-            OutputError: where it cannot be written; what was there stays.
+            OutputError: if the file cannot be written; an existing file is kept.
         """
         tables: dict[str, Any] = {"activation": self.activation, "ruleset": RULESET}
         for place, (weights, biases) in enumerate(self.layers):
@@ -106,14 +106,14 @@ class Mlp:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Mlp":
-        """Read what `save` wrote.
+        """Return the network from a file that `save` wrote.
 
         Raises:
-            ConfigError: for a file that is none or is damaged, and for one of another ruleset.
+            ConfigError: for a file of another kind, a damaged one, or one of another ruleset.
         """
         tables = read_tables(path, "Mlp.save", {"activation": None, "ruleset": RULESET})
         try:
-            count = (len(tables) - 1) // 2  # rounded up: where a table is missing, it is looked for
+            count = (len(tables) - 1) // 2  # rounded up: a missing table raises a KeyError
             layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range(count)]
             return cls(layers, tables["activation"].item())
         except (ConfigError, ValueError, TypeError, KeyError) as error:
@@ -123,20 +123,20 @@ class Mlp:
 def read_tables(
     path: str | os.PathLike[str], written_by: str, known: dict[str, str | int | None]
 ) -> dict[str, NDArray[Any]]:
-    """The tables of an .npz file, read without pickles.
+    """Return the tables of an .npz file, read without pickles.
 
     Args:
         path: the file.
-        written_by: what writes such files.
-        known: what must be there as a single value, and which; None for any.
+        written_by: name of the function that writes such files, for errors.
+        known: names and values of the single values that the file must have; None allows any value.
 
     Raises:
-        ConfigError: for a file that is none or is damaged, and for other values.
+        ConfigError: for a file of another kind, a damaged one, or other values.
     """
     try:
         with Path(path).open("rb") as raw, np.load(raw) as file:
             tables = {name: file[name] for name in file.files}
-    except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise what they like for a damaged file
+    except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise errors of any type for a damaged file
         raise ConfigError(f"{path}: must be what {written_by} writes: {reason(error)}") from None
     for name, value in known.items():
         if name not in tables or tables[name].shape != ():
@@ -147,7 +147,7 @@ def read_tables(
 
 
 def require_finite(name: str, numbers: NDArray[np.float32]) -> None:
-    """Raise the ConfigError for weights that are infinite or no numbers."""
+    """Raise a ConfigError if any of the numbers is infinite or NaN."""
     wrong = numbers[~np.isfinite(numbers)]
     if len(wrong):
         raise ConfigError(f"{name} must be finite numbers, got {wrong[0]}")

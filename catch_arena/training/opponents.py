@@ -1,4 +1,4 @@
-"""Opponents inside the batch: who plays the seats that do not learn."""
+"""Opponents inside the batch: the agents in the seats that do not learn."""
 
 import copy
 import dataclasses
@@ -20,7 +20,7 @@ from catch_arena.tournament.loading import create_policy
 from catch_arena.training.prey_players import called, copied
 
 Pool = str | object | Iterable[object] | Mapping[str, float]
-"""One agent, several, or names and how often each is drawn."""
+"""One agent, several, or a mapping from names to the weights with which they are drawn."""
 
 _SEED_LIMIT: Final = 2**63
 _WORDS: Final[dict[int, Control]] = {TARGET_CONTROL: "target", VELOCITY_CONTROL: "velocity", FULL_CONTROL: "full"}
@@ -29,18 +29,18 @@ _WORDS: Final[dict[int, Control]] = {TARGET_CONTROL: "target", VELOCITY_CONTROL:
 class _Opponent(NamedTuple):
     name: str
     policy: Any
-    """With `act_batch` one for all hunters; else what is copied for each of them."""
+    """One instance for all hunters if it has `act_batch`; else the original that is copied for each hunter."""
     control: int
     in_batches: bool
 
     @property
     def said(self) -> str:
-        """How an error names it."""
+        """Name of the opponent in errors."""
         return f"opponent {self.name}"
 
 
 class SavedOpponents(NamedTuple):
-    """What `Opponents.save` gives: copies of its own of the agents, with all that they remember."""
+    """Saved state of `Opponents`, from its `save`, with copies of the agents and of everything that they store."""
 
     pool: tuple[_Opponent, ...]
     instances: dict[tuple[int, int], Any]
@@ -49,7 +49,7 @@ class SavedOpponents(NamedTuple):
 
 
 class Opponents:
-    """A pool of agents, of which each free seat gets one in each episode.
+    """A pool of agents, from which each seat without a learner gets one in each episode.
 
     An agent with `act_batch` is called once a step for all hunters that it plays, and keeps nothing of a hunter; one
     that has only `act` is called for each of them, and each gets an instance of its own.
@@ -62,7 +62,7 @@ class Opponents:
         distinct: whether no agent is drawn twice in an arena, while as many have a weight above 0 as there are seats.
 
     Raises:
-        ConfigError: for an empty pool, and for weights that cannot be.
+        ConfigError: for an empty pool, and for weights that are not allowed.
         AgentError: for an agent that cannot play.
     """
 
@@ -82,29 +82,29 @@ class Opponents:
 
     @property
     def controls(self) -> NDArray[np.int8]:
-        """How each agent of the pool is driven, in the numbers of `controllers.CONTROLS`: (P,)."""
+        """Control of each agent of the pool, as a number of `controllers.CONTROLS`: (P,)."""
         return np.array([opponent.control for opponent in self._pool], dtype=np.int8)
 
     @property
     def weights(self) -> NDArray[np.float64]:
-        """How often each agent of the pool is drawn: (P,), 1 in all."""
+        """Probability with which each agent of the pool is drawn: (P,), with the sum 1."""
         return np.full(len(self._pool), 1 / len(self._pool)) if self._weights is None else self._weights.copy()
 
     @property
     def seated(self) -> NDArray[np.int64]:
-        """Who plays where now, as numbers of the pool, -1 for learners: (B, H)."""
+        """Agents in the seats of the running episodes, as indices in the pool, -1 for learners: (B, H)."""
         return self._who.copy()
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The agents of the pool, in the order that `draw` counts them by."""
+        """Names of the agents of the pool; `draw` returns indices in this order."""
         return tuple(opponent.name for opponent in self._pool)
 
     def add(self, agent: object) -> int:
         """Take one more agent into the pool, with the weight 0 until `weigh` gives it another.
 
         Returns:
-            its number: that of its place in `names`.
+            its number, the index of its name in `names`.
 
         Raises:
             AgentError: for an agent that cannot play.
@@ -119,7 +119,7 @@ class Opponents:
         return number
 
     def weigh(self, weights: ArrayLike) -> None:
-        """How often each agent of the pool is drawn from now on: (P,), at least 0, and one above it.
+        """Set the weights with which agents are drawn from now on: (P,), at least 0, and one above 0.
 
         Raises:
             ConfigError: for other weights.
@@ -130,13 +130,13 @@ class Opponents:
         self._weights = _shares(given, in_short(given.tolist()))
 
     def begin(self, rng: np.random.Generator) -> None:
-        """Seed those that act on batches."""
+        """Seed the agents that have `act_batch`."""
         for opponent in self._pool:
             if opponent.in_batches:
                 called(opponent.said, opponent.policy, "reset", int(rng.integers(_SEED_LIMIT)))
 
     def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
-        """Who plays these seats, from now on: `seats` (n, S) of the arenas (n,); the others are the learner's.
+        """Draw and begin the agents in the seats (n, S) of the arenas (n,); the other seats are the learners'.
 
         Returns:
             the numbers of the agents in the pool: (n, S).
@@ -164,15 +164,15 @@ class Opponents:
         return chosen
 
     def save(self) -> SavedOpponents:
-        """R10.2: the pool, who plays where, and all that the agents remember; `restore` takes it back.
+        """R10.2: return a copy of the pool, the seats, and everything that the agents store, for `restore`.
 
         Raises:
-            AgentError: that names an agent that cannot be copied.
+            AgentError: if an agent cannot be copied; it names the agent.
         """
         return _kept(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
 
     def restore(self, saved: SavedOpponents) -> None:
-        """Go on from what `save` gave, here or in opponents of an arena of equal config and size."""
+        """Continue from a saved state of these opponents, or of others with an equal config and number of arenas."""
         pool, self._instances, self._weights, self._who = _kept(saved)
         self._pool = list(pool)
 
@@ -188,10 +188,10 @@ class Opponents:
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Write what the opponents do into `choices` (B, H) and `commands` (B, H, 2).
+        """Write the opponents' actions into `choices` (B, H) and `commands` (B, H, 2).
 
         Raises:
-            AgentError: that names the agent, and where it is to be found the hunter.
+            AgentError: for an agent that fails; it names the agent, and the hunter if that is known.
         """
         for number, opponent in enumerate(self._pool):
             arenas, seats = np.nonzero(self._who == number)
@@ -210,7 +210,7 @@ class Opponents:
                 self._write(opponent, answer, some, own_seats, choices, commands)
 
     def _act_alone(self, opponent: _Opponent, place: tuple[int, int], view: View) -> tuple[int, tuple[float, float]]:
-        """The choice and the command of one hunter, whose answer is judged as in an env of one arena."""
+        """Return the choice and the command of one hunter; the answer is checked as in an env of one arena."""
         where, control = _where(*place), _WORDS[opponent.control]
         answer = called(opponent.said, self._instances[place], "act", view, where)
         try:
@@ -227,7 +227,7 @@ class Opponents:
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Check an answer for many hunters against the actions that there are, and write it to its places."""
+        """Check an answer for many hunters against the legal actions, and write it to their places."""
         said, count = f"{opponent.said}: act_batch", len(arenas)
         ranks, velocities = answer, answer
         if opponent.control == FULL_CONTROL:
@@ -247,7 +247,7 @@ class Opponents:
             choices[arenas, seats] = given
         if opponent.control != TARGET_CONTROL:
             given = _numbers(said, velocities, command_array, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
-            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN lies nowhere
+            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN fails both tests
             if not legal.all():
                 row = int(np.argmin(legal))
                 raise AgentError(
@@ -299,7 +299,7 @@ def _opponent(agent: object) -> _Opponent:
 
 
 def _kept(state: SavedOpponents) -> SavedOpponents:
-    """A copy of it all. Agents that share something share it afterwards too."""
+    """Return a copy of a saved state. Agents that share an object share its copy."""
     memo: dict[int, Any] = {}
     pool = tuple(opponent._replace(policy=copied(opponent.said, opponent.policy, memo)) for opponent in state.pool)
     instances = {

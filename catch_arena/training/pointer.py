@@ -1,8 +1,8 @@
-"""Networks that choose where to go: the trained agents that ship, and those that scripts/train_ppo.py makes.
+"""Networks that choose a destination: the trained agents that ship, and those of scripts/train_ppo.py.
 
-A network looks at each candidate of `destinations`, and at all of them together, and gives each a logit (a pointer
-network; Vinyals, Fortunato and Jaitly, Pointer Networks, 2015; all of them are pooled by attention with learned
-queries, as in Lee et al., Set Transformer, 2019). The one with the highest is where the hunter goes.
+A network computes a logit for each candidate of `destinations`, from its features and from a summary of all candidates.
+This is a pointer network (Vinyals, Fortunato and Jaitly, Pointer Networks, 2015). The summary is attention pooling with
+learned queries, as in Lee et al., Set Transformer, 2019. The hunter goes to the candidate with the highest logit.
 """
 
 import os
@@ -22,31 +22,31 @@ from catch_arena.training.destinations import FEATURES, VERSION, Destinations, d
 from catch_arena.training.networks import read_tables, require_finite
 
 Head = Literal["destination", "rank", "velocity"]
-"""What the network decides: the place that a driver of ours goes to; the target that the arena's controller chases; or
-the velocities themselves.
+"""The network's decision: the place that `drive` goes to, the target that the arena's controller chases, or the
+velocities themselves.
 """
 CONTROL_OF: Final[dict[Head, Control]] = {"destination": "velocity", "rank": "target", "velocity": "velocity"}
 
 QUERIES: Final = 2
-"""How many ways there are of looking at all candidates together."""
-# The driver of what was learned: the weights were trained with these numbers. So they are not imported from
-# agents/patrol.py, which has the same: whoever tunes an agent must not change how a network drives.
+"""Number of learned queries of the attention pooling."""
+# The weights were trained with these gains of `drive`. agents/patrol.py has the same ones, but they are not imported:
+# tuning that agent must not change how a network drives.
 TURN_GAIN: Final = 6.0
 """Turn rate per radian of bearing [1/s]."""
 BRAKE_GAIN: Final = 2.0
-"""Speed per metre that is left to a resting place [1/s]."""
+"""Speed per metre of the remaining way to a resting place [1/s]."""
 
 Float32Array = NDArray[np.float32]
 
 
 class PointerNetwork:
-    """Weights, and how they make logits of features. NumPy, float32.
+    """A network that computes logits from features, in NumPy and float32.
 
     Args:
-        head: what it decides.
+        head: the network's decision.
         weights: `encode` (F, H), `encode_bias` (H,), `attend` (H, QUERIES), `pool` (QUERIES * H, H), `mix` (H, H),
             `mix_bias` (H,), `logit` (H,); with the head "velocity" also `drive` (H, 2), `drive_bias` (2,); and `prior`
-            (), what is added to the logit of the candidate that a scripted agent would take.
+            (), which is added to the logit of the candidate that a scripted agent would choose.
 
     Raises:
         ConfigError: for weights that are missing, of another shape, or not finite.
@@ -65,10 +65,10 @@ class PointerNetwork:
             require_finite(f"weights {name}", self.weights[name])
 
     def __call__(self, seen: Destinations) -> tuple[Float32Array, Float32Array]:
-        """The logits of the candidates, (N, C), -inf where one is not legal, and the last hidden layer, (N, C, H).
+        """Return the candidates' logits, (N, C), -inf if one is not legal, and the last hidden layer, (N, C, H).
 
         Raises:
-            ConfigError: for weights so large that the logits are no numbers.
+            ConfigError: for weights so large that the logits are not finite.
         """
         w = self.weights
         rows, candidates, width = seen.features.shape
@@ -88,7 +88,7 @@ class PointerNetwork:
         return logits, mixed
 
     def velocities(self, logits: Float32Array, mixed: Float32Array) -> Float32Array:
-        """What the head "velocity" drives, (N, 2) in [-1, 1]: what speaks for each candidate, weighted by softmax."""
+        """Return the velocities of the head "velocity", (N, 2) in [-1, 1]: the candidates' softmax-weighted mean."""
         chances = np.exp(logits - logits.max(axis=1, keepdims=True))
         chances /= chances.sum(axis=1, keepdims=True)
         drives = np.tanh(mixed @ self.weights["drive"] + self.weights["drive_bias"])
@@ -96,10 +96,10 @@ class PointerNetwork:
         return result
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it to an .npz file.
+        """Write the network to an .npz file.
 
         Raises:
-            OutputError: where it cannot be written; what was there stays.
+            OutputError: if the file cannot be written; an existing file is kept.
         """
         tables: dict[str, Any] = {"head": self.head, "features": VERSION, "ruleset": RULESET, **self.weights}
         with whole_file(Path(path)) as file:
@@ -107,10 +107,10 @@ class PointerNetwork:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "PointerNetwork":
-        """Read what `save` wrote.
+        """Return the network from a file that `save` wrote.
 
         Raises:
-            ConfigError: for a file that is none or is damaged, and for one of another ruleset or of other features.
+            ConfigError: for a file of another kind, a damaged one, or one of another ruleset or of other features.
         """
         known = {"head": None, "features": VERSION, "ruleset": RULESET}
         tables = read_tables(path, "PointerNetwork.save", known)
@@ -122,7 +122,7 @@ class PointerNetwork:
 
 
 def weight_shapes(head: Head, hidden: int) -> dict[str, tuple[int, ...]]:
-    """The shape of each table of weights."""
+    """Return the shape of each table of weights, for a network with `hidden` units per layer."""
     shapes: dict[str, tuple[int, ...]] = {
         "encode": (len(FEATURES), hidden),
         "encode_bias": (hidden,),
@@ -139,7 +139,7 @@ def weight_shapes(head: Head, hidden: int) -> dict[str, tuple[int, ...]]:
 
 
 class PointerAgent:
-    """An agent that plays what a network has learned: the best candidate, anew in each step.
+    """An agent that plays by a network, which decides again in each step.
 
     Args:
         network: the network, or the file that holds it.
@@ -153,15 +153,15 @@ class PointerAgent:
         self.control: Control = CONTROL_OF[self.network.head]
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Begin an episode; there is no state to reset."""
 
     def act(self, view: View) -> Any:
-        """The action for this step."""
+        """Return the action of one hunter for this step."""
         (action,) = self._actions(destinations(view), view.limits).tolist()
         return action
 
     def act_batch(self, view: BatchView) -> Any:
-        """The same for N hunters: (N,) or (N, 2)."""
+        """Return the actions of N hunters: (N,) ranks or (N, 2) velocities."""
         return self._actions(destinations(view), view.limits)
 
     def _actions(self, seen: Destinations, limits: Limits) -> Any:
@@ -178,13 +178,13 @@ class PointerAgent:
 def drive(
     forward: NDArray[np.float64], left: NDArray[np.float64], resting: NDArray[np.bool_], limits: Limits
 ) -> NDArray[np.float64]:
-    """The velocities, (N, 2), that bring points of the own frame [m] within reach as fast as the arc to them allows.
+    """Return velocities, (N, 2) in [-1, 1], that bring points within reach as fast as the arc to them allows.
 
     Args:
-        forward: (N,).
-        left: (N,).
-        resting: where a hunter goes to stay, so that it brakes: (N,).
-        limits: of the hunters.
+        forward: distances ahead to the points, in the hunters' own frames [m]: (N,).
+        left: distances to the left [m]: (N,).
+        resting: whether a hunter stays at its point, so that it brakes before it: (N,).
+        limits: limits of the hunters.
     """
     bearing, distance = np.arctan2(left, forward), np.hypot(forward, left)
     turn = np.clip(TURN_GAIN * bearing / limits.max_turn_rate_radps, -1.0, 1.0)

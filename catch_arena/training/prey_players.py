@@ -1,4 +1,4 @@
-"""Who plays prey inside the batch: an instance of an agent's class `Prey` for each prey of each arena."""
+"""Players of prey inside the batch: an instance of an agent's class `Prey` for each prey of each arena."""
 
 import copy
 from typing import Any
@@ -19,14 +19,14 @@ Place = tuple[int, int]
 
 
 def who_plays_prey(config: ArenaConfig, agent: str | None) -> str | None:
-    """The agent that plays prey in such arenas: the one that is named, or else a shipped one; None where there is none.
+    """Return the agent that plays prey: the given one, or else the shipped one; None for arenas without prey.
 
     Args:
         config: the arenas' settings.
         agent: a shipped name, a file or `package.module:Class`.
 
     Raises:
-        ConfigError: for an agent where there is no prey.
+        ConfigError: for an agent in arenas without prey.
         AgentError: for an agent that is not there, or has no class `Prey`.
     """
     if not config.prey:
@@ -55,14 +55,14 @@ class PreyPlayers:
         }
 
     def begin(self, rng: np.random.Generator, arenas: NDArray[np.int64] | None = None) -> None:
-        """The prey of these arenas begins anew; that of all without them."""
+        """Begin an episode for the prey of these arenas; None means all arenas."""
         begun = None if arenas is None else set(arenas.tolist())
         for place, player in self._players.items():
             if begun is None or place[0] in begun:
                 self._call(player, "reset", int(rng.integers(2**63)), place)
 
     def act(self, observations: NDArray[np.float32], commands: NDArray[np.float32]) -> None:
-        """R12.2: write what prey that sees this, (B, P, E), does into `commands`: (B, P, 2) in [-1, 1].
+        """R12.2: write the actions of prey for these observations, (B, P, E), into `commands`: (B, P, 2) in [-1, 1].
 
         Raises:
             AgentError: for one that fails.
@@ -75,7 +75,7 @@ class PreyPlayers:
                 raise AgentError(f"{error}{_where(place)}") from None
 
     def save(self) -> dict[Place, Any]:
-        """R10.2: copies of all players, with all that they remember; `restore` takes them back.
+        """R10.2: return copies of all players, with everything that they store, for `restore`.
 
         Raises:
             AgentError: for an agent that cannot be copied.
@@ -83,7 +83,7 @@ class PreyPlayers:
         return self._copied(self._players)
 
     def restore(self, saved: dict[Place, Any]) -> None:
-        """Go on from what `save` gave, here or in the prey of a batch of equal config and size."""
+        """Continue from copies that `save` returned, in this batch or in one of equal config and size."""
         self._players = self._copied(saved)
 
     def __deepcopy__(self, _memo: dict[int, Any]) -> "PreyPlayers":
@@ -103,7 +103,7 @@ def called(who: str, agent: Any, method: str, argument: object, where: str = "")
     """Return what a method of an agent returns.
 
     Raises:
-        AgentError: that names the agent, and where it plays, if it raises anything.
+        AgentError: if the method raises anything; it names the agent and its seat or prey.
     """
     try:
         return getattr(agent, method)(argument)
@@ -115,7 +115,7 @@ def copied(who: str, agents: Any, memo: dict[int, Any]) -> Any:
     """Return a copy of one agent or of several, with all that they remember.
 
     Raises:
-        AgentError: that names the agent, if it cannot be copied.
+        AgentError: if the agent cannot be copied; it names the agent.
     """
     try:
         return copy.deepcopy(agents, memo)

@@ -1,4 +1,4 @@
-"""Learners as a stable-baselines3 VecEnv: every learner of every arena is an environment of its own."""
+"""Learners as a stable-baselines3 VecEnv: every learner of every arena is one environment."""
 
 import time
 from collections.abc import Sequence
@@ -15,21 +15,21 @@ from catch_arena.errors import ConfigError
 from catch_arena.training.batch import LearnerBatch, LearnerStep
 
 
-class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be there
-    """For `PPO("MlpPolicy", env)` and sb3-contrib's `MaskablePPO`, which finds the masks by itself.
+class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missing
+    """Environment for `PPO("MlpPolicy", env)`, and for sb3-contrib's `MaskablePPO`, which calls `action_masks`.
 
-    Where an episode ends, the row's info has `terminal_observation`, `terminal_mask`, `TimeLimit.truncated` (by both
-    of which values are bootstrapped), `score`, `rank`, and `episode`: `r`, `l`, `t` as stable-baselines3's Monitor
-    gives them, with `score` and `rank`. All arrays are copies: stable-baselines3 keeps an observation for its buffer
-    after the next step, and a buffer that is written anew would hold the wrong one.
+    If an episode ends, the row's info has `terminal_observation`, `terminal_mask`, `TimeLimit.truncated`, `score`,
+    `rank` and `episode`. stable-baselines3 bootstraps values by `terminal_observation` and `TimeLimit.truncated`.
+    `episode` has `r`, `l` and `t` as its Monitor writes them, with `score` and `rank`. All arrays are copies:
+    stable-baselines3 reads an observation after the next step, when a shared array would have other values.
 
     Args:
         scenario: a name or a config; target or velocity control.
-        num_arenas: B; the env has B * learners rows.
+        num_arenas: B, the number of arenas; the env has B * learners rows.
         settings: `LearnerBatch`'s other arguments, and fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an argument that is not allowed.
     """
 
     def __init__(self, scenario: str | ArenaConfig = "standard", num_arenas: int = 1, **settings: Any) -> None:
@@ -44,7 +44,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
         self._began = time.monotonic()
 
     def reset(self) -> NDArray[np.float32]:
-        """Begin all episodes, from the first of the seeds that `seed` was given: observations (N, D) float32."""
+        """Begin all episodes, with the first seed given to `seed`, and return observations (N, D) float32."""
         observations, _ = self.batch.reset(self._seeds[0])
         self._reset_seeds()
         self._reset_options()
@@ -52,13 +52,17 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
         return observations
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """What `step_wait` will do."""
+        """Store the actions for `step_wait`."""
         self._actions = actions
 
     def step_wait(
         self,
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
-        """R1.4: one step of every row: observations (N, D) and rewards (N,) float32, dones (N,) bool, and N infos."""
+        """R1.4: play one step of every row.
+
+        Returns:
+            observations (N, D) and rewards (N,) float32, dones (N,) bool, and N infos.
+        """
         step = self.batch.step(self._actions if self._actions is not None else [])
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if len(step.ended):
@@ -81,22 +85,22 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
             }
 
     def close(self) -> None:
-        """End the threads that were started."""
+        """End the threads of the batch."""
         self.batch.close()
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """The legal choices of every row: (N, K + 1)."""
+        """Return the legal choices of every row: (N, K + 1)."""
         return self.batch.masks
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
-        """What each of the rows answers; sb3-contrib asks for `action_masks` in this way."""
+        """Call a method once and return its result for each row; sb3-contrib calls `action_masks` in this way."""
         answer = getattr(self, method_name)(*args, **kwargs)
         if method_name == "action_masks":
             return [answer[row] for row in self._get_indices(indices)]
         return [answer for _ in self._get_indices(indices)]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute, which all rows share."""
+        """Return an attribute, which all rows share, once for each row."""
         if attr_name == "action_masks" and not self._has_masks:
             raise AttributeError("there are no masks under velocity control")
         value = getattr(self, attr_name)
@@ -113,5 +117,5 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 need not be 
         setattr(self, attr_name, value)
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> Sequence[bool]:
-        """A row's figures are those of a Monitor; no row has another wrapper."""
+        """Return True for Monitor, whose figures every row has, and False for other wrappers, once for each row."""
         return [wrapper_class is Monitor for _ in self._get_indices(indices)]

@@ -1,4 +1,4 @@
-"""Learners as a TorchRL environment: a batch of arenas, in each of which a group of hunters learns."""
+"""Learners as a TorchRL environment: a batch of arenas, each with a group of hunters that learn."""
 
 from typing import Any
 
@@ -15,11 +15,11 @@ from catch_arena.errors import ConfigError
 from catch_arena.training.batch import LearnerBatch
 
 GROUP = "hunters"
-"""The key under which the learners' tensors stand: (B, learners, ...) each."""
+"""Key of the learners' tensors, (B, learners, ...) each."""
 
 
-class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl need not be there
-    """TorchRL's own class of classes takes `auto_reset` away, and then never resets arenas that have ended."""
+class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl may be missing
+    """Metaclass that refuses `auto_reset`: TorchRL's own removes it, and then never resets arenas that have ended."""
 
     def __call__(cls, *arguments: Any, auto_reset: bool = False, **settings: Any) -> Any:
         if auto_reset is not False:
@@ -27,20 +27,20 @@ class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl need not b
         return super().__call__(*arguments, **settings)
 
 
-class TorchRLEnv(EnvBase, metaclass=_AsksForResets):  # type: ignore[misc]  # torchrl need not be there
-    """B arenas. For the learners of each `("hunters", "observation")`, `("hunters", "action_mask")` (not under velocity
-    control), `("hunters", "action")` and `("hunters", "reward")`; for each arena `done`, `terminated`, `truncated`.
+class TorchRLEnv(EnvBase, metaclass=_AsksForResets):  # type: ignore[misc]  # torchrl may be missing
+    """Environment of B arenas, with tensors for the learners and flags for the arenas.
 
-    It does not reset by itself: TorchRL asks for it, and so "next" has an episode's last observation. All tensors are
-    copies.
+    Learners have `("hunters", "observation")`, `("hunters", "action_mask")` (not under velocity control), `("hunters",
+    "action")` and `("hunters", "reward")`; each arena has `done`, `terminated` and `truncated`. Ended arenas are reset
+    only when TorchRL calls for it, so "next" has an episode's last observation. All tensors are copies.
 
     Args:
         scenario: a name or a config; target or velocity control.
-        num_arenas: B.
+        num_arenas: B, the number of arenas.
         settings: `LearnerBatch`'s other arguments, and fields of ArenaConfig.
 
     Raises:
-        ConfigError: for an argument that cannot be.
+        ConfigError: for an argument that is not allowed.
     """
 
     def __init__(self, scenario: str | ArenaConfig = "standard", num_arenas: int = 1, **settings: Any) -> None:

@@ -1,4 +1,4 @@
-"""Contents of a bag of turtlesim: where the turtles were, which targets were alive, and which were caught.
+"""Contents of a bag of turtlesim: the turtles' poses, the targets that were alive, and the catches.
 
 Times are milliseconds since the bag's first message.
 """
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from catch_arena.messages import Pose, Turtle
 
 Place = tuple[float, float]
-"""x, y [m]."""
+"""Coordinates (x, y) [m]."""
 
 
 @dataclass(slots=True)
@@ -55,7 +55,7 @@ class RecordedCatch:
     time_ms: float
     name: str
     listed: Mapping[str, Place]
-    """Targets that were alive before it, and their places in the list."""
+    """Targets that were alive before the catch, and their places in the list [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,11 +63,11 @@ class BagContents:
     """Contents of a bag."""
 
     hunters: Mapping[str, Track]
-    """By name, in the order of seats."""
+    """Tracks of the hunters by name, in the order of seats."""
     lists: Sequence[tuple[float, Sequence[Turtle]]]
-    """The targets that were alive from a time on, in places clamped to the window as turtlesim does."""
+    """Times [ms] and the targets that were alive from then on, in places clamped to the window as turtlesim does."""
     catches: Sequence[RecordedCatch]
-    """By time."""
+    """Catches in the order of time."""
     end_ms: float
     left_out: int
     """Number of messages that are damaged or have impossible values."""

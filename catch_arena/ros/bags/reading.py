@@ -1,4 +1,4 @@
-"""Reading of bags of turtlesim and the exercise's nodes, as anybody records them."""
+"""Reading of bags that anyone records of turtlesim and the exercise's nodes."""
 
 import math
 import re
@@ -24,18 +24,18 @@ from catch_arena.ros.middleware.typestore import register
 from catch_arena.text import one_line
 
 _LONGEST_MS: Final = 24 * 3_600_000
-"""The longest bag, as the longest replay; the clock of a recording machine may jump by years."""
+"""Longest duration of a bag, equal to that of a replay [ms]; a recording machine's clock may jump by years."""
 _OUTSIDE_M: Final = 0.01
-"""Distance by which a pose may lie outside of turtlesim's window, which clamps in float32."""
+"""Distance by which a pose may lie outside of turtlesim's window, which clamps in float32 [m]."""
 _OWN_HUNTER: Final = re.compile(r"hunter_\d+")
 
 _Handler = Callable[[float, Any], None]
-"""Takes the time and one message; raises an error for a message with impossible values."""
+"""Function that takes the time [ms] and one message, and raises an error for a message with impossible values."""
 
 
 @dataclass(slots=True)
 class _Recording:
-    """What has been read so far."""
+    """The part of a bag that has been read already."""
 
     tracks: dict[str, Track] = field(default_factory=dict)
     lists: list[tuple[float, Sequence[Turtle]]] = field(default_factory=list)
@@ -55,7 +55,7 @@ class _Recording:
         track.poses.append(pose)
 
     def on_list(self, time_ms: float, message: Any) -> None:
-        """Add a list of targets; those of the list before that are not in it have left."""
+        """Add a list of targets; targets of the previous list that are not in it count as caught."""
         if not all(math.isfinite(number) for one in message.turtles for number in (one.x, one.y, one.theta)):
             raise ValueError("a target's place is not finite")
         turtles = [Turtle(one.name, _clamped(one.x), _clamped(one.y), float(one.theta)) for one in message.turtles]
@@ -121,7 +121,7 @@ def _hunters(recording: _Recording) -> dict[str, Track]:
 
 
 def _clamped(place_m: float) -> float:
-    """Return where turtlesim puts a turtle that is spawned outside of its window."""
+    """Return a coordinate [m] clamped to turtlesim's window, as turtlesim does for a turtle that is spawned outside."""
     return min(max(float(place_m), 0.0), TURTLESIM_SIDE_M)
 
 
@@ -145,7 +145,7 @@ def _opened(path: Path) -> Iterator[Reader]:
 def _handlers(
     path: Path, recording: _Recording, connections: Sequence[Connection], store: Typestore
 ) -> dict[str, _Handler]:
-    """Return what to do with the messages of each topic of the game, and register their types."""
+    """Return a handler for each topic of the game, and register the types of their messages."""
     handlers: dict[str, _Handler] = {}
     lists = {one.topic for one in connections if one.msgtype.endswith("/msg/TurtleArray")}
     has_poses = False

@@ -21,7 +21,7 @@ from catch_arena.scenarios import scenario
 from catch_arena.world import HunterState, TargetState, World
 
 _SILENT_MS = 500.0
-"""A hunter without a pose for longer than this before the end is gone."""
+"""Time without a pose before the bag's end [ms] after which a hunter counts as gone."""
 
 
 def render_bag(
@@ -40,7 +40,7 @@ def render_bag(
     """Write a bag as a video, with the arbiter's scores and words. The settings are those of `render_replay`.
 
     Args:
-        bag: what was read from the bag.
+        bag: the contents of the bag.
         judged: its catches.
         path: a file that ends in .mp4, .webm, .gif or .webp.
         reach_m: the reach that is shown.
@@ -67,7 +67,7 @@ def render_bag(
 
 
 def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[World]:
-    """Return the arena at each of turtlesim's ticks; a list or a ruling counts from the tick after it.
+    """Yield the arena at each of turtlesim's ticks; a list or a ruling counts from the tick after it.
 
     A name that comes back is another target.
     """
@@ -83,7 +83,7 @@ def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[Worl
         time_ms = tick * TICK_MS
         while lists and lists[0][0] < time_ms:
             listed_ms, turtles = lists.popleft()
-            listed = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name it is not in turtlesim
+            listed = {turtle.name: turtle for turtle in turtles if turtle.name}  # without a name: not in turtlesim
             born = {name: born.get(name) or (next(numbers), int(listed_ms)) for name in listed}
         catches = by_tick.get(tick, [])
         for one in catches:

@@ -9,16 +9,16 @@ from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, Servi
 from catch_arena.ros.middleware.names import Backend
 
 DEPTH: Final = 10
-"""Messages of each topic that are kept until they are read, as usual in ROS; then the oldest is lost."""
+"""Number of unread messages that each topic keeps, as usual in ROS; after that the oldest is lost."""
 SERVICE_DEPTH: Final = 64
-"""Requests of each service that are kept until they are read, and calls that are kept until they are answered."""
+"""Number of unread requests that each service keeps, and of unanswered calls that are kept."""
 SPIN_S: Final = 0.004
-"""Longest time of a spin, but for one more message of each topic and service."""
+"""Longest time of a spin [s], except for one more message of each topic and service."""
 LONGEST: Final = 2**17
-"""Bytes of a message. A longer one is left out: the arena needs none, and reading it takes time."""
+"""Size of the longest message [bytes]. A longer one is left out: the arena needs none, and reading it takes time."""
 
 Log = Callable[[str], object]
-"""Takes one line for people."""
+"""Function that takes one line for readers."""
 
 
 class OnceLog:
@@ -45,7 +45,7 @@ class Request:
 
     message: Any
     answer: Callable[[Any], None]
-    """Sends the response."""
+    """Function that sends the response."""
 
 
 class Call:
@@ -53,7 +53,7 @@ class Call:
 
     def __init__(self) -> None:
         self.response: Any = None
-        """None until it has come."""
+        """The response; None until it has come."""
 
 
 EndpointKind = Literal["publisher", "subscription", "service", "client"]
@@ -63,18 +63,18 @@ class Endpoint(NamedTuple):
     """A publisher, subscription, service or client of another node."""
 
     node: str
-    """Its full name: /turtle_controller."""
+    """Full name of the node: /turtle_controller."""
     kind: EndpointKind
     name: str
-    """Of the topic or the service."""
+    """Name of the topic or the service."""
     type: str
-    """As ROS writes it: turtlesim/msg/Pose."""
+    """Name of the type, as ROS writes it: turtlesim/msg/Pose."""
     fields_differ: bool = False
     """True if the type has the name of ours and other fields."""
 
 
 class Client(Protocol):
-    """Calls one service."""
+    """Client of one service."""
 
     @property
     def ready(self) -> bool:
@@ -89,7 +89,7 @@ class Client(Protocol):
 
 
 class Bus(ABC):
-    """A middleware, reached by a back-end. All is done by the thread that calls `spin`, in which callbacks run.
+    """A middleware, reached by a back-end. Callbacks run in the thread that calls `spin`, which does all the work.
 
     A back-end that cannot report other nodes keeps the answers of this class.
     """
@@ -107,16 +107,16 @@ class Bus(ABC):
         return given
 
     def graph(self) -> list[Endpoint] | None:
-        """Return the endpoints of all other nodes; None if the middleware does not tell."""
+        """Return the endpoints of all other nodes; None if the middleware does not report them."""
         return None
 
     def listeners_to(self, topic: str) -> int | None:
-        """Return the number of a topic's subscriptions; None if the middleware does not tell."""
+        """Return the number of a topic's subscriptions; None if the middleware does not report it."""
         del topic
         return None
 
     def publishers_of(self, topic: str) -> int | None:
-        """Return the number of publishers of a topic that was subscribed to; None if the middleware does not tell."""
+        """Return the number of publishers of a subscribed topic; None if the middleware does not report it."""
         del topic
         return None
 
@@ -126,7 +126,7 @@ class Bus(ABC):
 
     @abstractmethod
     def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
-        """Subscribe to a topic; a message that cannot be read is left out, with one line for all of them."""
+        """Subscribe to a topic. Messages that cannot be read are left out; one line is logged for all of them."""
 
     @abstractmethod
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
@@ -138,9 +138,9 @@ class Bus(ABC):
 
     @abstractmethod
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Handle what has come, one message of each topic and service in turn, for SPIN_S.
+        """Handle the messages that have come, one of each topic and service in turn, for SPIN_S.
 
-        If nothing has come, wait up to `timeout_s`. The rest waits for the next spin, in queues that lose their oldest.
+        If none has come, wait up to `timeout_s`. The rest waits for the next spin, in queues that drop their oldest.
         """
 
     @abstractmethod

@@ -30,7 +30,7 @@ from catch_arena.text import one_line
 
 _ANY: Final[int] = Views.Any | Instances.Any | Samples.Any
 _REPLY_WAIT_S: Final = 0.1
-"""A response waits so long for its client's reader, which may become known later than the request."""
+"""Longest wait of a response for its client's reader, which may be discovered after the request [s]."""
 
 OnSample = Callable[[Any], object]
 
@@ -39,22 +39,22 @@ class DdsBus(Bus):
     """See `catch_arena.ros.middleware.bus.Bus`.
 
     Args:
-        domain: from 0 to 232.
-        log: takes one line whenever there is something that people should know.
+        domain: DDS domain, from 0 to 232.
+        log: takes one line for each event that a user should see.
 
     Raises:
-        BusError: if it cannot be joined.
+        BusError: if the domain cannot be joined.
     """
 
     backend = "cyclonedds"
 
     def __init__(self, domain: int, *, log: Log) -> None:
-        user = Policy.Userdata(b"enclave=/;")  # ROS recognises participants of its own by it
+        user = Policy.Userdata(b"enclave=/;")  # ROS recognises its own participants by it
         self._participant = join(domain, Qos(user))
         self._log = OnceLog(log)
         self._waiting = WaitSet(self._participant)
         self._readers: dict[str, _Reader] = {}
-        """By their topics of DDS."""
+        """Readers by their DDS topics."""
         self._late: list[_Reply] = []
         self._ids = count(1)
         self._watch = FastDdsWatch(self._participant, log)
@@ -95,11 +95,11 @@ class DdsBus(Bus):
         return client
 
     def publishers_of(self, topic: str) -> int:
-        """Return the number of publishers of a topic that was subscribed to."""
+        """Return the number of publishers of a subscribed topic."""
         return _matched(self._readers[f"rt{topic}"].reader)
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Handle what has come, one sample of each topic and service in each round."""
+        """Handle the samples that have come, one of each topic and service in each round."""
         if timeout_s > 0.0:
             self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
         end = time.monotonic() + SPIN_S
@@ -118,8 +118,8 @@ class DdsBus(Bus):
         del self._waiting, self._participant
 
     def _hand_out(self, one: "_Reader") -> int:
-        """Handle the oldest sample of a reader, and return their number: 0 or 1."""
-        taken = ddspy_take(one.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's own take cannot leave one out
+        """Handle the oldest sample of a reader, and return the number of taken samples: 0 or 1."""
+        taken = ddspy_take(one.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's own take cannot skip a bad sample
         if isinstance(taken, int):
             raise DDSException(taken, f"on {ros_name(one.reader.topic.name)}")
         for data, info in taken:
@@ -127,7 +127,7 @@ class DdsBus(Bus):
                 continue
             try:
                 sample = one.reader.topic.data_type.deserialize(data)
-            except Exception as error:  # noqa: BLE001 - what strangers send may fail anywhere in the decoder
+            except Exception as error:  # noqa: BLE001 - messages of other nodes may fail anywhere in the decoder
                 what = f"a message on {ros_name(one.reader.topic.name)} cannot be read"
                 self._log.warn(f"{what} ({type(error).__name__})", what)
             else:
@@ -143,16 +143,16 @@ class DdsBus(Bus):
             self._write(reply.writer, reply.sample)
 
     def _write(self, writer: DataWriter[Any], sample: Any) -> None:
-        """Send a sample; one that cannot be sent is left out, since a stranger's name may hold a zero byte."""
+        """Send a sample, or drop it with a warning if that fails: a requested name may hold a zero byte."""
         try:
             writer.write(sample)
-        except Exception as error:  # noqa: BLE001 - the package raises nothing narrower for what is too long
+        except Exception as error:  # noqa: BLE001 - the package raises nothing narrower for a value that is too long
             why = code_of(error) if isinstance(error, DDSException) else one_line(str(error.__cause__ or error))
             what = f"a message on {ros_name(writer.topic.name)} cannot be sent"
             self._log.warn(f"{what} ({why})", what)
 
     def _next_id(self) -> str:
-        """Return the id by which a service's reader and writer are known to belong together."""
+        """Return a new id by which other nodes match the reader and the writer of a service or a client."""
         head = self._participant.guid.bytes[:12]
         return ".".join(f"{byte:x}" for byte in head + next(self._ids).to_bytes(4, "big"))
 
@@ -179,23 +179,23 @@ class DdsBus(Bus):
 
 
 class _Reader(NamedTuple):
-    """One reader, and what to do with its samples."""
+    """One reader, and the function that handles its samples."""
 
     reader: DataReader[Any]
     fresh: ReadCondition
-    """True while it has samples."""
+    """Condition that is true while the reader has unread samples."""
     on_sample: OnSample
 
 
 class _Reply(NamedTuple):
-    """A response that is to go to one client."""
+    """A response to one client that is not sent yet."""
 
     writer: DataWriter[Any]
     requests: _Reader
     """The reader of its service's requests."""
     sample: Any
     due_s: float
-    """The time at which it is sent in any case."""
+    """Monotonic time at which it is sent in any case [s]."""
 
 
 class _DdsClient:
@@ -223,7 +223,7 @@ class _DdsClient:
         for handle in self._writer.get_matched_subscriptions():
             server = self._writer.get_matched_subscription_data(handle)
             if server is not None and is_fast_dds(str(server.participant_key)):
-                # It never answers, and may run out of memory over the request.
+                # Such a server never answers, and may run out of memory over the request.
                 raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
         return True
 
@@ -231,7 +231,7 @@ class _DdsClient:
         """Send a request."""
         number = next(self._numbers)
         self._calls[number] = call = Call()
-        if len(self._calls) > SERVICE_DEPTH:  # the oldest is not waited for any more
+        if len(self._calls) > SERVICE_DEPTH:  # the oldest call is given up
             del self._calls[next(iter(self._calls))]
         self._write(self._writer, to_sample(self._kind.request, request, client=self._own, number=number))
         return call

@@ -1,4 +1,4 @@
-"""The DDS domain of this process, and where other processes are looked for: as ROS's environment variables say."""
+"""The DDS domain of this process and its discovery of other processes, by ROS's environment variables."""
 
 import os
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import LONGEST
 
 _INDEXED: Final = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>120</MaxAutoParticipantIndex>"
-"""Without multicast, each process that could be on a host is asked by its number."""
+"""Settings that allow discovery without multicast: each possible process of a host is asked by its number."""
 _SUBNET: Final = f"<Discovery>{_INDEXED}</Discovery>"
 _LOCALHOST: Final = (
     '<General><Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces>'
@@ -19,7 +19,7 @@ _LOCALHOST: Final = (
     "</Discovery>"
 )
 _domains: Final[dict[int, Domain]] = {}
-"""The domains that this process has configured, which is possible once."""
+"""Domains that this process has configured; each can be configured only once."""
 
 
 def join(domain: int, qos: Qos) -> DomainParticipant:

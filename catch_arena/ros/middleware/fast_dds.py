@@ -12,11 +12,11 @@ FAST_DDS: Final = (
     "a node with Fast DDS, ROS's default middleware, {what}, and its services cannot be spoken to over cyclonedds: "
     "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus rclpy or --bus rosbridge"
 )
-"""The one line, with its ways out."""
+"""The warning about a node with Fast DDS, with the ways to use it."""
 _VENDOR: Final = "010f"
-"""Ids of Fast DDS begin with it; Cyclone's begin with 0110."""
+"""Beginning of the process ids of Fast DDS; Cyclone's begin with 0110."""
 _IN_ONE_SPIN: Final = 8
-"""Readers and writers that are examined in one spin, each for 0.1 ms, so that hundreds do not hold up a tick."""
+"""Number of readers, and of writers, examined in one spin, 0.1 ms each, so that hundreds do not hold up a tick."""
 
 
 def is_fast_dds(process: str) -> bool:
@@ -25,10 +25,10 @@ def is_fast_dds(process: str) -> bool:
 
 
 class FastDdsWatch:
-    """Warns once if a node with Fast DDS has to do with a topic that does not work between it and Cyclone.
+    """Watch that warns once if a node with Fast DDS uses a topic that does not work between it and Cyclone.
 
     Args:
-        participant: of this process.
+        participant: DDS participant of this process.
         log: takes the line.
     """
 
@@ -38,7 +38,7 @@ class FastDdsWatch:
         ]
         self._log = log
         self.topics: set[str] = set()
-        """The topics of DDS that do not work."""
+        """DDS topics that do not work between Fast DDS and Cyclone."""
 
     def look(self) -> None:
         """Examine some of the readers and writers that have appeared."""
@@ -50,5 +50,5 @@ class FastDdsWatch:
                 return
 
     def close(self) -> None:
-        """Examine no more."""
+        """Stop examining readers and writers."""
         self._appeared.clear()

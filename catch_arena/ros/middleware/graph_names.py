@@ -11,14 +11,14 @@ STANDINGS: Final = "/standings"
 CLOCK: Final = "/clock"
 
 CATCH_TURTLE: Final = "/catch_turtle"
-"""Shared by all hunters; each may have one of its own too."""
+"""Catch service that all hunters share; each hunter may also have its own."""
 SPAWN: Final = "/spawn"
 KILL: Final = "/kill"
 CLEAR: Final = "/clear"
 RESET: Final = "/reset"
 
 POSE: Final = "/pose"
-"""Comes after a turtle's name."""
+"""Ending of a pose's topic, after the turtle's name."""
 
 
 def pose_of(turtle: str) -> str:

@@ -13,7 +13,7 @@ from catch_arena import messages
 from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
 
 OWN_PACKAGE: Final = "catch_arena_interfaces"
-"""Ours: ros2/catch_arena_interfaces."""
+"""Name of our package of types: ros2/catch_arena_interfaces."""
 
 UInt8 = Annotated[int, "uint8"]
 Int32 = Annotated[int, "int32"]
@@ -25,14 +25,14 @@ class Field(NamedTuple):
     """One line of a definition."""
 
     name: str
-    """Empty if a student's own type lacks it: it is not sent, and is zero when it is read.
+    """Name of the field; empty if a student's own type lacks it: it is not sent, and is zero when it is read.
 
     Dots lead into messages: turtle.name.
     """
     type: "str | MessageType"
     """ROS's word for a bool, a string or a number, or another message."""
     is_sequence: bool
-    """Only of messages."""
+    """True for a sequence; only messages can be in one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class MessageType:
     """A message, or one half of a service."""
 
     name: str
-    """As ROS writes it: turtlesim/msg/Pose, turtlesim/srv/Spawn_Request."""
+    """Name of the type, as ROS writes it: turtlesim/msg/Pose, turtlesim/srv/Spawn_Request."""
     make: Callable[..., Any]
     """The NamedTuple that stands for one; its fields are those of `fields`, in their order."""
     fields: tuple[Field, ...]
@@ -60,7 +60,7 @@ class ServiceType:
     """A service: its request and its response."""
 
     name: str
-    """As ROS writes it: turtlesim/srv/Spawn."""
+    """Name of the type, as ROS writes it: turtlesim/srv/Spawn."""
     request: MessageType
     response: MessageType
 
@@ -131,15 +131,15 @@ class RulingMessage(NamedTuple):
     """catch_arena_interfaces/msg/Ruling: the arbiter's ruling on one request (R5.6)."""
 
     time: float
-    """The arena's, when the step began in which it was judged [s]."""
+    """The arena's time at the beginning of the step in which the request was judged [s]."""
     step: UInt32
     hunter: str
     target: str
-    """The name that was asked for, cut to 255 characters."""
+    """The requested name, cut to 255 characters."""
     verdict: str
     success: bool
     distance: float
-    """Between the centres [m]; -1 if reach was not tested."""
+    """Distance between the centres [m]; -1 if reach was not tested."""
     winner: str
     """The hunter that won the target, if the request was granted or lost a contest; else empty."""
     clause: str
@@ -150,13 +150,13 @@ class StandingMessage(NamedTuple):
     """catch_arena_interfaces/msg/Standing: the score and the rank of one hunter."""
 
     time: float
-    """The arena's [s]."""
+    """The arena's time [s]."""
     hunter: str
     player: str
     score: UInt32
     rank: UInt32
     over: bool
-    """Whether the match has ended."""
+    """True if the match has ended."""
 
 
 def message_type(name: str, make: Callable[..., Any], *parts: MessageType, floats: str = "float64") -> MessageType:
@@ -244,7 +244,7 @@ class Interfaces:
         self.set_pen = service_type(f"{turtlesim}/srv/SetPen", SetPenRequest, Empty)
 
     def with_types(self, turtle_array: MessageType, catch_turtle: ServiceType) -> "Interfaces":
-        """Return the same with a list and a catch service of another package."""
+        """Return a copy with a list and a catch service of another package."""
         changed = Interfaces(catch_turtle.name.partition("/")[0], self.turtlesim)
         (turtles,) = turtle_array.fields
         if isinstance(turtles.type, MessageType):

@@ -4,9 +4,9 @@ from typing import Final, Literal, get_args
 
 Backend = Literal["rclpy", "cyclonedds", "rosbridge"]
 BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
-"""In the order in which they are tried."""
+"""Back-ends in the order in which they are tried."""
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"
-"""Where rosbridge's server usually listens."""
+"""Usual address of rosbridge's server."""
 INTERFACES: Final = "my_robot_interfaces"
 """The exercise's package, with Turtle, TurtleArray and CatchTurtle."""
 TURTLESIM: Final = "turtlesim"

@@ -14,7 +14,7 @@ from catch_arena.ros.middleware.names import BACKENDS, BRIDGE_URL, INTERFACES, B
 from catch_arena.text import one_line
 
 _HIGHEST_DOMAIN: Final = 232
-"""The ports of the domains above it do not exist."""
+"""The highest DDS domain id; the ports of higher ones do not exist."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy.node"}
 _INSTALL: Final = install_hint("ros")
 _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -34,13 +34,13 @@ def open_bus(
     Args:
         backend: None takes the first of BACKENDS that works here.
         node: the node's name, over rclpy.
-        domain: DDS's, from 0 to 232; None is ROS_DOMAIN_ID, or 0. A rosbridge server has its own.
-        url: rosbridge's server; None is BRIDGE_URL.
-        log: takes one line whenever there is something that people should know.
+        domain: DDS domain, from 0 to 232; None is ROS_DOMAIN_ID, or 0. A rosbridge server has its own.
+        url: address of rosbridge's server; None is BRIDGE_URL.
+        log: takes one line for each event that a user should see.
 
     Raises:
         ConfigError: for a domain that does not exist, or a domain or a url that this back-end does not use.
-        BusError: if what it needs is not installed, or if the bus cannot be reached.
+        BusError: if a needed package is not installed, or if the bus cannot be reached.
     """
     number = _checked_domain(domain)
     if backend is None:

@@ -1,4 +1,4 @@
-"""The bus by ROS's own library: any middleware that is set there works, services too."""
+"""The bus by ROS's own library, rclpy, over any middleware that is set there; services work too."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -16,7 +16,7 @@ class RclpyBus(Bus):
     """See `catch_arena.ros.middleware.bus.Bus`.
 
     Args:
-        node: its name.
+        node: name of the node.
         domain: from 0 to 232.
     """
 
@@ -42,7 +42,7 @@ class RclpyBus(Bus):
         """Number of answers that were given and have not left yet."""
 
     def interfaces(self, given: Interfaces) -> Interfaces:
-        """Return the types of the nodes that are there, else of the one package that has them."""
+        """Return the types of the nodes on the bus, or else of the only package that has them."""
         if self._types is None:
             self._types = found_types(Interfaces(given.package, turtlesim_package(given.turtlesim)), self.graph)
         return self._types
@@ -50,13 +50,13 @@ class RclpyBus(Bus):
     def graph(self) -> list[Endpoint]:
         """Return the endpoints of all other nodes.
 
-        Topics are asked for one by one: of several nodes with one name ROS would tell only the topics of the first.
+        Endpoints are read topic by topic: for several nodes with one name ROS reports only the topics of the first.
         """
         node = self._node
         nodes = list(node.get_node_names_and_namespaces())
         own = node.get_name(), node.get_namespace()
         if own in nodes:
-            nodes.remove(own)  # another of that name stays: a second arena, which does as this one
+            nodes.remove(own)  # another node of that name stays: a second arena, with the same endpoints
         found = [end for topic, _ in node.get_topic_names_and_types() for end in self._ends_of(topic)]
         asked: tuple[tuple[EndpointKind, Any], ...] = (
             ("service", node.get_service_names_and_types_by_node),
@@ -65,7 +65,7 @@ class RclpyBus(Bus):
         for name, space in nodes:
             full = _full_name(space, name)
             for kind, ask in asked:
-                with suppress(RuntimeError):  # it has just gone
+                with suppress(RuntimeError):  # the node has just gone
                     found += [Endpoint(full, kind, one, kept) for one, types in ask(name, space) for kept in types]
         there = {_full_name(space, name) for name, space in nodes}
         return [end for end in found if end.node in there]
@@ -138,7 +138,7 @@ class RclpyBus(Bus):
         return int(self._node.count_publishers(topic))
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Handle what has come.
+        """Handle the messages that have come.
 
         An executor handles one message in each turn, of all topics and services in turn, and resumes each unanswered
         request in between.

@@ -26,12 +26,12 @@ _BY_KIND: Final = {"text", "bool", "list of messages"}
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"), "success": ("success", "sucess")}
 """Other names that solutions of the exercise have for a field, the usual one first."""
 _LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
-"""Names of types that are preferred if several fit: a course's package often has a set_led too."""
+"""Pattern of the type names that are preferred if several fit: a course's package often has a set_led too."""
 _CORRECT: Final = (
     "correct the file, build the package again with colcon and source it; ros2/catch_arena_interfaces is an example"
 )
 _LOOK_S: Final = 2.0
-"""If several packages have the types, nodes that use one of them are looked for so long."""
+"""Time of the search for nodes that use a package's types, if several packages have them [s]."""
 _MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
@@ -49,7 +49,7 @@ def ros_class(name: str) -> Any:
 
 
 def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> Interfaces:
-    """Return the types of the nodes that are there, else of the one package that has them.
+    """Return the types of the nodes on the bus, or else of the only package that has them.
 
     Args:
         given: the packages of --interfaces and --turtlesim; a package that is not the usual one is taken.
@@ -77,16 +77,16 @@ def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> I
 
 
 def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: str = "") -> Interfaces:
-    """Return a package's types in the place of CatchTurtle and TurtleArray: of these names, or the only ones that fit.
+    """Return a package's types for CatchTurtle and TurtleArray: those of these names, or the only ones that fit.
 
     Args:
-        package: its name.
+        package: name of the package.
         given: the exercise's own types.
         turtles: the type of the list that a node uses, if that is known: other_msgs/msg/Turtles.
         catch: the type of its service.
 
     Raises:
-        BusError: if it has none, or several.
+        BusError: if the package has no type that fits, or several.
     """
 
     def service(name: str) -> ServiceType:
@@ -183,7 +183,7 @@ def _tried(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str,
 
 
 def _is_near(fault: str, package: str) -> bool:
-    """Return whether a fault is about a type that by its name may be meant for the exercise."""
+    """Return whether a fault is about a type whose name looks like one of the exercise."""
     return _LIKELY.search(" ".join(fault.replace(package, "").split()[:2])) is not None
 
 

@@ -1,4 +1,4 @@
-"""The bus by rosbridge's JSON over a websocket: any middleware and any ROS, on the side where the server runs."""
+"""The bus by rosbridge's JSON over a websocket: the server's side may have any middleware and any ROS."""
 
 import json
 import math
@@ -19,22 +19,27 @@ from catch_arena.text import in_short, one_line
 
 _OPEN_S: Final = 5.0
 _CALL_OPEN_S: Final = 1.0
-"""The connection of a call is waited for so long."""
+"""Longest wait for the connection of a call [s]."""
 _CLOSE_S: Final = 1.0
 _READ_S: Final = 0.5
-"""The end waits so long for the server to read it."""
+"""Longest wait for the server to read the end of the services [s]."""
 _CALL_S: Final = 0.005
-"""While a call is under way, all connections are read this often."""
+"""Period in which all connections are read while a call waits for its response [s]."""
 _LONGEST_FRAME: Final = 32 * 2**20
-"""Bytes; a longer one ends the connection. rosbridge cuts at 10 MB, and a quote in it takes two bytes then."""
+"""Size of the longest frame [bytes]; a longer one ends the connection.
+
+rosbridge cuts messages at 10 MB, and a quote takes two bytes in a frame.
+"""
 _OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
-"""rosbridge's own. Its response, or the error of a server without it, says that all before it was read."""
+"""Service of rosbridge itself. Its response, or the error of a server without it, proves that all frames before the
+call were read.
+"""
 _KINDS: Final = {"string": (str,), "bool": (bool,), "float32": (int, float), "float64": (int, float)}
-"""JSON's types of a field, by ROS's word; other fields are whole numbers."""
+"""JSON types of a field by ROS's name of its type; other fields are whole numbers."""
 
 
 class _Inbox(NamedTuple):
-    """The frames of one topic or service that have come, and what to do with each."""
+    """Unread frames of one topic or service, and the function that handles each."""
 
     frames: deque[dict[str, Any]]
     handle: Callable[[dict[str, Any]], None]
@@ -50,11 +55,11 @@ class _OpenCall(NamedTuple):
 
 
 class RosbridgeBus(Bus):
-    """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, nothing comes any more, with one line for it.
+    """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, one line is logged, and no more frames come.
 
     Args:
-        url: the server's.
-        log: takes one line whenever there is something that people should know.
+        url: address of the server.
+        log: takes one line for each event that a user should see.
 
     Raises:
         BusError: if no server answers.
@@ -65,7 +70,7 @@ class RosbridgeBus(Bus):
     def __init__(self, url: str, *, log: Log) -> None:
         self._url, self._log = url, OnceLog(log)
         self._inboxes: dict[tuple[str, str], _Inbox] = {}
-        """By what its frames do and by topic or service."""
+        """Inboxes by the frames' operation ("publish", "call_service") and by topic or service."""
         self._calls: dict[str, _OpenCall] = {}
         self._ids = count(1)
         try:
@@ -88,7 +93,7 @@ class RosbridgeBus(Bus):
             on_message(from_json(kind, frame.get("msg")))
 
         self._inboxes["publish", topic] = _Inbox(deque(maxlen=DEPTH), handle)
-        # Without a queue_length: its queue's thread in rosbridge never ends if it is left with something in it.
+        # Without a queue_length: the thread of such a queue in rosbridge never ends if messages are left in it.
         self._send({"op": "subscribe", "topic": topic, "type": kind.name})
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
@@ -115,7 +120,7 @@ class RosbridgeBus(Bus):
         return _BridgeClient(lambda request: self._call(service, kind, request))
 
     def spin(self, timeout_s: float = 0.0) -> None:
-        """Handle what has come."""
+        """Handle the frames that have come."""
         wait_s = min(timeout_s, _CALL_S) if self._calls else timeout_s
         if any(inbox.frames for inbox in self._inboxes.values()):
             wait_s = 0.0
@@ -137,12 +142,12 @@ class RosbridgeBus(Bus):
         self._connection.close()
 
     def _send(self, frame: dict[str, Any]) -> None:
-        """Send a frame; if the server is away it is left out."""
+        """Send a frame, or drop it if the server is away."""
         with suppress(OSError, WebSocketException):
             self._connection.send(json.dumps(frame))
 
     def _read(self, connection: ClientConnection, timeout_s: float = 0.0) -> bool:
-        """Sort in what has come over a connection, for SPIN_S, and return False if it has ended."""
+        """Read frames of a connection into their inboxes, for SPIN_S; return False if the connection has ended."""
         end = math.inf
         try:
             while time.monotonic() < end:
@@ -156,7 +161,7 @@ class RosbridgeBus(Bus):
         return True
 
     def _sort_in(self, text: str | bytes) -> None:
-        """Put a frame into its inbox, of which a full one loses its oldest."""
+        """Put a frame into its inbox; a full inbox drops its oldest frame."""
         if len(text) > LONGEST:
             self._warn_once(f"a frame of more than {LONGEST // 1024} KiB is left out")
             return
@@ -176,7 +181,7 @@ class RosbridgeBus(Bus):
                 inbox.frames.append(frame)
 
     def _hand_out(self, key: tuple[str, str]) -> int:
-        """Handle the oldest frame of an inbox, and return their number: 0 or 1."""
+        """Handle the oldest frame of an inbox, and return the number of handled frames: 0 or 1."""
         inbox = self._inboxes[key]
         if not inbox.frames:
             return 0
@@ -187,7 +192,7 @@ class RosbridgeBus(Bus):
         return 1
 
     def _call(self, service: str, kind: ServiceType, request: Any) -> Call:
-        """Call over a connection of its own: until a call is answered rosbridge reads nothing else of a connection."""
+        """Call a service over a new connection: rosbridge reads no further frame of a connection until the response."""
         call = Call()
         name = f"call_service:{service}:{next(self._ids)}"
         frame = {"op": "call_service", "id": name, "service": service, "args": to_json(kind.request, request)}
@@ -216,7 +221,7 @@ class RosbridgeBus(Bus):
         self._log.warn(f"rosbridge: {one_line(what)}", about or what)
 
     def _end_services(self) -> None:
-        """End them, and wait until rosbridge has read it: what it has not read when a connection ends is forgotten."""
+        """End the services, and wait until rosbridge has read that: it forgets unread frames when a connection ends."""
         served = [name for does, name in self._inboxes if does == "call_service"]
         if not served:
             return
@@ -232,7 +237,7 @@ class _BridgeClient:
     """See `catch_arena.ros.middleware.bus.Client`."""
 
     ready = True
-    """Rosbridge waits for the server itself, and answers with an error if there is none."""
+    """Always True: rosbridge itself waits for the server, and answers with an error if there is none."""
 
     def __init__(self, call: Callable[[Any], Call]) -> None:
         self.call = call
@@ -241,11 +246,11 @@ class _BridgeClient:
 def _connection_to(url: str, open_s: float) -> ClientConnection:
     opening = connect(
         url,
-        proxy=None,  # those of the environment are for the Web, and some take 127.0.0.1 too
+        proxy=None,  # the environment's proxies are for the Web, and some take 127.0.0.1 too
         open_timeout=open_s,
         close_timeout=_CLOSE_S,
         max_size=_LONGEST_FRAME,
-        max_queue=None,  # a flood is read, and its newest kept
+        max_queue=None,  # all frames of a flood are read, so that an inbox keeps the newest
         compression=None,
     )
     return ExitStack().enter_context(opening)  # websockets wants a context; `close` ends it
@@ -257,10 +262,10 @@ def to_json(kind: MessageType, message: Any) -> dict[str, Any]:
 
 
 def from_json(kind: MessageType, values: Any) -> Any:
-    """Return a message from rosbridge's.
+    """Return our message from rosbridge's JSON values.
 
     Raises:
-        ValueError: for what is no such message, in one line: a student's package may have other fields.
+        ValueError: for values that are no such message, in one line: a student's package may have other fields.
     """
     if not isinstance(values, dict) or any(field.name not in values for field in kind.fields):
         words = ", ".join(field.name for field in kind.fields) or "no field"
@@ -276,7 +281,7 @@ def _value(field: Field, value: Any) -> Any:
             return tuple(from_json(field.type, one) for one in value)
         raise ValueError(f"{field.name} must be a list, got {in_short(value)}")
     if field.type.startswith("float") and value is None:
-        return math.nan  # rosbridge's word for NaN and the infinities, which JSON does not have
+        return math.nan  # rosbridge's null for NaN and the infinities, which JSON does not have
     kinds = _KINDS.get(field.type, (int,))
     if type(value) in kinds:
         with suppress(OverflowError):

@@ -14,7 +14,7 @@ def ruling_message(ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> Ruli
 
     Args:
         ruling: the ruling.
-        time_ms: when the step began in which it was judged.
+        time_ms: beginning of the step in which it was judged [ms].
         hunters: their names, by seat.
     """
     return RulingMessage(

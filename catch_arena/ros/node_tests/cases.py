@@ -23,13 +23,13 @@ from catch_arena.verdicts import Ruling, Verdict
 
 _NOT_BY_SERVICE: Final = LeftOut("cannot be asked of a service", "cannot be asked of a service")
 _SETTLE_S: Final = (0.15, 1.0)
-"""Time for which a position stands before the request: in the first play of a case, and in a second one."""
+"""Time for which a position is published before the request [s]: in the first play of a case, and in the second."""
 _FITS_S: Final = 30.0
-"""Longest wait for a target of the node's own around which a case fits between the walls."""
+"""Longest wait for a target in the node's own list around which a case fits between the walls [s]."""
 _OWN_NAME: Final = "hunter_0"
 """Name of the hunter in the cases."""
 _LONG: Final = 200
-"""From this length on the length of a name may matter, so that it stays as it is."""
+"""Length above which the length of a name may matter, so that it is kept [characters]."""
 _STRICTNESS: Final = Strictness(evidence=False, success_only=True)
 
 _Question = tuple[Mapping[str, Any], ExpectedRuling]
@@ -53,7 +53,7 @@ def can_be_asked(case: ArbiterCase | ArenaCase) -> bool:
 
 
 def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -> Report:
-    """Play those of the cases that can be asked of a node that was met; in the report the others are not played.
+    """Play the cases that a node can be asked, after `meet`, and return a report; the other cases count as not played.
 
     Raises:
         BusError: if no node answers over this bus.
@@ -103,8 +103,9 @@ def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | 
 
 
 def _sent(token: str, name: str) -> str:
-    """Return the name under which the node is asked. A token makes it new to the node, because a caught target stays
-    caught (R3.4); the ending of a name stays, and so does a length at the limit.
+    """Return the name that is sent to the node, with a token that makes it new: a caught target stays caught (R3.4).
+
+    The ending of a name is kept, and so is its length if that is above _LONG.
     """
     if name == _OWN_NAME:
         return TURTLE
@@ -112,7 +113,7 @@ def _sent(token: str, name: str) -> str:
 
 
 def _questions(case: ArbiterCase) -> Iterator[_Question]:
-    """Return a case's questions: first those that catch what is caught in it."""
+    """Yield a case's questions: first those that catch the targets which are caught in it."""
     given = case.arguments()
     for name in given["caught"]:
         alone = {"targets": {name: case.hunters[0]}, "requests": [(0, name)], "caught": []}
@@ -126,7 +127,7 @@ def _fits_own(case: ArbiterCase) -> bool:
 
 
 def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Question]:
-    """Return a case's questions about the node's own targets: an answer may change its list before the next question.
+    """Yield a case's questions about the node's own targets: an answer may change its list before the next question.
 
     Raises:
         BusError: if the node lists no target that fits for long.
@@ -155,7 +156,7 @@ def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Quest
 
 
 def _places(case: ArbiterCase, target: Place) -> Iterator[Place]:
-    """Return where the hunter is as far from a target as in the case: on the same side, mirrored or turned."""
+    """Yield places at the case's distance from a target [m]: on the same side, mirrored or turned."""
     (hunter,), (there,) = case.hunters, case.targets.values()
     dx, dy = hunter[0] - there[0], hunter[1] - there[1]
     for along, across in ((dx, dy), (dy, dx)):
@@ -170,7 +171,7 @@ def _granted(name: str) -> ExpectedRuling:
 
 
 def _can_be_sent(name: object) -> bool:
-    return isinstance(name, str) and "\0" not in name  # it ends a text in CDR
+    return isinstance(name, str) and "\0" not in name  # a zero byte ends a string in CDR
 
 
 def _float32(place: Place) -> Place:

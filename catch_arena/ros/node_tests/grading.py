@@ -14,7 +14,7 @@ from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 
 
 def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
-    """Grade a node by the tests of a spec, one after the other. A request without an answer fails its case.
+    """Yield a node's grades in the tests of a spec, one after the other. A request without an answer fails its case.
 
     Raises:
         ConfigError: for a test without cases that can be asked of a service, before the first request.
@@ -39,7 +39,11 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
 
 
 def _grade(test: GradingTest, report: Report) -> TestGrade:
-    """Return a grade whose failures are a line for the clauses of the failed cases."""
+    """Return a grade; its failures have one line for each set of clauses of failed cases.
+
+    Raises:
+        ConfigError: if no case was played.
+    """
     played = sum(result.played for result in report.results)
     if not played:
         raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")

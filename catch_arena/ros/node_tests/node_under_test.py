@@ -12,13 +12,13 @@ from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, KILL, SPAWN, T
 from catch_arena.ros.middleware.interfaces import Empty, Interfaces, Name
 
 ANSWER_S: Final = 2.0
-"""Longest wait for an answer."""
+"""Longest wait for an answer [s]."""
 _THERE_S: Final = 10.0
-"""Longest wait for a node to appear."""
+"""Longest wait for a node, or for a target in its list, to appear [s]."""
 _LOOK_S: Final = 0.5
-"""Time in which the bus finds publishers of the list."""
+"""Time in which the bus finds publishers of the list [s]."""
 _LISTEN_S: Final = 3.0
-"""Time to wait for a list if the bus does not know publishers: the exercise's spawner sends one after 2 s."""
+"""Wait for a list if the bus does not report publishers [s]: the exercise's spawner sends one after 2 s."""
 
 Place = tuple[float, float]
 
@@ -42,14 +42,14 @@ class NodeUnderTest:
         self.listed: dict[str, Place] = {}
         """Targets in the node's own list."""
         self.keeps_the_list = False
-        """Whether the node publishes the list itself."""
+        """True if the node publishes the list itself."""
         bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
         bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
         bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
         self._client = bus.client(service, interfaces.catch_turtle)
         self._spawned = 1
         self._answered = False
-        """Whether any request was answered."""
+        """True if any request was answered."""
 
     def meet(self) -> None:
         """Wait until the service is there, and publish the list if the node does not.
@@ -71,10 +71,10 @@ class NodeUnderTest:
             self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
 
     def wait_for_target(self) -> None:
-        """Hear what is new, and wait until the node's own list has a target.
+        """Handle new messages, and wait until the node's own list has a target.
 
         Raises:
-            BusError: if it stays empty.
+            BusError: if the list stays empty.
         """
         end = time.monotonic() + _THERE_S
         self._bus.spin(DT)
@@ -87,7 +87,7 @@ class NodeUnderTest:
         """Publish a position for a while, then request a target; return the answer, or None without one in time.
 
         Raises:
-            BusError: if no request was answered so far: over rosbridge `meet` cannot see that nobody serves it.
+            BusError: if no request was ever answered: over rosbridge `meet` cannot see that no node serves it.
         """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
@@ -115,7 +115,7 @@ class NodeUnderTest:
             self._bus.spin(left)
 
     def _on_list(self, message: TurtleArray) -> None:
-        if self._alive is None:  # else it is ours
+        if self._alive is None:  # else the list is ours
             self.keeps_the_list = True
             self.listed = {name: (x, y) for name, x, y, _ in message.turtles}
 

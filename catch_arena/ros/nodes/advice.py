@@ -1,4 +1,4 @@
-"""Lines for the authors of nodes: what their nodes do in vain, and what to type instead. Each is logged once."""
+"""Advice for the authors of nodes: mistakes of their nodes, and commands that correct them. Each is logged once."""
 
 from collections.abc import Collection, Sequence
 from typing import Final
@@ -11,11 +11,11 @@ from catch_arena.text import one_line
 from catch_arena.verdicts import Ruling, Verdict
 
 _AGAIN: Final = 10
-"""After this many requests for targets that are gone the author gets a line."""
+"""Number of requests for targets that are gone after which the author gets a line."""
 
 
 class Advice:
-    """Log of one match.
+    """Collector of the advice in one match.
 
     Args:
         config: the arena's settings.
@@ -38,7 +38,7 @@ class Advice:
         Args:
             hunter: the hunter that asked.
             ruling: the ruling.
-            asked: the targets that were asked for it in this step.
+            asked: the targets that this hunter requested in this step.
         """
         if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
             self._too_far[hunter].append(ruling.distance_um)

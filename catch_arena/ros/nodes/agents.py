@@ -16,7 +16,7 @@ from catch_arena.tournament.players import Answer, Players
 from catch_arena.tournament.secret import agent_seed
 
 ASK_EVERY_MS: Final = 100
-"""R1.3: the usual control period, so that agents play as in any other match."""
+"""R1.3: the usual control period [ms], so that agents play as in any other match."""
 
 
 class AgentActions(NamedTuple):
@@ -28,7 +28,7 @@ class AgentActions(NamedTuple):
 
 
 class AgentSeats:
-    """Hunters that agents drive. The arena does not wait: an action holds until the next one is there.
+    """Hunters that agents drive. The arena does not wait: an action holds until the next one comes.
 
     Args:
         service: the arena.
@@ -52,7 +52,7 @@ class AgentSeats:
     def begin(self, seed: int) -> None:
         """Begin a match."""
         if self._answers is not None:
-            self._answers.exception()  # it is about the match before
+            self._answers.exception()  # wait for the answers about the previous match, and drop them
             self._answers = None
         self._next_ms = 0
         for hunters in (self._cmd_vel, self._goals, self.forfeits):

@@ -34,15 +34,15 @@ from catch_arena.tournament.ranks import ranks_of
 from catch_arena.world import World
 
 _SECOND: Final = 1000 // TICK_MS
-"""In ticks: period in which everything is published again for new listeners."""
+"""Period in which everything is published again for new listeners [ticks]."""
 _OFTEN: Final = 6
-"""In ticks: period in which moving targets are published, and nodes that have gone are found."""
+"""Period in which moving targets are published, and nodes that have gone are found [ticks]."""
 _MOST_JUDGED: Final = 4
-"""R8.4: number of one hunter's requests in one step that are judged. Only the first can be granted, and all clients of
+"""R8.4: the most requests of one hunter that are judged in one step. Only the first can be granted, and all clients of
 a shared service get all answers, in a queue of ten.
 """
 _HELD: Final = 10
-"""In ticks: a new node gets its pose for this long before the list of targets, because many solutions need its pose."""
+"""Time in which a new node gets its pose before the list of targets [ticks]: many solutions need the pose first."""
 _EXERCISE_CMD_VEL: Final = graph_names.cmd_vel_of(graph_names.TURTLE)
 _REFUSED: Final = CatchTurtleResponse(success=False)
 """Answer to a request that is not judged."""
@@ -84,9 +84,9 @@ class ArenaNode:
         self._log_once = OnceLog(log)
         self._neighbours = Neighbours(hunters, [seat.hunter for seat in self.seats], interfaces, log)
         self._explained = False
-        """Whether the author of a node that drives turtle1 was told how to remap it."""
+        """True if the advice on remapping a node that drives turtle1 was logged."""
         self._pending: list[tuple[str, Request]] = []
-        """Catch requests that wait for the next step, each with the hunter that asks."""
+        """Catch requests for the next step, each with the hunter that asks."""
         self._ticks = 0
         self._list_from = 0
         """The first tick in which the list of targets may be published."""
@@ -101,7 +101,7 @@ class ArenaNode:
             drawing[graph_names.set_pen_of(graph_names.TURTLE)] = interfaces.set_pen
             self._cmd_vels[only.hunter].append(_EXERCISE_CMD_VEL)
             poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
-        elif self.seats:  # turtle1 is no hunter
+        elif self.seats:  # no hunter is called turtle1 here
             bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _: self._explain_remapping())
         self._watched = [topic for seat in self.seats for topic in poses[seat.hunter]]
         """Topics whose new listeners are new nodes."""
@@ -180,7 +180,7 @@ class ArenaNode:
         return tuple(ranks[team] for team in config.team_by_seat), scores
 
     def log_missing(self, *, again: bool) -> None:
-        """Log the seats that wait for a node, with a command for each; `again` with the nodes that were seen."""
+        """Log the seats that wait for a node, with a command for each; `again` adds the nodes that were seen."""
         shared = len(self.seats) > 1
         for seat in self.missing:
             topic = graph_names.cmd_vel_of(seat.hunter) if shared else _EXERCISE_CMD_VEL
@@ -208,7 +208,7 @@ class ArenaNode:
             return lambda _: None
 
     def _publish_state(self, world: World) -> None:
-        """Publish the poses and what has changed; from time to time also the rest, for new listeners."""
+        """Publish the poses and all changes; from time to time also the rest, for new listeners."""
         for hunter, publishers in zip(world.hunters, self._poses, strict=True):
             for publish in publishers:
                 publish(hunter.pose)
@@ -262,7 +262,7 @@ class ArenaNode:
                 self._lists.append(self._bus.publisher(name, self._interfaces.turtle_array))
 
     def _explain_remapping(self) -> None:
-        if self._explained:  # a flood of Twists must not cost a look at the bus for each
+        if self._explained:  # `missing` asks the bus, which is too slow for each Twist of a flood
             return
         self._explained = True
         self.advice.explain_remapping([seat.hunter for seat in self.missing or self.seats])
@@ -275,7 +275,7 @@ class ArenaNode:
     # services
 
     def _on_catch_turtle(self, request: Request) -> None:
-        """Take a request at the service that all hunters share: a bus does not tell who asks."""
+        """Take a request at the shared service, or refuse it unless one seat is for nodes: no bus names the client."""
         if len(self.seats) == 1:
             self._ask(self.seats[0], request)
         else:

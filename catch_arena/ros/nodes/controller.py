@@ -23,9 +23,9 @@ from catch_arena.tournament.players import Players
 from catch_arena.tournament.secret import agent_seed
 
 PERIOD_S: Final = 0.1
-"""R1.3: period of the exercise's control loop."""
+"""R1.3: period of the exercise's control loop [s]."""
 _ANSWER_S: Final = 1.0
-"""A request without an answer is repeated after this time."""
+"""Time after which a request without an answer is repeated [s]."""
 _ALONE: Final[dict[str, Any]] = {
     "hunters": 1,
     "initial_targets": 0,
@@ -46,7 +46,7 @@ class Controller:
         bus: the bus.
         players: the agent in seat 0.
         config: reach and limits of the turtle; the rest is the exercise's.
-        turtle: its name.
+        turtle: name of the turtle.
         interfaces: the packages of the types.
         service: the service to call; None is the turtle's own, /turtle1/catch_turtle, if it is served, else
             /catch_turtle.
@@ -70,14 +70,14 @@ class Controller:
         self._pose: Pose | None = None
         self._targets: list[Turtle] = []
         self._listed_s: dict[str, float] = {}
-        """Time at which each of the targets was first in the list."""
+        """Monotonic time at which each of the targets was first in the list [s]."""
         self._calls: dict[str, tuple[Call, float]] = {}
-        """Requests by target, each with its time."""
+        """Unanswered requests by target, each with its monotonic time [s]."""
         self._caught = 0
         self._log_once = OnceLog(log)
         self._cmd_vel = bus.publisher(cmd_vel_of(turtle), TWIST)
         self._services = [CATCH_TURTLE] if service is None else [service]
-        if service is None and bus.backend != "rosbridge":  # it does not report services
+        if service is None and bus.backend != "rosbridge":  # rosbridge does not report services
             self._services.insert(0, catch_turtle_of(turtle))
         self._clients = [bus.client(name, interfaces.catch_turtle) for name in self._services]
         bus.subscribe(pose_of(turtle), interfaces.pose, self._on_pose)
@@ -102,7 +102,7 @@ class Controller:
         (hunter,) = world.hunters
         self._cmd_vel(TwistMessage.of(hunter.linear_velocity, hunter.angular_velocity))
         for ruling in world.rulings:
-            if ruling.success:  # it is within reach: call the referee
+            if ruling.success:  # the target is within reach: call the referee
                 self._request_catch(names[str(ruling.target)])
 
     def stop(self) -> None:

@@ -1,4 +1,4 @@
-"""What other nodes do that the arena or a player would suffer from: each is told once, with what to type."""
+"""Checks of other nodes that would disturb the arena or a player: each problem is logged once, with a command."""
 
 from collections.abc import Collection, Iterator, Sequence
 from typing import Final
@@ -21,17 +21,17 @@ RUN: Final = "ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
 
 
 def run_line(hunter: str, *, shared: bool) -> str:
-    """The command that starts the exercise's controller for one hunter.
+    """Return the command that starts the exercise's controller for one hunter.
 
     Args:
-        hunter: whose node it is to be.
-        shared: whether several seats are for nodes, so that each must be told which is its own.
+        hunter: the hunter that the node is to drive.
+        shared: whether several seats are for nodes, so that each node needs a remapping to its own.
     """
     return f"{RUN} {remapping_to(hunter)}" if shared else RUN
 
 
 def remapping_to(hunter: str) -> str:
-    """Return the words that let a node of the exercise drive and ask for one hunter."""
+    """Return the arguments with which a node of the exercise drives one hunter and requests catches for it."""
     names = [
         (cmd_vel_of(TURTLE), cmd_vel_of(hunter)),
         (pose_of(TURTLE), pose_of(hunter)),
@@ -41,11 +41,11 @@ def remapping_to(hunter: str) -> str:
 
 
 class Neighbours:
-    """Looks at the graph.
+    """Checker of the bus's graph.
 
     Args:
         hunters: all hunters' names.
-        driven: those that nodes drive.
+        driven: names of the hunters that nodes drive.
         interfaces: the arena's types.
         log: takes one line for each thing that is found.
     """
@@ -60,18 +60,18 @@ class Neighbours:
         self._proposed = self._driven[0] if len(self._driven) > 1 else TURTLE
         """The hunter that a node with other names is to drive."""
         self.seen: tuple[str, ...] = ()
-        """The names of the nodes that were there in the last look."""
+        """Names of the nodes that were on the bus in the last `look`."""
         self._served: dict[str, str] = {}
-        """The names that were returned."""
+        """Names that `look` has returned, with the usual ones."""
 
     def look(self, graph: Sequence[Endpoint], free: Sequence[str] = ()) -> dict[str, str]:
-        """Log what is new, and return the names that the arena is to serve in the place of the usual ones.
+        """Log new problems, and return the new names that the arena is to serve like the usual ones.
 
-        These are new names of the list or of the catch service, if there is one seat for a node, and nothing else to be
-        remapped: a client that is made for each call appears with the first call, too late for a remapping.
+        A name of the list or of the catch service is returned if there is one seat for a node, and if the node needs no
+        other remapping: a client that is created for each call appears with the first call, too late for a remapping.
 
         Args:
-            graph: what other nodes publish, hear, serve and call.
+            graph: publishers, subscriptions, services and clients of other nodes.
             free: the hunters that no node drives yet, of which a remapping proposes the first.
         """
         before = dict(self._served)
@@ -83,7 +83,7 @@ class Neighbours:
         for node in self.seen:
             own = [one for one in graph if one.node == node]
             for line in (*self._referees(node, own), *self._other_types(node, own)):
-                self._log_once.warn(line, line.partition(":")[0])  # the hunter that it proposes changes
+                self._log_once.warn(line, line.partition(":")[0])  # the proposed hunter changes
             remapped = dict(self._other_names(own, published, served))
             if len(self._driven) == 1 and set(remapped.values()) <= {ALIVE_TURTLES, CATCH_TURTLE}:
                 self._served |= remapped
@@ -125,7 +125,7 @@ class Neighbours:
     def _other_names(
         self, own: Sequence[Endpoint], published: Collection[str], served: Collection[str]
     ) -> Iterator[tuple[str, str]]:
-        """The names that a node uses in the place of the arena's, each with the arena's."""
+        """Yield the names that a node uses in the place of the arena's, each with the arena's."""
         hunter = self._proposed
         catch = catch_turtle_of(hunter) if len(self._driven) > 1 else CATCH_TURTLE
         for one in own:

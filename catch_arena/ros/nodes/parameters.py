@@ -20,8 +20,8 @@ def parameters_from(words: Sequence[str], defaults: Mapping[str, Value]) -> dict
     """Return a node's parameters by name; of several values the last one counts.
 
     Args:
-        words: those after --ros-args.
-        defaults: the values that are not given, whose types the given ones must have.
+        words: the arguments after --ros-args.
+        defaults: values of the parameters that are not given; a given value must have the default's type.
 
     Raises:
         ConfigError: for a word that is not understood, and for a value of another type.

@@ -4,23 +4,23 @@ import time
 from typing import Final
 
 LATE_S: Final = 0.005
-"""A tick that begins later than this after its time counts as late."""
+"""Delay [s] above which a tick counts as late."""
 _GIVEN_UP_S: Final = 0.25
-"""Who is behind by more goes on from now: a machine that was held up does not hurry after."""
+"""Delay [s] above which missed ticks are not made up for: the next tick is due one period from now."""
 
 
 class Rate:
-    """Waits for one tick after the other.
+    """Timer that waits for one tick after the other.
 
     Args:
-        period_s: from tick to tick, by the wall's clock.
+        period_s: time from tick to tick by the wall clock [s].
     """
 
     def __init__(self, period_s: float) -> None:
         self.period_s = period_s
         self.ticks = 0
         self.late = 0
-        """How many of them began more than LATE_S after their time."""
+        """Number of ticks that began more than LATE_S after their time."""
         self.latest_s = 0.0
         self._due = time.perf_counter()
 

@@ -1,4 +1,4 @@
-"""Hunters that ROS nodes drive, and what each does while its node is silent."""
+"""Hunters that ROS nodes drive, and their commands while a node is silent."""
 
 import math
 from typing import Final
@@ -10,16 +10,16 @@ from catch_arena.ros.middleware.interfaces import TwistMessage
 
 STANDING_STILL: Final = Twist(0.0, 0.0)
 _FASTEST: Final = 1e9
-"""Far beyond every limit of R2.5, which comes later; numbers so large are finite, and no more than that."""
+"""Bound of the speeds and turn rates in a Twist, far above every limit of R2.5, which the arena applies later."""
 
 
 class RosSeat:
-    """One hunter. Its node drives it until that has been silent for as long as a Twist holds.
+    """One hunter. Its node drives it until the node has been silent for as long as a Twist holds.
 
     Args:
-        hunter: its name.
+        hunter: name of the hunter.
         log: takes one line when the seat's state changes.
-        only_drives: whether the arena asks for what is in its reach (R4.4), and its node does not.
+        only_drives: whether the arena requests the targets in its reach (R4.4), and not its node.
     """
 
     def __init__(self, hunter: str, log: Log, *, only_drives: bool = False) -> None:
@@ -30,7 +30,7 @@ class RosSeat:
         self._twist = STANDING_STILL
         self._fresh = False
         self._missed = True
-        """Whether it is news that a node drives it."""
+        """True if the next Twist is logged: no node has driven the hunter yet, or its silence was logged."""
         self.drove = False
         """True if a node ever drove it."""
         self._was_there = self._left = False
@@ -55,9 +55,9 @@ class RosSeat:
         """R2.4: return the last Twist in each step, and zero at the first tick more than a second after it came.
 
         Args:
-            now_ms: when the step begins; a Twist that came since the step before is given then.
-            tick_ms: when the step's tick is.
-            targets: whether there is a target to drive to: without one, to be silent is no news.
+            now_ms: beginning of the step [ms]; a Twist that came since the previous step counts from then.
+            tick_ms: time of the step's tick [ms].
+            targets: whether there is a target to drive to; without one, silence of a node is not logged.
         """
         if self._fresh:
             self._fresh = False
@@ -72,7 +72,7 @@ class RosSeat:
         """Log that its node has left the bus, or that several nodes may drive it.
 
         Args:
-            publishers: the number of nodes that can drive it; None if the bus does not tell.
+            publishers: the number of nodes that can drive it; None if the bus does not report it.
         """
         if publishers is None:
             return
@@ -85,7 +85,7 @@ class RosSeat:
         gone = self._was_there and not publishers
         if gone and not self.drove:
             self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
-        elif not publishers and (self.driven or (gone and not self._missed)):  # or it was silent, and that was no news
+        elif not publishers and (self.driven or (gone and not self._missed)):  # or its silence was not logged
             self._leave("has gone")
         self._was_there = bool(publishers)
 

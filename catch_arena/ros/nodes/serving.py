@@ -24,11 +24,11 @@ from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 FASTEST: Final = 100.0
 """The highest --speed."""
 _ASK_AGAIN: Final = 20_000 // TICK_MS
-"""In ticks: period in which the missing seats are logged again."""
+"""Period in which the missing seats are logged again [ticks]."""
 _SETTLE: Final = 1000 // TICK_MS
-"""In ticks: time between the last node and the begin of the match."""
+"""Time between the last node and the beginning of the match [ticks]."""
 _LAST_TICKS: Final = 30
-"""Ticks after the end: late requests get MATCH_OVER, and the last standings are sent."""
+"""Number of ticks after the end, in which late requests get MATCH_OVER and the last standings are sent."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ def serve_match(
         agents: the agents by seat; nodes drive the other seats.
         limits: limits of isolated agents, or None if all are trusted.
         names: the players' names, by seat.
-        people: seats whose nodes only drive, as a keyboard's does: the arena asks for them (R4.4).
+        people: seats whose nodes only drive, as a keyboard's does: the arena requests catches for them (R4.4).
         interfaces: the packages of the types.
         speed: simulation speed; if it is not 1, the arena's time is published on /clock.
         wait: whether the match begins when all seats are taken.
@@ -104,7 +104,7 @@ def serve_match(
         interfaces = joined.interfaces(interfaces)
         node = ArenaNode(joined, service, driven, names, players, interfaces, clock=speed != 1.0, log=log)
         node.begin(seed)
-        gc.freeze()  # a search for garbage in all that was loaded takes as long as several ticks
+        gc.freeze()  # a garbage collection of all loaded modules takes as long as several ticks
         stack.callback(gc.unfreeze)
         period_s = TICK_MS / 1000.0 / speed
         if wait and node.seats:
@@ -130,7 +130,7 @@ def serve_match(
                     last.sleep()
                     node.tick()
             finally:
-                if record is not None:  # it takes as long as many ticks, and nothing is sent meanwhile
+                if record is not None:  # last, since saving takes as long as many ticks
                     if left_out := service.requests_left_out:
                         log(f"the replay is without {left_out} refused requests: there were too many to keep")
                     interrupts.keep(lambda: service.replay.save(record))

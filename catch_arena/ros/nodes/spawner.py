@@ -18,11 +18,11 @@ from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, 
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
 
 _LOW_M, _HIGH_M = 0.5, 10.5
-"""R3.2: range of the places where targets appear."""
+"""R3.2: range of the coordinates at which targets appear [m]."""
 _SECOND: Final = 1000 // TICK_MS
-"""In ticks."""
+"""Period in which the list of targets is published again [ticks]."""
 _ANSWER_TICKS: Final = 125
-"""A call of /spawn without an answer is given up after this many ticks."""
+"""Time after which a call of /spawn without an answer is given up [ticks]."""
 _MOST_NAMES: Final = 64
 """Number of taken names that are tried before the next firing of the timer."""
 
@@ -52,18 +52,18 @@ class Spawner:
         self._bus, self._turtles, self._interfaces, self._log = bus, turtles, interfaces, log
         self._config = config
         self._period = max(1, round(config.spawn_period_ms / 1000.0 / DT))
-        """Of the spawn timer, in ticks."""
+        """Period of the spawn timer [ticks]."""
         self._seed, self._places = seed, Random(seed)
         self._ticks = self._fired = 0
-        """The tick now, and that of the timer's last firing."""
+        """The current tick, and the tick of the timer's last firing."""
         self._number = 0
         """Number of the last name that was tried."""
         self._refused = 0
-        """Number of the last names, if they were taken."""
+        """Number of taken names since the last target was spawned."""
         self._spawning: tuple[Call, SpawnRequest, int] | None = None
-        """A call of /spawn that is not answered yet, and its tick."""
+        """The call of /spawn that is not answered yet, its request and its tick; None if there is none."""
         self._poses: dict[str, Pose] = {}
-        """By hunter."""
+        """The last pose of each hunter, by its name in turtlesim."""
         self._alive: dict[str, Turtle] = {}
         self._caught: set[str] = set()
         self._pending: list[tuple[int, Request]] = []
@@ -76,11 +76,11 @@ class Spawner:
 
     @property
     def ready(self) -> bool:
-        """Whether there is a turtlesim."""
+        """True if there is a turtlesim."""
         return self._spawn.ready and self._kill.ready
 
     def begin(self) -> None:
-        """Start to referee, unless another node does."""
+        """Start to answer catch requests, unless another node does."""
         if self._bus.backend != "rosbridge" and self._referee.ready:  # rosbridge does not report services
             self._log(f"{CATCH_TURTLE} is answered already: this node spawns, and no more")
             return
