@@ -30,7 +30,7 @@ class Plan(Protocol):
 
     @property
     def parameters(self) -> Mapping[str, str | int | float]:
-        """Parameters of the plan, without its secret. The same ones make the same plan for as many entrants and seats."""
+        """Parameters of the plan, without its secret. With equal entrants and seats, equal parameters make equal plans."""
 
     @property
     def size(self) -> int:
