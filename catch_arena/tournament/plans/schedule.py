@@ -30,7 +30,7 @@ class Plan(Protocol):
 
     @property
     def parameters(self) -> Mapping[str, str | int | float]:
-        """Parameters of the plan, without its secret. With equal entrants and seats, equal parameters make equal plans."""
+        """Parameters of the plan, without its secret; equal ones make equal plans for as many entrants and seats."""
 
     @property
     def size(self) -> int:
