@@ -1,4 +1,4 @@
-"""`catch-arena verify`, `diff` and `explain`: what recorded matches prove, where two of them part, and why."""
+"""`catch-arena verify`, `diff` and `explain`: checks, comparisons and explanations of recorded matches."""
 
 import textwrap
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`catch-arena report`: a tournament as a page."""
+"""`catch-arena report`: HTML page about a tournament."""
 
 from pathlib import Path
 from typing import Annotated
@@ -45,7 +45,7 @@ def report(
         from catch_arena.report.watch import LiveReport, serve
 
         live = LiveReport(folder)
-        live.state()  # what is wrong is said here, before anybody looks
+        live.state()  # raises errors here, before a browser opens the page
         with serve(live) as address:
             interrupts.wait(lambda: say(f"report: {address} (Ctrl-C ends)"))
         return
