@@ -56,7 +56,7 @@ def compare(
     jobs: Jobs = None,
     trust: Trust,
 ) -> None:
-    """Play A and B until a sequential test knows which is stronger.
+    """Play A and B until a sequential test decides which is stronger.
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """

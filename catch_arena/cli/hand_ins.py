@@ -34,7 +34,7 @@ def check_agent(
     trust: Trust,
     settings: SettingOption = None,
 ) -> None:
-    """Let an agent play itself, and say what is wrong with it.
+    """Let an agent play against itself, and show its faults.
 
     The exit code is 1 if it would forfeit, else 0.
     """

@@ -59,8 +59,8 @@ def play(
 
     The keys are shown in the window. A target within reach is requested for you.
 
-    Where there are teams, an agent plays all hunters of one; the first plays your team-mates. Where there is prey,
-    agents play that too, after the hunters.
+    If there are teams, each agent plays all hunters of one team; the first plays your team-mates. If there is prey,
+    agents play it too: give them after the hunters' agents.
     """
     _show([*(against or ()), *(agents or ())] or list(_RIVALS), window, seat, record, force=force)
 

@@ -270,7 +270,7 @@ def match(
 ) -> None:
     """Play one match, seated in the order given, and record it.
 
-    An agent for each hunter, or for each team where there are teams, and then one for each prey.
+    Give an agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.seeding import arena_seed

@@ -36,7 +36,7 @@ def report(
         ),
     ] = False,
 ) -> None:
-    """Write a report: one file with the standings, the figures behind them, and replays to watch."""
+    """Write a report: one file with the standings, further figures, and replays to watch."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if watch:

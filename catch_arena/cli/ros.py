@@ -246,7 +246,7 @@ def spawner(
 
 @ros.command()
 def doctor(*, bus: Bus) -> None:
-    """Say what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
+    """Show what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
 
     The exit code is 1 if there is a problem, else 0. Start your node first, and no `ros serve`.
     """

@@ -114,7 +114,7 @@ def mosaic(
     ] = None,
     view_of: ViewOf = None,
 ) -> None:
-    """Show all matches of a folder at once, in a grid."""
+    """Show all matches of a folder at the same time, in a grid."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay

@@ -68,7 +68,7 @@ class Entrant:
         return self.spec if file_of(self.spec) is None else Path(self.spec).name
 
     def create(self) -> Policy | PreyPolicy:
-        """Return a fresh instance in this process, for one match.
+        """Return a new instance in this process, for one match.
 
         Raises:
             AgentError: if it cannot be loaded or made.

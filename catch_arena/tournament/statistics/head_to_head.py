@@ -27,7 +27,7 @@ class Encounter:
     share: Estimate
     """Share of these matches that `name` won, in [0, 1]: a win counts 1, a tie one half; NaN if they never met."""
     improvement: float
-    """Probability that a random match of `name` has a better score than a random match of `other`, a tie counting one
+    """Probability that a random match of `name` has a better score than a random match of `other`, with a tie as one
     half (Agarwal et al. 2021). Unlike the share, it is known also if they never met. For hunters more catches are
     better, for prey fewer.
     """
