@@ -1,11 +1,11 @@
-"""The command line: a file for each group of commands. Each checks its options, calls the library, and says where
-the results are.
+"""Command line, with a file for each group of commands. Each command checks its options, calls the library, and prints
+the paths of its results.
 
 - app: the application, its errors and exit codes. options, bus: the options that commands share.
 - The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare), suite,
   live (play, watch), replays (verify, diff, explain), videos (render, mosaic, highlights), report, exports (export),
   conformance, listings (agents, scenarios, docs), ros and ros_bags.
-- outputs: files that are not replaced without --force. terminal, tables, progress: what a terminal shows.
+- outputs: files that are not replaced without --force. terminal, tables, progress: output on a terminal.
 """
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401

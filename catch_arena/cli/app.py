@@ -1,6 +1,6 @@
-"""The command line's frame: the application, its errors, and its exit codes.
+"""Frame of the command line: the application, its errors, and its exit codes.
 
-What is heavy (the engine, the renderer) is imported by the commands that need it: --help must be quick.
+Heavy modules (the engine, the renderer) are imported only by the commands that need them: --help must be fast.
 """
 
 import os
@@ -23,7 +23,7 @@ from catch_arena.errors import CatchArenaError
 _EXIT_ERROR = 2
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
-"""Click's, which newer versions of typer carry inside."""
+"""Click's class of usage errors; newer versions of typer contain Click."""
 
 GROUPS: Final = {
     "Play": ("match", "play", "watch", "agents", "scenarios", "docs"),
@@ -32,11 +32,11 @@ GROUPS: Final = {
     "Teach": ("check-agent", "grade", "conformance"),
     "ROS 2": ("ros",),
 }
-"""Every command, as the help of the program lists them."""
+"""Every command by group, in the order of the program's help."""
 
 
 class _Commands(TyperGroup):
-    """Prints each error as one line, with a hint if there is one, and exits as docs/command_line.md says."""
+    """Group of all commands, which prints errors as one line with a hint, and exits as in docs/command_line.md."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands in their groups."""
@@ -53,7 +53,7 @@ class _Commands(TyperGroup):
                 with reservations():
                     sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
             except CatchArenaError as error:
-                if not interrupts.received():  # else it is no news that something fails
+                if not interrupts.received():  # an error after Ctrl-C is expected
                     _say_error(str(error), error.hint)
             except _UsageError as error:
                 context: Any = getattr(error, "ctx", None)
@@ -83,13 +83,13 @@ def _in_words(error: OSError) -> str:
 
 
 class Program(typer.Typer):
-    """Commands that take options one by one, or a dataclass of options that several commands share.
+    """Program whose commands take single options, or dataclasses of options that several commands share.
 
-    Their paths are absolute from the start: a trusted agent may leave our working folder.
+    Paths among the options become absolute before the command runs: a trusted agent may change the working folder.
     """
 
     def command(self, *args: Any, **kwargs: Any) -> Callable[[_Function], _Function]:
-        """Register a command, as of `typer.Typer`."""
+        """Register a command, as `typer.Typer.command` does."""
         register = super().command(*args, **kwargs)
 
         def decorate(command: _Function) -> _Function:
@@ -100,7 +100,7 @@ class Program(typer.Typer):
 
 
 def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function for typer, which has a parameter for each field of the command's dataclasses."""
+    """Return a function for typer that has a parameter for each field of the command's dataclasses."""
     taken = signature(command).parameters
     shared: dict[str, Any] = {name: one.annotation for name, one in taken.items() if is_dataclass(one.annotation)}
     single = []
@@ -126,7 +126,7 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _absolute(value: Any) -> Any:
-    """Return a path, or each of a list or tuple, from the root on; any other value as it is."""
+    """Return a path, or each path of a list or tuple, as an absolute path; return any other value unchanged."""
     if isinstance(value, list | tuple):
         return [_absolute(one) for one in value]
     return Path(os.path.expanduser(value)).absolute() if isinstance(value, Path) else value  # noqa: PTH111 - a user without a home is no error
@@ -139,7 +139,7 @@ main = Program(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    rich_markup_mode=None,  # whose boxes cut words off on a narrow terminal
+    rich_markup_mode=None,  # its boxes cut words off on a narrow terminal
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

@@ -1,4 +1,4 @@
-"""Which ROS 2 bus, and which packages: the options of all commands that exchange messages with nodes."""
+"""Options for a ROS 2 bus and its packages, shared by all commands that exchange messages with nodes."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _ROS_ARGS: Final = "--ros-args"
 SERVICE: Final = "ros:"
-"""The beginning of a word that names a node's service: ros:/catch_turtle."""
+"""Prefix of a word that names a node's service: ros:/catch_turtle."""
 RosArgs = Annotated[
     list[str] | None,
     typer.Option(
@@ -28,7 +28,7 @@ RosArgs = Annotated[
         help="The node's parameters, after all other options: -p NAME:=VALUE (`catch-arena docs ros2`).",
     ),
 ]
-"""Only of a NodeCommand."""
+"""Option for a node's parameters; only a NodeCommand may have it."""
 
 
 Interface = Annotated[
@@ -58,7 +58,7 @@ Url = Annotated[
 
 @dataclass(frozen=True)
 class Packages:
-    """The packages of the nodes' messages."""
+    """Packages of the nodes' messages."""
 
     interfaces: Interface = INTERFACES
     turtlesim: Annotated[
@@ -82,7 +82,7 @@ class Packages:
 
 @dataclass(frozen=True)
 class Bus(Packages):
-    """The bus that is joined."""
+    """Options for the bus to join."""
 
     bus: BusOption = None
     domain: Annotated[
@@ -98,7 +98,7 @@ class Bus(Packages):
         """Join the bus, with a node of this name on it.
 
         Raises:
-            BusError: if it cannot be reached.
+            BusError: if the bus cannot be reached.
         """
         from catch_arena.ros.middleware.opening import open_bus
 
@@ -106,7 +106,7 @@ class Bus(Packages):
 
     @contextmanager
     def joined(self, node: str) -> "Iterator[JoinedBus]":
-        """Join the bus, say which it is, and leave it in the end.
+        """Join the bus, print its description, and leave it at the end.
 
         Raises:
             ConfigError: for a name that no package can have.
@@ -124,10 +124,10 @@ class Bus(Packages):
 
 
 class NodeCommand(TyperCommand):
-    """A command that may be started as a node: all words after --ros-args are its values, up to a --."""
+    """Command that can be started as a node: all words after --ros-args, up to a --, are values of that option."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the option's name before each of its words."""
+        """Put the name of --ros-args before each of its words, and parse all arguments."""
         behind, words = False, []
         for word in args:
             if word == _ROS_ARGS or (behind and word == "--"):
@@ -139,7 +139,7 @@ class NodeCommand(TyperCommand):
 
 @dataclass(frozen=True)
 class NodeUnderTestOptions:
-    """The bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
+    """Options for the bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
 
     interfaces: Interface = INTERFACES
     bus: BusOption = None
@@ -147,10 +147,10 @@ class NodeUnderTestOptions:
 
     @contextmanager
     def node(self, word: str) -> "Iterator[NodeUnderTest]":
-        """Join the bus on which a node serves `word`, with the arena about it.
+        """Join the bus on which a node serves `word`, and yield that node, with an arena for it.
 
         Raises:
-            ConfigError: for a name that no service has.
+            ConfigError: for a name that no service can have.
             BusError: if the bus cannot be reached.
         """
         from catch_arena.ros.middleware.opening import is_service
@@ -165,10 +165,10 @@ class NodeUnderTestOptions:
             yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))
 
     def refuse(self) -> None:
-        """Require that no option of a bus was given, because none is joined.
+        """Check that no option of a bus was given, because no bus is joined.
 
         Raises:
-            ConfigError: for one that was given.
+            ConfigError: for an option that was given.
         """
         for field in fields(self):
             if getattr(self, field.name) != field.default:

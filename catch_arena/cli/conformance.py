@@ -1,4 +1,4 @@
-"""`catch-arena conformance`: any arbiter, tried with the cases of the suite."""
+"""`catch-arena conformance`: test of an arbiter with the cases of the conformance suite."""
 
 import sys
 from pathlib import Path
@@ -14,7 +14,7 @@ from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
 _EXIT_FAILED = 1
 _LIMIT_S = 60.0
-"""After so many seconds a case counts as failed."""
+"""Time limit of a case [s]; a case that takes longer fails."""
 
 
 @main.command()
@@ -98,7 +98,7 @@ def conformance(
 
 
 def _function(spec: str) -> Any:
-    """Return the arbiter that «module:function» or «path.py:function» stands for."""
+    """Return the arbiter that «module:function» or «path.py:function» names."""
     found = _callable(spec)
     if isinstance(found, type):
         raise AgentError(
@@ -109,7 +109,7 @@ def _function(spec: str) -> Any:
 
 
 def _made(spec: str) -> Any:
-    """Return what a class or a function without arguments makes."""
+    """Return the arena that a class or a function without arguments makes."""
     make = _callable(spec)
     try:
         return make()
@@ -118,7 +118,7 @@ def _made(spec: str) -> Any:
 
 
 def _callable(spec: str) -> Any:
-    """Return what «module:function» or «path.py:function» stands for."""
+    """Return the function or class that «module:function» or «path.py:function» names."""
     from catch_arena.tournament.loading import load_file, load_module
 
     module_name, colon, name = spec.rpartition(":")

@@ -1,4 +1,4 @@
-"""`catch-arena compare`: which of two agents is stronger."""
+"""`catch-arena compare`: test for the stronger one of two agents."""
 
 import math
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ _EXIT_CODES = {"H1": 0, "H0": 1, None: 3}
 
 @dataclass(frozen=True)
 class Duel(Arena):
-    """The arena of a comparison."""
+    """Options for the arena of a comparison."""
 
     scenario: Scenario = "duel"
 
@@ -56,7 +56,7 @@ def compare(
     jobs: Jobs = None,
     trust: Trust,
 ) -> None:
-    """Play A and B until a sequential test knows which is stronger.
+    """Play A and B until a sequential test decides which is stronger.
 
     Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
     """
@@ -113,7 +113,7 @@ def compare(
 
 
 def _in_words(share: "Estimate") -> str:
-    """Return a share, and as points; each with its interval, where it has one."""
+    """Return a share in per cent and in points, each with its interval if there is one."""
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
     from catch_arena.tournament.statistics.sprt import elo_of_share
 

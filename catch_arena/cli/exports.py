@@ -1,4 +1,4 @@
-"""`catch-arena export`: a tournament's matches for other tools."""
+"""`catch-arena export`: file with a tournament's matches for other tools."""
 
 from pathlib import Path
 from typing import Annotated, Literal, get_args

@@ -1,4 +1,4 @@
-"""`catch-arena check-agent` and `grade`: one agent that was handed in, looked at on its own."""
+"""`catch-arena check-agent` and `grade`: check and grade of one submitted agent."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,7 +34,7 @@ def check_agent(
     trust: Trust,
     settings: SettingOption = None,
 ) -> None:
-    """Let an agent play itself, and say what is wrong with it.
+    """Let an agent play against itself, and show its faults.
 
     The exit code is 1 if it would forfeit, else 0.
     """
@@ -48,7 +48,7 @@ def check_agent(
     wrong = 0
     with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
-            if number == 0:  # it could be entered
+            if number == 0:  # the agent could be entered, so its spec is valid
                 say_level(limits, [resolve_spec(agent)])
             wrong += finding.level == "error"
             say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
@@ -124,7 +124,7 @@ def _grade_agent(
     spec: Path,
     grades: "list[TestGrade]",
 ) -> tuple[str, str | None]:
-    """Play the tests, say and collect what each gave, and return the agent's name and digest."""
+    """Play the tests, print each grade and add it to `grades`, and return the agent's name and digest."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import grade_agent

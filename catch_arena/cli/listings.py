@@ -1,4 +1,4 @@
-"""`catch-arena agents`, `scenarios` and `docs`: what there is."""
+"""`catch-arena agents`, `scenarios` and `docs`: lists of the agents, scenarios and pages in the package."""
 
 import json
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
 
 _LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
-"""The settings that have a column of their own."""
+"""Settings with a separate column."""
 
 
 @main.command()
@@ -47,7 +47,7 @@ def docs(
 ) -> None:
     """Print a page of the documentation, or list the pages."""
     package = Path(__file__).parents[1]
-    inside = package / "docs"  # as a wheel has it
+    inside = package / "docs"  # the place in a wheel
     folder = inside if inside.is_dir() else package.parent / "docs"
     pages = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
     if page is None:
@@ -63,7 +63,7 @@ def docs(
 
 
 def _besides(config: ArenaConfig) -> Iterator[str]:
-    """What else differs from the defaults, as `--set` takes it."""
+    """Yield the other settings that differ from the defaults, in the form of `--set`."""
     usual = ArenaConfig().to_dict()
     for name, value in config.to_dict().items():
         if name in _LISTED or value == usual[name]:

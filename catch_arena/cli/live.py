@@ -23,7 +23,7 @@ _SIZE = (1280, 720)
 
 @dataclass(frozen=True)
 class Window(Trust, Arena):
-    """The match in a window."""
+    """Options for a match in a window."""
 
     seed: ArenaSeed = None
 
@@ -59,8 +59,8 @@ def play(
 
     The keys are shown in the window. A target within reach is requested for you.
 
-    Where there are teams, an agent plays all hunters of one; the first plays your team-mates. Where there is prey,
-    agents play that too, after the hunters.
+    If there are teams, each agent plays all hunters of one team; the first plays your team-mates. If there is prey,
+    agents play it too: give them after the hunters' agents.
     """
     _show([*(against or ()), *(agents or ())] or list(_RIVALS), window, seat, record, force=force)
 
@@ -72,7 +72,7 @@ def watch(agents: Agents, *, window: Window) -> None:
 
 
 def _show(agents: list[str], window: Window, seat: str | None, record: Path | None, *, force: bool) -> None:
-    """Seat the person, if any, and the agents, one after the other and over again, and play in a window."""
+    """Play a match in a window: a person takes `seat`, if any, and the agents take the other seats in turn."""
     from catch_arena.files import prepare_folder
     from catch_arena.live.session import free_parties, line_up, show_match
     from catch_arena.seeding import arena_seed
@@ -107,7 +107,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
 
 
 def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
-    """Return the person's seat, where those of the prey come after those of the hunters."""
+    """Return the number of the person's seat; seats of prey come after the seats of hunters."""
     seats = {str(number): number for number in range(config.hunters)}
     seats |= {name: place for place, name in enumerate((*config.hunter_names, *config.prey_names))}
     if seat not in seats:

@@ -1,4 +1,4 @@
-"""`catch-arena tournament` and `match`: agents play."""
+"""`catch-arena tournament` and `match`: matches of agents."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
@@ -161,7 +161,7 @@ def tournament(
         prepare_folder(folder)
 
     def kept() -> str:
-        with Store.read(out) as store:  # of its own: any thread may ask
+        with Store.read(out) as store:  # a separate connection: any thread may call this
             played = store.count_played()
         return shown(f"{played} of {size} matches are kept in {out}; the same command with --resume goes on")
 
@@ -209,10 +209,10 @@ def tournament(
 
 
 def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force: bool) -> None:
-    """Require a folder that holds no other tournament's files, or `force`.
+    """Check that a folder has no files of another tournament, or that `force` allows to replace them.
 
     Raises:
-        OutputError: for any other, and a folder that cannot be written to.
+        OutputError: for a folder with such files, or one that cannot be written to.
     """
     from catch_arena.files import require_folder
     from catch_arena.report import REPORT
@@ -227,7 +227,7 @@ def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force
 
 
 def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
-    """Print the standings, and who was excluded from how many matches."""
+    """Print the standings, and the number of matches from which each excluded entrant was left out."""
     from catch_arena.cli.tables import standings_tables
 
     for table in standings_tables(tables):
@@ -241,7 +241,7 @@ def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entran
 
 @contextmanager
 def _watched(folder: Path) -> Iterator[None]:
-    """Serve the report of a tournament that is under way, and of one that has ended until Ctrl-C."""
+    """Serve the report of a running tournament; after its end, serve the report until Ctrl-C."""
     from catch_arena.report.watch import LiveReport, serve
 
     with serve(LiveReport(folder)) as address:
@@ -270,7 +270,7 @@ def match(
 ) -> None:
     """Play one match, seated in the order given, and record it.
 
-    An agent for each hunter, or for each team where there are teams, and then one for each prey.
+    Give an agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.seeding import arena_seed
@@ -305,14 +305,14 @@ def match(
 
 
 def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
-    """What the agents of one match have printed, by seat, on stderr."""
+    """Print on stderr the output of the agents of one match, in the order of `names`."""
     for name, log in zip(names, logs, strict=True):
         if log:
             say(f"{name} printed:\n{log}", err=True)
 
 
 def print_result(parties: "Parties", result: "MatchResult | SessionResult", names: Sequence[str]) -> None:
-    """The result of a match by side: ranks, scores, and how agents failed; the catches of a team's hunters too."""
+    """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters."""
     from catch_arena.explanation.seats import with_seat
 
     shown = []
@@ -333,7 +333,7 @@ def print_result(parties: "Parties", result: "MatchResult | SessionResult", name
 def print_ranking(
     ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
 ) -> None:
-    """The ranks of one match, and how agents failed."""
+    """Print the ranks and scores of one match, and the forfeits."""
     lines = zip(ranks, scores, names, forfeits, strict=True)
     for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
         say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

@@ -1,4 +1,4 @@
-"""The options that several commands share, and what they stand for."""
+"""Options that several commands share, and their values."""
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
@@ -68,23 +68,23 @@ ArenaSeed = Annotated[
 
 @dataclass(frozen=True)
 class Arena:
-    """The arena of a match."""
+    """Options for the arena of a match."""
 
     scenario: Scenario = "standard"
     settings: SettingOption = None
 
     def config(self) -> ArenaConfig:
-        """Return its configuration.
+        """Return the configuration of the arena.
 
         Raises:
-            ConfigError: for an unknown scenario or setting, and a value that it cannot have.
+            ConfigError: for an unknown scenario or setting, or a value that the setting cannot have.
         """
         return arena(self.scenario, self.settings)
 
 
 @dataclass(frozen=True)
 class Trust:
-    """How agents that do not come with the package are run."""
+    """Options for running agents that do not come with the package."""
 
     trusted: Annotated[
         bool,
@@ -107,7 +107,7 @@ class Trust:
         """Return the limits of isolated agents, or None with --trusted.
 
         Raises:
-            ConfigError: for an unknown limit, a level that this machine cannot hold, and --limit with --trusted.
+            ConfigError: for an unknown limit, a level that this machine does not have, or --limit with --trusted.
         """
         from catch_arena.tournament.isolation.namespaces import level_here
 
@@ -124,7 +124,7 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
     """Return the scenario with the changes of --set.
 
     Raises:
-        ConfigError: for an unknown scenario or setting, and a value that it cannot have.
+        ConfigError: for an unknown scenario or setting, or a value that the setting cannot have.
     """
     overrides: dict[str, Any] = {}
     for key, value in _pairs("--set", settings):
@@ -141,7 +141,7 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
 
 
 def jobs_or_all(jobs: int | None) -> int:
-    """Return --jobs, or a process for each core.
+    """Return the value of --jobs, or the number of cores if it was not given.
 
     Raises:
         ConfigError: for a number below 1.
@@ -154,22 +154,22 @@ def jobs_or_all(jobs: int | None) -> int:
 
 
 def secret_of(seed: str | None) -> Secret:
-    """Return the secret of --seed, or a fresh one.
+    """Return the secret of --seed, or a new one.
 
     Raises:
-        ConfigError: for digits or a number that are no seed.
+        ConfigError: for a text that is no seed.
     """
     return Secret.of(None) if seed is None else Secret.parse(seed)
 
 
 def say_seed(secret: Secret) -> None:
-    """Say in a line how others can repeat what was drawn."""
+    """Print the seed in one line, with which others can repeat all draws."""
     guessed = "" if secret.number is None else f" ({secret.number}, a number, which agents can guess)"
     say(f"seed: {secret.digits}{guessed}")
 
 
 def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
-    """Say in one line how the entrants with these specs are isolated, if any of them is."""
+    """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
     from catch_arena.tournament.agent_spec import is_shipped
     from catch_arena.tournament.isolation.namespaces import level_here, level_line
 
@@ -178,14 +178,16 @@ def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
 
 
 def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
-    """Return the agents that these specs stand for, inspected where they will play. Warn of those that cannot play.
+    """Return the agents that these specs name, inspected in the process in which they will play.
+
+    A warning is printed for each agent that cannot play.
 
     Args:
-        specs: as on the command line.
-        limits: limits of isolated agents, None if all are trusted.
+        specs: specs as on the command line.
+        limits: limits of isolated agents; None if all are trusted.
 
     Raises:
-        AgentError: for a spec that names no agent, and an agent of our own process that cannot be loaded.
+        AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
         NoContest: if an isolated agent cannot be started, for a reason on our side.
     """
     from catch_arena.cli.progress import progress_bar
@@ -208,7 +210,7 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Ent
 
 
 def say_who_needs_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> None:
-    """Say who has no prey of its own in an arena with prey, and what plays for it."""
+    """Print the entrants without their own prey in an arena with prey, and the agent that plays prey for them."""
     from catch_arena.tournament.entrants import SHIPPED_PREY
 
     if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):

@@ -1,4 +1,4 @@
-"""The files that commands write: what stands there already is not replaced without --force."""
+"""Output files of commands; an existing file is not replaced without --force."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,12 +15,12 @@ Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exi
 REPLAY: Final = (".replay",)
 VIDEO: Final = (".mp4", ".webm", ".gif", ".webp")
 _RESERVED: Final[list[Path]] = []
-"""The files that the running command has reserved."""
+"""Files that the running command has reserved."""
 
 
 @contextmanager
 def reservations() -> Iterator[None]:
-    """Remove at the end of a command the files that it has reserved and not written."""
+    """Remove at the end of a command the files that it reserved but did not write."""
     before = len(_RESERVED)
     try:
         yield
@@ -33,7 +33,7 @@ def reservations() -> Iterator[None]:
 
 
 def require_ending(path: Path, *endings: str) -> None:
-    """Require that a file's name ends as its format does.
+    """Check that a file's name has one of the endings of its format.
 
     Raises:
         ConfigError: for any other ending.
@@ -46,27 +46,27 @@ def require_ending(path: Path, *endings: str) -> None:
 
 
 def require_free(path: Path, *, force: bool) -> None:
-    """Require that no file is replaced without --force.
+    """Check that no file would be replaced without --force.
 
     Raises:
-        OutputError: if there is a file, and for what is no file.
+        OutputError: if the file exists and `force` is False, or if the path is not a regular file.
     """
     if regular_file(path).exists() and not force:
         raise OutputError(f"{path}: is there already: give --force to replace it, or another name")
 
 
 def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") -> Path:
-    """Reserve the path of a file: make its folder, and an empty file against other commands.
+    """Reserve the path of a file and return it: make its folder, and an empty file that blocks other commands.
 
     Args:
         path: the file to write; if None, the first free name of «name.end», «name-2.end», «name-3.end» and so on.
-        endings: those of its format.
-        force: whether it may replace a file.
-        usual: «name.end».
+        endings: endings of its format.
+        force: True if a file may be replaced.
+        usual: default name, «name.end».
 
     Raises:
-        ConfigError: for a name that ends in none of the `endings`.
-        OutputError: if it cannot be written, or is there already.
+        ConfigError: for a name with none of the `endings`.
+        OutputError: if the file cannot be written, or exists already.
     """
     if path is None:
         return free_file(usual, force=force)
@@ -82,14 +82,14 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
 
 
 def free_file(usual: str, *, force: bool) -> Path:
-    """Reserve the first free name of «name.end», «name-2.end», «name-3.end» and so on.
+    """Reserve and return the first free name of «name.end», «name-2.end», «name-3.end» and so on.
 
     Args:
-        usual: «name.end».
-        force: whether a file may be replaced, so that no other name is needed.
+        usual: default name, «name.end».
+        force: True to take the default name even if the file exists.
 
     Raises:
-        OutputError: for a folder that cannot be written.
+        OutputError: if the working folder cannot be written to.
     """
     prepare_folder(Path.cwd())
     free, number = Path(usual).absolute(), 1

@@ -1,4 +1,4 @@
-"""How far some work is: a bar on a terminal, a line now and then elsewhere."""
+"""Progress of long work: a bar on a terminal, and a line every few seconds elsewhere."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -15,20 +15,20 @@ _LATE_S: Final = 2.0
 
 @contextmanager
 def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[..., None]]:
-    """Show on stderr how far some work is: yields what is to be called with (done, total), and with what is done
-    now if that changes.
+    """Show the progress of work on stderr, and yield the function that reports it.
 
-    On a terminal it is a bar, which goes away in the end; elsewhere it is a line now and then.
+    The function is called with (done, total), and with a new description of the work if that changes. A terminal shows
+    a bar, which disappears at the end; other outputs get a line every few seconds.
 
     Args:
-        what: is done.
-        total: how much there is to do, if that is known before.
-        late: whether a terminal shows nothing of work that is over soon.
+        what: description of the work.
+        total: total amount of work; None if it is not known before.
+        late: True to show no bar on a terminal for work of less than two seconds.
     """
     console = own_console(err=True)
     began = said = time.monotonic()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    # Rich would print on stderr what goes to a file or a pipe meanwhile
+    # with redirection, Rich would print stdout's text on stderr even if stdout is a file or a pipe
     bar = Progress(*columns, console=console, transient=True, redirect_stdout=own_console().is_terminal)
     task = bar.add_task(what, total=total)
 

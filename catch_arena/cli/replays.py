@@ -1,4 +1,4 @@
-"""`catch-arena verify`, `diff` and `explain`: what recorded matches prove, where two of them part, and why."""
+"""`catch-arena verify`, `diff` and `explain`: checks, comparisons and explanations of recorded matches."""
 
 import textwrap
 from pathlib import Path
@@ -19,8 +19,8 @@ _EXIT_UNREADABLE = 2
 def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recorded matches.")]) -> None:
     """Play recorded matches again, and compare every step.
 
-    Of a match that does not play as recorded, say which step differs first, and how. The exit code is then 1. It is 2
-    if a file cannot be read.
+    If a match does not play as recorded, the first different step and the difference are printed, and the exit code is
+    1. The exit code is 2 if a file cannot be read.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay, verification
@@ -49,7 +49,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
 
 @main.command()
 def diff(replays: Annotated[tuple[Path, Path], typer.Argument(metavar="A B", help="Two recorded matches.")]) -> None:
-    """Say where two recorded matches differ: headers, actions, states, scores.
+    """Show where two recorded matches differ: headers, actions, states, scores.
 
     The exit code is 0 if they are equal, 1 if they differ, 2 if one cannot be read.
     """

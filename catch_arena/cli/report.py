@@ -1,4 +1,4 @@
-"""`catch-arena report`: a tournament as a page."""
+"""`catch-arena report`: HTML page about a tournament."""
 
 from pathlib import Path
 from typing import Annotated
@@ -36,7 +36,7 @@ def report(
         ),
     ] = False,
 ) -> None:
-    """Write a report: one file with the standings, the figures behind them, and replays to watch."""
+    """Write a report: one file with the standings, further figures, and replays to watch."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if watch:
@@ -45,7 +45,7 @@ def report(
         from catch_arena.report.watch import LiveReport, serve
 
         live = LiveReport(folder)
-        live.state()  # what is wrong is said here, before anybody looks
+        live.state()  # raises errors here, before a browser opens the page
         with serve(live) as address:
             interrupts.wait(lambda: say(f"report: {address} (Ctrl-C ends)"))
         return

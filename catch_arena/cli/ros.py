@@ -29,16 +29,16 @@ main.add_typer(ros)
 
 _TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _CLOSEST, _OLDEST = "nearest", "first"
-"""The agents that the exercise's catch_closest_turtle_first chooses from: true, and false."""
+"""Agents that the exercise's parameter catch_closest_turtle_first selects: with true, and with false."""
 _OWN_SETTINGS = {
     "control_period_ms": "on a bus each step is one tick, 16 ms",
     "observed_targets": "agents see every target on a bus",
 }
-"""Of `serve` itself."""
+"""Settings that `serve` sets itself, with the reason for which --set cannot change them."""
 NODE, HUMAN = "ros", "human"
-"""The words for seats that nodes drive: one that asks for its targets, and one that only drives."""
+"""Words for seats that nodes drive: a node that requests its targets, and a node that only drives."""
 EXERCISE = "exercise"
-"""The scenario of `serve` if none is named."""
+"""Default scenario of `serve`."""
 
 
 @ros.command(cls=NodeCommand)
@@ -246,7 +246,7 @@ def spawner(
 
 @ros.command()
 def doctor(*, bus: Bus) -> None:
-    """Say what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
+    """Show what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
 
     The exit code is 1 if there is a problem, else 0. Start your node first, and no `ros serve`.
     """
@@ -265,10 +265,10 @@ def doctor(*, bus: Bus) -> None:
 
 
 def checked_turtle(what: str, name: str) -> str:
-    """Return the name of a turtle, or how it begins: turtlesim makes topics of it, and ends at a bad name.
+    """Return a turtle's name, or its beginning, if it is valid: turtlesim makes topics from it, and a bad name ends it.
 
     Raises:
-        ConfigError: for anything else.
+        ConfigError: for an invalid name.
     """
     if not _TURTLE.fullmatch(name):
         raise ConfigError(f"{what} must be letters, digits and underscores, as turtle1, got {in_short(name)}")
@@ -276,7 +276,7 @@ def checked_turtle(what: str, name: str) -> str:
 
 
 def _print_ranking(served: "Served", config: ArenaConfig) -> None:
-    """R6.1, R11.1: by hunter, or by team; then with what each of a team's hunters caught."""
+    """R6.1, R11.1: Print the ranking by hunter, or by team with the catches of each of its hunters."""
     from catch_arena.cli.matches import print_ranking
     from catch_arena.explanation.seats import with_seat
     from catch_arena.tournament.parties import Parties
@@ -292,7 +292,11 @@ def _print_ranking(served: "Served", config: ArenaConfig) -> None:
 
 
 def _seats(options: list[str]) -> dict[int, str]:
-    """Return who drives which hunter."""
+    """Return the driver of each hunter, by seat, from the --seat options.
+
+    Raises:
+        ConfigError: for an option that is not SEAT=WHO, that repeats a seat, or whose driver is invalid.
+    """
     seats: dict[int, str] = {}
     for option in options:
         number, equals, who = option.partition("=")
@@ -308,7 +312,7 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 
 def _seat_fault(who: str) -> str | None:
-    """Return why this drives no hunter, or None if it does."""
+    """Return the reason for which a word is no valid driver of a hunter; None if it is valid."""
     from catch_arena.tournament.agent_spec import resolve_spec
 
     word, named, name = who.partition(":")

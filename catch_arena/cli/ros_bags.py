@@ -68,7 +68,7 @@ def import_(
     reach: Annotated[float, typer.Option(metavar="M", help="The reach to judge by, in metres.")] = 0.3,
     film: Film,
 ) -> None:
-    """Make a video of a recording of turtlesim, and say how our arbiter would have judged each catch."""
+    """Make a video of a recording of turtlesim, and show how our arbiter would have judged each catch."""
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
     from catch_arena.ros.bags.reading import read_bag

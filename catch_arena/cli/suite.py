@@ -1,4 +1,4 @@
-"""`catch-arena suite`: an agent's numbers under a protocol that papers have in common."""
+"""`catch-arena suite`: measurement of an agent under a fixed protocol, so that papers can compare their numbers."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -142,7 +142,7 @@ def suite(
 
 
 def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
-    """An agent's tables."""
+    """Print the tables of an agent."""
     from catch_arena.cli.tables import interval
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
@@ -179,7 +179,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
 
 
 def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
-    """The figures of a method."""
+    """Print the figures of a method, over its training runs."""
     from catch_arena.suite.measures import over_training_runs
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
 

@@ -1,4 +1,4 @@
-"""The standings and the cost of a plan as tables, for a terminal of usually 80 columns, or a file."""
+"""Tables of the standings and of a plan's cost, for a terminal of usually 80 columns, or a file."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -99,7 +99,7 @@ def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: i
     alone_s = matches * cost.seconds
     shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
     leaves = f"; after {max_forfeits} in a row it is out" if max_forfeits else ""
-    less = bool(cost.forfeits and leaves)  # matches without those who are out are sooner over
+    less = bool(cost.forfeits and leaves)  # matches without excluded entrants are shorter
     shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
     shown.add_row("store", f"about {decimal(matches * cost.stored)}")
     if cost.replay:
@@ -114,12 +114,12 @@ def _span(least: int, most: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """For people: seconds, or hours, minutes and seconds."""
+    """Return a duration in words: seconds, or hours, minutes and seconds."""
     return f"{seconds:.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
 
 
 def interval(estimate: Estimate, form: str, scale: int = 1) -> str:
-    """Its two ends, or «?» where too few blocks tell."""
+    """Return the two ends of an estimate's interval, or «?» if there are too few blocks."""
     if math.isnan(estimate.low):
         return "?"
     return f"{scale * estimate.low:{form}} to {scale * estimate.high:{form}}"

@@ -1,4 +1,4 @@
-"""`catch-arena render`, `mosaic` and `highlights`: recorded matches become videos."""
+"""`catch-arena render`, `mosaic` and `highlights`: videos of recorded matches."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ ViewOf = Annotated[
 
 @dataclass(frozen=True)
 class Picture:
-    """The frames of a video."""
+    """Options for the frames of a video."""
 
     size: Annotated[
         str | None,
@@ -51,7 +51,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Film(Picture):
-    """The frames of one match's video."""
+    """Options for the frames of one match's video."""
 
     layout: Annotated[Literal["broadcast", "arena"], typer.Option(help="With the scores, or the arena alone.")] = (
         "broadcast"
@@ -114,7 +114,7 @@ def mosaic(
     ] = None,
     view_of: ViewOf = None,
 ) -> None:
-    """Show all matches of a folder at once, in a grid."""
+    """Show all matches of a folder at the same time, in a grid."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.render.mosaic import render_mosaic
     from catch_arena.replay import Replay
@@ -183,15 +183,15 @@ def highlights(
 
 
 def print_report(report: "RenderReport") -> None:
-    """Print where the video is."""
+    """Print the path, the number of frames and the length of a video."""
     say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 
 def width_and_height(text: str | None) -> tuple[int, int] | None:
-    """Return «1280x720» as two numbers, and None as None.
+    """Return the width and height in a text like «1280x720»; None for None.
 
     Raises:
-        ConfigError: for words of another form.
+        ConfigError: for a text of another form.
     """
     if text is None:
         return None
@@ -202,12 +202,12 @@ def width_and_height(text: str | None) -> tuple[int, int] | None:
 
 
 def _fewer(got: int, asked: int | None, why: str) -> str:
-    """Return what is said if there is less than was asked for."""
+    """Return a note if there are fewer than requested; else an empty text."""
     return f", not {asked}: {why}" if asked is not None and got < asked else ""
 
 
 def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
-    """Return what is worth seeing in a folder's matches; those that cannot be played are named and left out."""
+    """Return the highlights of a folder's matches, by path; a replay that cannot be played is reported and left out."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.highlights import extract_events, find_highlights, win_rates, win_records
     from catch_arena.replay import Replay
@@ -231,7 +231,7 @@ def _replays_in(folder: Path) -> list[Path]:
     """Return the replays of a folder, by name.
 
     Raises:
-        ReplayError: if there is none.
+        ReplayError: if there are none.
     """
     if not folder.is_dir():
         raise ReplayError(f"{folder}: is no folder")

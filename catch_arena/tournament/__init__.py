@@ -1,18 +1,18 @@
-"""Tournaments: agents play each other in every seat, and are rated by what came of it.
+"""Tournaments: agents play each other in every seat, and are rated by the results.
 
-What is in which folder:
-- plans: which matches are played, in which stages.
-- isolation: agents in processes of their own, with limits.
-- execution: a plan is played, in this process or in many.
-- statistics: what the results say about the agents, and how sure that is.
+Folders:
+- plans: the matches to play, in stages.
+- isolation: agents in their own processes, with limits.
+- execution: playing a plan, in this process or in many.
+- statistics: figures about the agents, with their uncertainty.
 
-And in which file, from one match up:
-- agent_spec: how a word names an agent. loading: an agent's code is imported. entrants: who plays.
-- parties: who plays as one, a team or one prey. players, match, match_loop, ranks: one match, how it is played,
+Files, from one match up:
+- agent_spec: names of agents on the command line. loading: import of an agent's code. entrants: agents in a tournament.
+- parties: teams and single prey, each played by one entrant. players, match, match_loop, ranks: playing one match,
   and its result.
 - secret: the tournament's secret, and all seeds that follow from it.
-- store: what was planned and played. stored_values: what a stored value may be.
-- agent_logs, export, standings_files: what is written beside it.
+- store: planned and played matches. stored_values: checks of values read from a store.
+- agent_logs, export, standings_files: other files of a tournament.
 - agent_check, grading with grading_spec: one agent. comparison: two.
 
 Nothing here draws, prints or reads options: the command line does (cli/).

@@ -1,4 +1,4 @@
-"""Whether an agent is fit to play: it plays itself, and what is wrong is said in plain words."""
+"""Check of an agent before a tournament: it plays against itself, and every fault is reported in words."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.verdicts import REASONS, Verdict
 
 _LINES_SHOWN: Final = 6
-"""Of a log, its last ones."""
+"""Number of lines shown of a log, from its end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that the check found."""
+    """Finding of the check."""
 
     level: Literal["ok", "warning", "error"]
     text: str
-    """The first line says it, further ones show it."""
+    """Text of the finding: the first line states it, further lines show evidence."""
 
 
 def check_fitness(
@@ -35,19 +35,21 @@ def check_fitness(
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Iterator[Finding]:
-    """Try the first step of each arena; then play the agent against itself, in every seat of those where it did not
-    fail at once, and twice in the first that nobody forfeits.
+    """Yield the findings about an agent that plays against itself.
+
+    It first plays one step in each arena, then a whole match in every arena in which that step did not fail. In the
+    first arena without a forfeit it plays twice, to check that equal seeds give equal matches.
 
     Args:
-        spec: as `enter` takes it.
-        arenas: by name.
-        seed: a whole number in [0, 2^64).
-        sandbox: how agents that are not trusted run; None where all are trusted.
+        spec: the agent, as `enter` takes it.
+        arenas: settings of the arenas, by name.
+        seed: an integer in [0, 2^64).
+        sandbox: runs agents that are not trusted; None if all are trusted.
         progress: called with (done, total) before each match.
 
     Raises:
-        AgentError: where the spec names no agent.
-        NoContest: where a match could not be held.
+        AgentError: if the spec names no agent.
+        NoContest: if a match could not be held.
     """
     looked: list[Inspection] = []
 
@@ -83,7 +85,7 @@ def check_fitness(
             return
         progress(number, total)
         result = play_first_step(config, seed, copies[: len(Parties.of(config))], sandbox)
-        if any(result.forfeits):  # a whole match would say the same of every seat
+        if any(result.forfeits):  # a whole match would show the same fault in every seat
             yield from _findings(name, config, result, step_ms, reported)
             late += any(forfeit is not None and forfeit.late for forfeit in result.details)
         else:
@@ -95,7 +97,7 @@ def check_fitness(
         yield from _findings(name, arenas[name], result, step_ms, reported)
         if not any(result.forfeits):
             whole[name] = digests
-    if not whole:  # where and why it forfeited is what there is to say
+    if not whole:  # the forfeits have been reported, and there is no match to repeat
         return
     name, first = next(iter(whole.items()))
     progress(total - 1, total)
@@ -112,17 +114,19 @@ def check_fitness(
 
 
 def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], sandbox: Sandbox | None) -> MatchResult:
-    """One step of a match, to find out whether an agent can read what it sees there: an observation may have another
-    width than those that it knows. It plays the first party of each side, and `idle` all others.
+    """Play one step of a match, to check that an agent can read its observations.
+
+    An observation may be wider or narrower than in other arenas. The agent plays the first party of each side, and
+    `idle` plays all others.
 
     Args:
         config: the arena's settings.
-        seed: a whole number in [0, 2^64).
-        copies: the agent, under a name for each party.
-        sandbox: how agents that are not trusted run; None where all are trusted.
+        seed: an integer in [0, 2^64).
+        copies: entrants of the agent, one for each party.
+        sandbox: runs agents that are not trusted; None if all are trusted.
 
     Raises:
-        NoContest: where it could not be held.
+        NoContest: if the match could not be held.
     """
     parties = Parties.of(config)
     (idle,) = enter(["idle"])
@@ -134,7 +138,7 @@ def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], s
 def _findings(
     name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
-    """Yield what one match shows; `reported` has the failures that were shown at length before, and gets these."""
+    """Yield the findings of one match; failures in `reported` are shown briefly, and new ones are added to it."""
     failed = [(party, forfeit) for party, forfeit in enumerate(result.details) if forfeit is not None]
     here: set[tuple[str, str]] = set()
     for party, forfeit in failed:
@@ -167,7 +171,7 @@ def _findings(
 
 
 def _shown_to(forfeit: Forfeit, config: ArenaConfig) -> str:
-    """The view that it failed on, on a line of its own."""
+    """Return the view that the agent failed on, as a line; empty if there is none."""
     if forfeit.observation is None:
         return ""
     view = player_limits(config, forfeit.seat).view(*forfeit.observation)

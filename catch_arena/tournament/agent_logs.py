@@ -1,4 +1,4 @@
-"""What agents printed, and how they failed: a file for each, which grows match by match up to a limit."""
+"""Log files of agents: the output and the faults of each agent, added match by match up to a limit."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,16 +10,16 @@ from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 
 MOST_BYTES: Final = 4 << 20
-"""Of one agent's file; the next match is the last that is added."""
+"""Size of an agent's log file [bytes] from which on no match is added; the last one may exceed it."""
 _LONGEST: Final = 240
-"""Bytes of a file's name, its ending left out."""
+"""Largest length of a file's name [bytes], without its ending."""
 
 
 def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one: PlayedMatch) -> None:
-    """Add what each party of a match printed, and how it failed; the folder is made when there is something to add.
+    """Add the output and the fault of each party of a match to its log; the folder is made when it is needed.
 
     Raises:
-        OutputError: where it cannot be written.
+        OutputError: if a log cannot be written.
     """
     for party, index in enumerate(one.match.seating):
         forfeit, printed = one.result.details[party], one.result.logs[party]
@@ -30,7 +30,7 @@ def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one
 
 
 def _append(folder: Path, name: str, text: str) -> None:
-    *folders, last = name.split("/")  # as ann/agent has
+    *folders, last = name.split("/")  # a name may be ann/agent
     path = Path(folder, *folders, f"{last.encode()[:_LONGEST].decode(errors='ignore')}.log")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""An agent's spec: how a word on the command line names an agent, what the agent is called, and its digest.
+"""Specs of agents: from a word on the command line to an agent's spec, name and digest.
 
 A spec is the absolute path of a .py file or of a folder with an agent.py, `package.module:Class`, or `cmd:` and a
 command with absolute paths.
@@ -21,34 +21,34 @@ from catch_arena.files import is_loop
 from catch_arena.text import composed
 
 COMMAND: Final = "cmd:"
-"""Begin of a command's spec."""
+"""Prefix of the spec of a command."""
 SHIPPED: Final = "catch_arena.agents"
-"""The package of the agents that come with Catch Arena."""
+"""Package of the agents that come with Catch Arena."""
 IN_FOLDER: Final = "agent.py"
-"""The file with the class `Agent`, if an agent is a folder."""
+"""Name of the file with the class `Agent`, if an agent is a folder."""
 _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 _LARGEST_SOURCE: Final = 1 << 26
-"""Bytes of a file that is read as a module's source."""
+"""Largest part of a file that is read [bytes]."""
 _MOST_SOURCES: Final = 3
-"""Files of an agent: its module's, and those of its two classes."""
+"""Largest number of files of an agent: the file of its module, and the files of its two classes."""
 _GENERIC: Final = frozenset({"agent", "bot", "main", "player", "solution", "submission"})
-"""Names of files that do not tell one agent from another: the folder's name is put before them."""
+"""File names that are too common to name an agent: the folder's name is put before them."""
 
 
 class AgentSpec(NamedTuple):
-    """An agent that a word on the command line names; it has not been loaded."""
+    """Agent that a word on the command line names; it has not been loaded."""
 
     spec: str
     path: tuple[str, ...]
-    """Its name comes last, after the names of what holds it."""
+    """Parts of the agent's path: the folders or packages that hold it, then its own name."""
     content: bytes | None = None
-    """The bytes for its digest, as far as they are known without loading it."""
+    """Bytes for the digest that are known without loading the agent; None if there are none."""
 
     def digest(self, sources: Sequence[str]) -> str:
-        """Return 16 hexadecimal digits of its files, or of its spec if none can be read.
+        """Return the digest of the agent's files, in 16 hexadecimal digits; of its spec if no file can be read.
 
         Args:
-            sources: the files that it says it consists of; a command and a folder are digested as they are.
+            sources: the files of the agent, by its own account; they are ignored for a command and a folder.
         """
         found = [] if self.content is None else [self.content]
         if not self.spec.startswith(COMMAND) and folder_of(self.spec) is None:
@@ -65,7 +65,7 @@ def shipped_spec(name: str) -> str:
 
 
 def is_shipped(spec: str) -> bool:
-    """Return whether an agent comes with the package: our own code, which needs no process of its own."""
+    """Return whether an agent comes with the package; such an agent is trusted, and plays in this process."""
     return spec.startswith(f"{SHIPPED}.")
 
 
@@ -86,7 +86,7 @@ def command_of(spec: str) -> list[str] | None:
 
 
 def resolve_spec(word: str) -> str:
-    """Return the spec of the agent that a word on the command line names; it means the same in any folder.
+    """Return the spec of the agent that a word on the command line names; the spec is valid in any working folder.
 
     Raises:
         AgentError: if it names no agent.
@@ -120,9 +120,9 @@ def resolve(word: str) -> AgentSpec:
 
 
 def unique_names(found: Sequence[AgentSpec]) -> list[str]:
-    """Return a name for each: the last part of its path, with as many before it as tell it from other paths.
+    """Return a unique name for each agent: the last part of its path, with as many parts before it as are needed.
 
-    The second of one path is `name#2`.
+    The second agent with the same path is `name#2`.
     """
     depths = {one.path: 2 if one.path[-1] in _GENERIC else 1 for one in found}
 
@@ -138,15 +138,15 @@ def unique_names(found: Sequence[AgentSpec]) -> list[str]:
     for wanted in (name(one.path) for one in found):
         seen[wanted] += 1
         while (unique := wanted if seen[wanted] == 1 else f"{wanted}#{seen[wanted]}") in names:
-            seen[wanted] += 1  # a file may be called like that
+            seen[wanted] += 1  # a file may have the name `name#2`
         names.append(unique)
     return names
 
 
 def content_of(source: str) -> bytes | None:
-    """Return the content of a file that an agent says is its own, whatever it says; None if it cannot be read."""
+    """Return the content of a file that an agent names as its own; None if it is no regular file or unreadable."""
     try:
-        # a pipe that nobody writes to is not waited for
+        # a pipe without a writer must not block
         with os.fdopen(os.open(source, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
             return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
     except (OSError, ValueError):
@@ -172,7 +172,7 @@ def _resolve_path(word: str, path: Path) -> AgentSpec:
 
 
 def _resolve_command(spec: str) -> AgentSpec:
-    """Resolve a command; the files that it names get their whole paths, since it is started in another folder."""
+    """Return the spec of a command; its files get absolute paths, since it is started in another folder."""
     try:
         words = shlex.split(spec.removeprefix(COMMAND))
     except ValueError as error:
@@ -194,7 +194,11 @@ def _resolve_command(spec: str) -> AgentSpec:
 
 
 def _require_program(word: str, path: Path) -> None:
-    """Require that a file can be started as a program."""
+    """Check that a file can be started as a program.
+
+    Raises:
+        AgentError: if it is not executable, or its interpreter is missing.
+    """
     if not os.access(path, os.X_OK):
         raise AgentError(f"{word}: must be executable: chmod +x {word}")
     first = (content_of(str(path)) or b"").partition(b"\n")[0]
@@ -209,7 +213,7 @@ def _require_program(word: str, path: Path) -> None:
 
 
 def _path_to(file: Path) -> tuple[str, ...]:
-    """Return the folders and the stem of a file; a package is called as its folder."""
+    """Return the folders and the stem of a file; the `__init__.py` of a package gets the folder's name."""
     parts = file.parts[1:-1]
     if file.name != "__init__.py" or not parts:
         parts = (*parts, file.stem)
@@ -217,7 +221,7 @@ def _path_to(file: Path) -> tuple[str, ...]:
 
 
 def _digest_of_folder(folder: Path) -> bytes:
-    """Return a digest of the names and contents of its files, without `__pycache__` and what begins with a dot."""
+    """Return a digest of the names and contents of a folder's files, without `__pycache__` and hidden files."""
     paths = (path.relative_to(folder) for path in sorted(folder.rglob("*")))
     kept = (path for path in paths if not any(part[0] == "." or part == "__pycache__" for part in path.parts))
     digest = hashlib.blake2b()  # a folder may hold more than memory does
@@ -227,5 +231,5 @@ def _digest_of_folder(folder: Path) -> bytes:
 
 
 def _weights_beside(path: Path) -> bytes:
-    """Return what a network has learned, from files next to the agent's under its name: `mine.npz` for `mine.py`."""
+    """Return the weights of a network, from files with the agent's stem next to it: `mine.npz` for `mine.py`."""
     return b"".join(content_of(str(path.with_suffix(suffix))) or b"" for suffix in _WEIGHTS)

@@ -1,4 +1,4 @@
-"""Is agent A stronger than agent B? Blocks are played until a sequential test knows."""
+"""Comparison of two agents, A and B: blocks are played until a sequential test decides which is stronger."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,10 +31,10 @@ _FIRST_STAGE: Final = 16
 
 @dataclass(frozen=True, slots=True)
 class ComparisonDesign:
-    """Who sits where in each block of a comparison; with prey each side is compared by itself.
+    """Seats of A, B and their field in each block of a comparison; with prey each side is compared separately.
 
-    A field that leaves one seat free is met by both in turn, each from every seat, on the same targets. Otherwise both
-    sit in the same match, and share what the field leaves free.
+    If the field leaves one seat free, A and B take it in turn, in every seat and on the same targets. Otherwise both
+    sit in the same match, and share the free seats.
     """
 
     parties: Parties
@@ -42,7 +42,7 @@ class ComparisonDesign:
 
     @property
     def seats(self) -> int:
-        """How many players a block has."""
+        """Number of players in a block."""
         return self.parties.group
 
     def __post_init__(self) -> None:
@@ -57,12 +57,13 @@ class ComparisonDesign:
 
     @property
     def in_turn(self) -> bool:
-        """Whether they never meet."""
+        """True if A and B play in turn, and never meet."""
         return self.seats - self.field == 1
 
     def block(self, matches: Iterable[Match]) -> tuple[Match, ...]:
-        """A block of a round robin of as many as there are seats, with these two and their field in their roles; who
-        plays a role in turn is told the same seed.
+        """Return a block of a round robin with A, B and their field as players; if A and B play in turn, twice as long.
+
+        A player that takes another's place in turn gets the same seed.
         """
         free = self.seats - self.field
         found = []
@@ -73,8 +74,9 @@ class ComparisonDesign:
         return tuple(found)
 
     def share_of_a(self, block: Sequence[PlayedMatch]) -> float:
-        """The share that A got of B in a block: in each comparison of two ranks a better one counts 1, an equal one
-        one half. With prey all ranks of a side in the block are compared: in a match the two may be on different sides.
+        """Return A's share against B in a block, in [0, 1]: a better rank counts 1, an equal one counts one half.
+
+        With prey, all ranks on a side in the block are compared: in one match A and B may be on different sides.
         """
         if len(self.parties.sides) > 1:
             sides = [on_side(block, self.parties, side) for side in self.parties.sides]
@@ -85,7 +87,7 @@ class ComparisonDesign:
 
 
 def _share(matches: Sequence[PlayedMatch]) -> float:
-    """The share that A got of B, of all comparisons of their ranks in these matches."""
+    """Return A's share against B in all comparisons of their ranks in these matches, in [0, 1]."""
     ranks: tuple[list[int], list[int]] = ([], [])
     for one in matches:
         for index, rank in zip(one.match.seating, one.result.ranks, strict=True):
@@ -97,22 +99,22 @@ def _share(matches: Sequence[PlayedMatch]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What came out."""
+    """Result of a comparison."""
 
     decision: Decision | None
-    """None where the blocks ran out first."""
+    """Decision of the test; None if the blocks ran out first."""
     blocks: int
-    """That the test needed."""
+    """Number of blocks that the test needed."""
     matches: int
     share: Estimate
-    """What A got of B. As the test stops at an extreme, it lies on average somewhat beyond the truth."""
+    """A's share against B, in [0, 1]. As the test stops at an extreme, it lies on average a little beyond the truth."""
     log_likelihood_ratio: float
     forfeits: Mapping[str, Mapping[str, int]]
-    """Of those who did: by name, how many matches they forfeited, by code."""
+    """Number of forfeited matches, by entrant's name and code; entrants without forfeits are left out."""
 
 
 class _UntilDecided:
-    """A plan of more and more blocks, for as long as the test has not decided."""
+    """Plan of larger and larger stages, as long as the test has not decided."""
 
     def __init__(
         self,
@@ -127,13 +129,13 @@ class _UntilDecided:
         self.size = plan.size * (2 if design.in_turn else 1)
         self.shares: list[float] = []
         self.matches = 0
-        """In the blocks that the test needed."""
+        """Number of matches in the blocks that the test needed."""
         self._design, self._test, self._progress = design, test, progress
         self._blocks = map(design.block, plan.blocks())
         self._seen, self._next_size = 0, _FIRST_STAGE
 
     def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """The next stage, once the last one has been given to the test in the order of the plan."""
+        """Return the next stage, after giving the last one to the test in the order of the plan."""
         for _, block in groupby(islice(played, self._seen, None), key=lambda one: one.match.block):
             matches = list(block)
             self._seen += len(matches)
@@ -163,7 +165,7 @@ def compare(
     progress: Callable[[int, Sprt], None] = lambda *_: None,
     on_played: Callable[[int, int], None] | None = None,
 ) -> Comparison:
-    """Play until `test` has decided, or `max_blocks` blocks.
+    """Play until `test` has decided, or for `max_blocks` blocks.
 
     The blocks are given to the test in the order of the plan, so the decision does not depend on `jobs`.
 
@@ -171,17 +173,17 @@ def compare(
         config: the arena's settings.
         entrants: the two to compare, then their field.
         test: the sequential test.
-        max_blocks: after how many blocks it ends at the latest.
-        seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed, None draws one freshly.
-        jobs: how many processes play.
-        limits: those of isolated agents, None where all are trusted.
-        max_forfeits: as of `runner.play_plan`.
+        max_blocks: largest number of blocks.
+        seed: source of all draws; an integer in [0, 2^64) can be guessed, None draws a new secret.
+        jobs: number of processes that play.
+        limits: limits of isolated agents; None if all are trusted.
+        max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
         progress: called with (blocks, test) after each stage.
-        on_played: called with (matches played, the most that may be) after each block.
+        on_played: called with (matches played, largest possible number of matches) after each block.
 
     Raises:
-        ConfigError: for no blocks, and a field that does not fit the scenario's seats.
-        NoContest: where a match could not be held.
+        ConfigError: for max_blocks below 1, or a field that does not fit the scenario's seats.
+        NoContest: if a match could not be held.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")

@@ -20,23 +20,23 @@ SHIPPED_PREY: Final = "flee"
 
 @dataclass(frozen=True, slots=True)
 class Entrant:
-    """One agent in a tournament; it can be sent to another process, which makes its own instances."""
+    """Agent in a tournament; it can be sent to another process, which makes its own instances."""
 
     name: str
-    """Unique in its tournament: `nearest`, and `nearest#2` if it plays against itself; `ann/agent` for a file with a
-    generic name, and `ann/mine` and `bob/mine` if two files have one name.
+    """Name, unique in its tournament: `nearest`, and `nearest#2` if it plays against itself; `ann/agent` for a file
+    with a generic name, and `ann/mine` and `bob/mine` if two files have one name.
     """
     spec: str
     """Absolute path of a file or folder, `package.module:Class`, or `cmd:` and a command with absolute paths."""
     control: Control
     digest: str
-    """16 hexadecimal digits of the bytes of its files (`sources_of`), with what a network has learned beside them; of a
-    command, of its words and of the files that they name.
+    """Digest of the agent's files (`sources_of`) and of network weights next to them, in 16 hexadecimal digits; for a
+    command, digest of its words and of the files that they name.
     """
     fault: str | None = None
-    """The reason if it could not play when it was inspected in isolation: it forfeits all its matches."""
+    """Reason for which it cannot play and forfeits all matches, found by its inspection; None if it can play."""
     prey: bool = False
-    """R12.7: true if it plays prey itself; else a shipped agent does."""
+    """R12.7: True if it plays prey itself; else a shipped agent plays prey for it."""
     prey_digest: str = ""
     """Digest of the agent that plays prey for this entrant."""
     side: Side = "hunter"
@@ -44,11 +44,11 @@ class Entrant:
 
     @property
     def needs_prey(self) -> bool:
-        """True if the shipped prey plays for it: it has none of its own, and nothing else keeps it from playing."""
+        """True if the shipped prey plays for it: it has no prey class, and it can play."""
         return not self.prey and self.fault is None
 
     def on(self, side: Side) -> "Entrant":
-        """Return who plays for it on a side, under a name that says so."""
+        """Return the entrant that plays for it on a side; a shipped agent that plays prey for it is named as such."""
         if side == self.side:
             return self
         found = replace(self, control="velocity", side=side)
@@ -63,12 +63,12 @@ class Entrant:
         try:
             if (words := command_of(self.spec)) is not None:
                 return f"a command: {Path(words[0]).name}"
-        except (ValueError, IndexError):  # a store may say anything
+        except (ValueError, IndexError):  # a spec from a store may be any text
             return "a command"
         return self.spec if file_of(self.spec) is None else Path(self.spec).name
 
     def create(self) -> Policy | PreyPolicy:
-        """Return a fresh instance in this process, for one match.
+        """Return a new instance in this process, for one match.
 
         Raises:
             AgentError: if it cannot be loaded or made.
@@ -82,11 +82,11 @@ class Inspection:
 
     control: Control = "target"
     sources: tuple[str, ...] = ()
-    """The files that it consists of: `sources_of`."""
+    """Files of the agent, from `sources_of`."""
     fault: str | None = None
-    """The reason if it cannot play."""
+    """Reason for which it cannot play; None if it can."""
     log: str = ""
-    """Its output meanwhile."""
+    """Output of the agent during its inspection."""
     prey: bool = False
     """True if it plays prey itself."""
 
@@ -107,16 +107,16 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
     Args:
         specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent` or of folders with
             such an agent.py, or `cmd:` and a command.
-        inspect: inspects an agent, in this process or (`isolation.playing.inspector`) in one of its own.
+        inspect: inspects an agent, in this process or in its own (`isolation.playing.inspector`).
 
     Raises:
-        AgentError: one line, that names the spec and what is wrong with it.
+        AgentError: in one line that names the spec and its fault.
     """
     inspections: dict[str, Inspection] = {}
     entrants = []
     resolved = [resolve(spec) for spec in specs]
     for one, name in zip(resolved, unique_names(resolved), strict=True):
-        if any("\ud800" <= character <= "\udfff" for character in one.spec):  # how Python reads bytes that are no text
+        if any("\ud800" <= character <= "\udfff" for character in one.spec):  # Python's form of bytes that are no text
             raise AgentError(
                 f"{one.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
                 "give the file or its folder another name, or try LANG=C.UTF-8"

@@ -1,7 +1,6 @@
-"""A store's matches for other tools: JSON lines, one a match, or a table with a row for each seat of each match; of a
-team, one row for all its seats.
+"""Export of a store's matches for other tools: JSON with a line for each match, or a table with a row for each party.
 
-Sorted by match. Without timing, the same plan gives the same bytes, however it was played.
+Both are sorted by match. Without timing, the same plan gives the same bytes, whichever executor played it.
 """
 
 import csv
@@ -25,7 +24,7 @@ from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
 
 _OF_TEAMS: Final = ("lost_to_mates", "catches")
-"""What there is of matches in which a team has several hunters."""
+"""Parts of a result that exist only if a team has several hunters."""
 _RESULTS: Final = [
     field.name for field in dataclasses.fields(MatchResult) if field.compare and field.name not in _OF_TEAMS
 ]
@@ -55,22 +54,22 @@ _BY_PARTY: Final[dict[str, type]] = {
 _VERSIONS: Final[dict[str, type]] = dict.fromkeys(("catch_arena", "python", "numpy", "numba"), str)
 _TIMING: Final[dict[str, type]] = {"moves": int, "total_s": float, "longest_s": float}
 _ROWS: Final = 20_000
-"""How many rows of a Parquet file are held at once."""
+"""Number of rows of a Parquet file that are held in memory at a time."""
 
 
 def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
-    """Write all that was played to a file.
+    """Write all played matches to a file.
 
     Args:
-        store: where results are kept.
+        store: holds the results.
         form: jsonl, csv or parquet.
-        path: where it is written.
-        timing: whether the times are in it, which no other run repeats.
+        path: the file to write.
+        timing: True to include times, which another run does not repeat.
 
     Raises:
-        ConfigError: for a format that is unknown, or needs what is not installed.
-        OutputError: where it cannot be written.
-        StoreError: where the results cannot be read.
+        ConfigError: for a format that is unknown, or needs a package that is not installed.
+        OutputError: if the file cannot be written.
+        StoreError: if the results cannot be read.
     """
     writers = {"jsonl": _write_jsonl, "csv": _write_csv, "parquet": _write_parquet}
     require_choice("format", form, list(writers))
@@ -79,7 +78,7 @@ def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
 
 
 def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
-    """What is known of each match that was played; lists are by party (parties.py), which is by seat without teams."""
+    """Yield a record of each played match; lists are by party (parties.py), which is by seat without teams."""
     tournament = store.tournament
     parties = Parties.of(tournament.config)
     sides = [parties.side_of(party) for party in range(len(parties))]
@@ -97,7 +96,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "sides": sides,
             "agents": [entrant.name for entrant in players],
             "agent_digests": [entrant.digest for entrant in players],
-            "agent_seeds": agent_seeds,  # None: it followed from `seed`
+            "agent_seeds": agent_seeds,  # None: the agent's seed followed from `seed`
             **{name: getattr(result, name) for name in _RESULTS},
             **({"seats": parties.seats} | {name: getattr(result, name) for name in _OF_TEAMS} if with_teams else {}),
             "replay_digest": played.replay,
@@ -113,7 +112,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
 
 
 def rows(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
-    """The same as a table: a row for each party, with `columns`; a verdict that it never met is 0."""
+    """Yield the rows of a table with `columns`, one for each party of each played match; missing verdicts are 0."""
     first_seats = [seats[0] for seats in Parties.of(store.tournament.config).seats]
     for record in records(store, timing=timing):
         known = {"lost_to_mates": [0] * len(first_seats)} | record
@@ -125,7 +124,7 @@ def rows(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
 
 
 def columns(*, timing: bool = True) -> dict[str, type]:
-    """The table's columns, in order."""
+    """Return the columns of the table in order, by name, with their types."""
     verdicts = {verdict.name.lower(): int for verdict in Verdict}
     return _BY_MATCH | {"seat": int} | _BY_PARTY | verdicts | _VERSIONS | (_TIMING if timing else {})
 

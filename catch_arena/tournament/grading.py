@@ -1,4 +1,4 @@
-"""Grades of an agent by a spec: it plays each test's matches, and gets points, or failures and hints by rule."""
+"""Grading of an agent by a spec: it plays the matches of each test, and gets points, or failures with fixed hints."""
 
 import json
 from collections import Counter
@@ -20,7 +20,7 @@ from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
 
 _OFTEN: Final = 0.1
-"""Share of an agent's requests that a verdict must have for its hint."""
+"""Share of an agent's requests, in [0, 1], that a verdict must exceed for its hint."""
 _LOG_SHOWN: Final = 4000
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
@@ -53,16 +53,16 @@ class TestGrade:
 
     test: str
     points: float
-    """The points of the test if nothing failed, else 0."""
+    """Points of the test if nothing failed, else 0."""
     possible: float
     failures: tuple[str, ...]
     hints: tuple[str, ...]
     figures: Mapping[str, Any]
     """Figures, for `--json`."""
     measured: str
-    """The figures in words."""
+    """Figures in words."""
     log: str = ""
-    """The last of what was printed."""
+    """End of the printed text."""
 
     def __str__(self) -> str:
         """Return the figures, then the failures, then the hints."""
@@ -72,7 +72,7 @@ class TestGrade:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the grade as JSON has it."""
+        """Return the grade as a dictionary for JSON."""
         known = ("test", "points", "possible", "failures", "hints", "log")
         return {name: getattr(self, name) for name in known} | dict(self.figures)
 
@@ -86,16 +86,17 @@ def grade_agent(
     max_forfeits: int = 0,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> TestGrade:
-    """Play the matches of one of a spec's tests, the student in each seat in turn.
+    """Play the matches of a test, with the student's agent in each seat in turn, and return its grade.
 
     Args:
-        spec: the student is graded by.
-        test: one of its tests.
-        student: who is graded.
-        opponents: who plays in the other seats, from the first again if there are more seats.
-        sandbox: how agents that are not trusted run.
-        max_forfeits: after so many forfeits in a row, and after two time-outs, the rest is not played; 0 for never.
-        progress: called with (played, in all) after each match.
+        spec: the grading spec.
+        test: a test of the spec.
+        student: the agent to grade.
+        opponents: agents for the other seats, from the first again if there are more seats.
+        sandbox: runs agents that are not trusted; None if all are trusted.
+        max_forfeits: number of forfeits in a row after which the rest is not played, as after two timeouts; 0 to play
+            all matches.
+        progress: called with (played, total) matches after each match.
 
     Raises:
         NoContest: if a match could not be held.
@@ -138,7 +139,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         side = parties.side_of(party)
         scores[side].append(result.scores[party])
         forfeit, ranks = result.details[party], result.ranks[parties.on(side)]
-        if len(ranks) > 1 or len(parties.sides) == 1:  # the only prey has nobody to win against
+        if len(ranks) > 1 or len(parties.sides) == 1:  # an only prey has no other prey to win against
             wins.append(0.0 if forfeit else (result.ranks[party] == 1) / ranks.count(1))
         if forfeit is not None and forfeit.code not in forfeits:
             forfeits[forfeit.code] = forfeit
@@ -172,7 +173,7 @@ def _mean(values: Sequence[float]) -> float | None:
 
 
 def _missed(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[str]:
-    """Yield each threshold that was missed."""
+    """Yield the missed thresholds, in words."""
     for name, value in figures.items():
         least, most = getattr(test, f"min_{name}", None), getattr(test, f"max_{name}", None)
         if least is not None and value < least:
@@ -182,7 +183,7 @@ def _missed(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _hints(forfeits: Iterable[Forfeit], verdicts: Counter[str], config: ArenaConfig) -> tuple[str, ...]:
-    """Return what to read after a failure: about each forfeit, and about verdicts that its requests met often."""
+    """Return the hints after a failure: for each forfeit, and for frequent verdicts on the agent's requests."""
     often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
     causes = [*(_cause_of(one, config) for one in forfeits), *(name for name in often if name != "GRANTED")]
     return tuple(_HINTS[cause] for cause in causes or often or ["no request"] if cause in _HINTS)
@@ -205,10 +206,10 @@ def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence
     """Return the grades as JSON, without seeds.
 
     Args:
-        spec: by which it was graded.
-        name: the agent's, or the node's.
-        digest: of the agent's files; a node has none.
-        grades: of the spec's tests.
+        spec: the grading spec.
+        name: name of the agent or node.
+        digest: digest of the agent's files; None for a node.
+        grades: grades of the spec's tests.
     """
     content = {
         "title": spec.title,
@@ -244,7 +245,7 @@ def junit_text(spec: GradingSpec, name: str, grades: Sequence[TestGrade]) -> str
 
 
 def seeds_text(spec: GradingSpec) -> str:
-    """Return the matches of a spec as JSON, with all their seeds: secret while agents may be graded by it again."""
+    """Return the matches of a spec as JSON, with all seeds; keep them secret while the spec is in use."""
     content = {
         "title": spec.title,
         "seed": spec.secret.digits,

@@ -1,4 +1,4 @@
-"""A grading spec: a TOML file with matches that an agent plays, thresholds that it must reach, and points.
+"""Grading specs: TOML files with matches that an agent plays, thresholds that it must reach, and points.
 
 docs/grading.md has the spec's fields and an example.
 """
@@ -25,11 +25,11 @@ Share = Annotated[float, Meta(ge=0.0, le=1.0)]
 Amount = Annotated[float, Meta(ge=0.0, le=1e6)]
 
 _KINDS: Final = {"str": "text", "array": "a list", "object": "a table", "int": "a whole number", "float": "a number"}
-"""Types in plain words, by msgspec's names for them."""
+"""Names of types for errors, by msgspec's names."""
 
 
 class GradingTest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One `[[test]]` of a spec: some matches, and the thresholds; a forfeit fails it."""
+    """Test of a spec (`[[test]]`): matches, and thresholds. A forfeit fails the test."""
 
     name: Annotated[str, Meta(min_length=1)]
     scenario: str = "standard"
@@ -41,24 +41,26 @@ class GradingTest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Number of matches; None only until `read_spec` has taken the spec's own."""
     points: Amount = 1.0
     min_mean_score: Amount | None = None
-    """Catches in a match in which it hunted; of a team, all its hunters' together."""
+    """Smallest mean of its catches per match as a hunter; for a team, of all its hunters in total."""
     min_win_share: Share | None = None
-    """Matches won, in [0, 1], on its side; a shared win counts in parts. Matches as the only prey do not count."""
+    """Smallest share of matches won on its side, in [0, 1]; a shared win counts in parts. Matches as the only prey do
+    not count.
+    """
     max_mean_refused: Amount | None = None
-    """Refused requests per match, without lost contests."""
+    """Largest mean of refused requests per match, without lost contests."""
     max_mean_caught: Amount | None = None
-    """Times that it was caught, per match in which it was prey."""
+    """Largest mean number of times that it was caught per match as prey."""
     cases: tuple[str, ...] = ()
-    """For a ROS 2 node instead of an agent: cases of the conformance suite, or what their ids begin with."""
+    """Cases of the conformance suite for a ROS 2 node instead of an agent: their ids, or beginnings of ids."""
 
     @property
     def config(self) -> ArenaConfig:
-        """The arena."""
+        """Settings of the arena."""
         return scenario(self.scenario, **self.settings)
 
 
 class _File(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
-    """The fields of a spec's file."""
+    """Fields of a spec's file."""
 
     title: str | None = None
     seed: str | int | None = None
@@ -69,15 +71,15 @@ class _File(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, slots=True)
 class GradingSpec:
-    """The tests by which an agent is graded."""
+    """Grading spec: the tests by which an agent is graded."""
 
     title: str
     tests: tuple[GradingTest, ...]
     secret: Secret
-    """The seeds of all matches follow from it."""
+    """Source of the seeds of all matches."""
 
     def matches(self, test: GradingTest) -> tuple[Match, ...]:
-        """Return the matches of a test, with the student, 0, as each party in turn: each hunter or team, each prey."""
+        """Return the matches of a test, with the student (0) as each party in turn: a hunter or team, or a prey."""
         secret, parties = self.secret.part("grade", self.tests.index(test)), len(Parties.of(test.config))
         return tuple(
             Match(
@@ -95,7 +97,7 @@ def read_spec(path: Path) -> GradingSpec:
     """Return the spec in a file.
 
     Raises:
-        ConfigError: one line that names the field, the requirement and the value.
+        ConfigError: in one line that names the field, the requirement and the value.
     """
     try:
         table = tomllib.loads(read_text(path))
@@ -138,13 +140,17 @@ def _complete(at: str, test: GradingTest, given: Collection[str], matches: int, 
     if parties > 1 and not test.opponents:
         seats = "1 seat is" if parties == 2 else f"{parties - 1} seats are"
         raise ConfigError(f'{at} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
-    # files stand beside the spec, as its seed_file does
+    # paths of files are relative to the spec's folder, as for its seed_file
     words = (str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in test.opponents)
     return msgspec.structs.replace(test, opponents=tuple(words), matches=played)
 
 
 def _secret(file: _File, folder: Path) -> Secret:
-    """Return the spec's secret, or a fresh one if it has none."""
+    """Return the spec's secret, or a new one if it has none.
+
+    Raises:
+        ConfigError: for two seeds, or for a seed that is invalid or cannot be read.
+    """
     if file.seed is not None and file.seed_file is not None:
         raise ConfigError("seed and seed_file must not both be given")
     if file.seed_file is None:
@@ -156,7 +162,7 @@ def _secret(file: _File, folder: Path) -> Secret:
         raise ConfigError(f"seed_file must be a file: {error}") from None
     try:
         return Secret.parse(text.strip())
-    except ConfigError:  # which would show what is to be hidden
+    except ConfigError:  # its message would show the secret
         raise ConfigError(f"seed_file must hold 32 hexadecimal digits or a number, and {path} does not") from None
 
 

@@ -1,4 +1,4 @@
-"""Agents in Python are imported here, and instances of their classes made."""
+"""Import of agents in Python, and instances of their classes."""
 
 import hashlib
 import importlib
@@ -22,15 +22,15 @@ from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.tournament.agent_spec import COMMAND, IN_FOLDER, SHIPPED, content_of, file_of, folder_of
 
 NOT_INSTALLED: Final = "which is not installed here"
-"""Words about a module that an agent imports and that is missing."""
+"""Part of the error for a missing module that an agent imports."""
 _PREY: Final = "Prey"
-"""Name of the class that plays prey."""
+"""Name of the class of an agent that plays prey."""
 _FILE_MODULE: Final = "catch_arena_agent_"
-"""Begin of the name that the module in an agent's file has."""
+"""Prefix of the name of the module in an agent's file."""
 
 
 def shipped() -> dict[str, str]:
-    """Return the agents that come with the package: name to one line about each."""
+    """Return the agents that come with the package, by name, with one line about each."""
     names = sorted(module.name for module in pkgutil.iter_modules(agents.__path__))
     return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
 
@@ -39,7 +39,7 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     """Return a new instance of an agent that can play on that side.
 
     Raises:
-        AgentError: if it cannot; the text says why.
+        AgentError: if it cannot; the text gives the reason.
     """
     found = agent_class(spec, side)
     try:
@@ -66,7 +66,7 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
 
 
 def has_prey(spec: str) -> bool:
-    """Return whether an agent in Python plays prey itself; none is made.
+    """Return whether an agent in Python plays prey itself; no instance is made.
 
     Raises:
         AgentError: if its module cannot be used.
@@ -75,7 +75,7 @@ def has_prey(spec: str) -> bool:
 
 
 def sources_of(spec: str) -> tuple[str, ...]:
-    """Return the files of an agent in Python: its module's, and those that its classes come from.
+    """Return the files of an agent in Python: the file of its module, and the files that define its classes.
 
     Raises:
         AgentError: if its module cannot be used, or has no such class.
@@ -89,10 +89,10 @@ def sources_of(spec: str) -> tuple[str, ...]:
 
 @cache
 def agent_module(spec: str) -> ModuleType:
-    """Return the module with the class of a spec; it is imported once, also for processes that are forked later.
+    """Return the module with the class of a spec; it is imported only once, also for processes that are forked later.
 
     Raises:
-        AgentError: for a command, and a module that cannot be imported.
+        AgentError: for a command, or a module that cannot be imported.
     """
     if spec.startswith(COMMAND):
         raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
@@ -105,7 +105,7 @@ def agent_class(spec: str, side: Side = "hunter") -> type:
     """Return the class of a spec, or the class `Prey` next to it.
 
     Raises:
-        AgentError: for a command, a module that cannot be imported, and one without that class.
+        AgentError: for a command, a module that cannot be imported, or a module without that class.
     """
     module = agent_module(spec)
     name = _PREY if side == "prey" else "Agent" if file_of(spec) is not None else spec.partition(":")[2]
@@ -117,7 +117,7 @@ def agent_class(spec: str, side: Side = "hunter") -> type:
 
 
 def module_folders() -> list[str]:
-    """Return where the modules of agents are searched: all of `sys.path` but the folder that a command started in."""
+    """Return the folders for the imports of agents: `sys.path` without the folder that a command started in."""
     here = sys.path[:1] in ([""], [str(Path.cwd())])
     return [str(Path(entry).absolute()) for entry in sys.path[here:] if entry]
 
@@ -140,7 +140,7 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
 
     Args:
         path: the file.
-        folder: the folder in which it finds further modules, while it is imported; None for none.
+        folder: folder in which it can import further modules while it is imported; None for no folder.
 
     Raises:
         AgentError: if importing it raises.
@@ -149,7 +149,7 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise AgentError(f"{path}: is no Python file")
-    module = sys.modules[name] = importlib.util.module_from_spec(spec)  # dataclasses look their module up
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)  # dataclasses need their module in sys.modules
     try:
         with _process_restored(), nullcontext() if folder is None else _modules_of(folder):
             spec.loader.exec_module(module)
@@ -166,15 +166,16 @@ def _takes_one_argument(method: Callable[..., object]) -> bool:
         signature(method).bind(None)
     except TypeError:
         return False
-    except ValueError:  # some callables tell no signature
+    except ValueError:  # some callables have no signature
         return True
     return True
 
 
 @contextmanager
 def _process_restored() -> Iterator[None]:
-    """Search modules in `module_folders` alone, and restore what a stranger's module may change while it is imported:
-    the folder, the streams, the locale, and where modules are found.
+    """Search modules in `module_folders` only, and restore the process after the import of a stranger's module.
+
+    The working folder, the standard streams, the locale and `sys.path` are restored.
     """
     path, folder, language = sys.path[:], Path.cwd(), locale.setlocale(locale.LC_ALL)
     streams = sys.stdin, sys.stdout, sys.stderr
@@ -190,9 +191,9 @@ def _process_restored() -> Iterator[None]:
 
 @contextmanager
 def _modules_of(folder: Path) -> Iterator[None]:
-    """Let modules be imported from a folder, and forget them: another agent's may have the same names.
+    """Allow imports from a folder, and remove these modules afterwards: another agent's may have the same names.
 
-    In an agent's own process the folder is searched already, and they stay.
+    In an agent's own process the folder is in `sys.path` already, and the modules stay.
     """
     if str(folder) in sys.path:
         yield
@@ -209,7 +210,7 @@ def _modules_of(folder: Path) -> Iterator[None]:
 
 
 def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:
-    """Return an import's error in words; `folder` holds the agent's file if the file plays alone."""
+    """Return an import's error in words; `folder` holds an agent's single file, and is None for other agents."""
     missing = error.name if isinstance(error, ModuleNotFoundError) else None
     if missing is None or module == missing or module.startswith(f"{missing}."):
         return f"importing it raised {reason(error)}"

@@ -1,4 +1,4 @@
-"""One match, played from the first observation to the last."""
+"""Loop of one match, from the first observation to the last."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -20,9 +20,9 @@ from catch_arena.tournament.secret import agent_seed
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
-"""What is played for a seat that gives no action."""
+"""Action that is played for a seat without one, by control."""
 _Infos = dict[str, dict[str, Any]]
-"""By agent."""
+"""Infos of a step, by agent."""
 
 
 def play(
@@ -38,26 +38,26 @@ def play(
     on_forfeit: Callable[[int, Forfeit], None] = lambda *_: None,
     most_steps: int | None = None,
 ) -> MatchResult:
-    """Play one match to its end. An agent that fails forfeits and is withdrawn (R1.6), and so do the others of its team
-    (R11.1); the others play on.
+    """Play one match to its end, and return its result.
 
-    Seats count the hunters first, and then the prey.
+    An agent that fails forfeits and is withdrawn (R1.6), with its team (R11.1); all others play on. Seats count the
+    hunters first, and then the prey.
 
     Args:
-        config: whose `control` gives way to what the players ask for.
-        seed: the arena's, a whole number in [0, 2^64).
-        players: fresh for this match (policies are trusted, and play in this process), by seat.
+        config: the arena's settings; the players' controls replace its `control`.
+        seed: seed of the arena, an integer in [0, 2^64).
+        players: new for this match, by seat; policies are trusted, and play in this process.
         names: the agents' names by seat.
-        agent_seeds: what each is told as its own, by seat; where there are none they follow from `seed`.
-        title: of the replay.
-        record: where its replay is written, a file or a buffer; None records nothing.
+        agent_seeds: seed of each agent, by seat; if empty, these seeds follow from `seed`.
+        title: title of the replay.
+        record: file or buffer that the replay is written to; None records nothing.
         watch: called after the reset and after every step.
-        on_forfeit: called with (seat, how) for each seat of a party that fails.
-        most_steps: after how many steps it is broken off; None plays to the end.
+        on_forfeit: called with (seat, forfeit) for each seat of a party that fails.
+        most_steps: number of steps after which the match is stopped; None plays to the end.
 
     Raises:
         OutputError: for a replay that cannot be written.
-        NoContest: where isolated players could not be held.
+        NoContest: if isolated players could not be held.
     """
     if isinstance(players, Sequence):
         players = Players(dict(enumerate(players)))
@@ -85,7 +85,7 @@ def play(
 
 
 class _RunningMatch:
-    """A match while it is played: who still plays in it, who has failed, and what has been counted."""
+    """State of a match while it is played: the remaining players, the failures, and the counts."""
 
     def __init__(
         self,
@@ -110,10 +110,10 @@ class _RunningMatch:
         self._contests_lost: Counter[int] = Counter()
         self._lost_to_mates: Counter[int] = Counter()
         self._moves, self._total_s, self._longest_s = ([0] * len(parties), [0.0] * len(parties), [0.0] * len(parties))
-        """All from `_forfeits` on are by party."""
+        """Numbers of moves and their times [s]. All attributes from `_forfeits` on are by party."""
 
     def forfeit(self, faults: Mapping[int, Fault], shown: Mapping[int, Observation]) -> None:
-        """Withdraw the parties of the seats that failed in this step; `shown`, what each seat was shown in it."""
+        """Withdraw the parties of the seats that failed in this step; `shown` has each seat's observation in it."""
         for seat, fault in sorted(faults.items()):
             party = self._by_seat[seat]
             if self._forfeits[party] is not None:  # a team-mate has failed in the same step
@@ -124,16 +124,16 @@ class _RunningMatch:
                 if mate not in self._playing:  # it has dropped out
                     continue
                 self._on_forfeit(mate, forfeit)
-                self._actions[self._agents[mate]] = self._hold(mate)  # R1.6: the env asks for one more action of it
+                self._actions[self._agents[mate]] = self._hold(mate)  # R1.6: the env takes one more action of it
                 del self._playing[mate]
                 self._env.withdraw(self._agents[mate])
                 self._players.drop(mate)
 
     def play_step(self, observations: dict[str, Any], infos: _Infos) -> tuple[dict[str, Any], _Infos]:
-        """Ask all who still play for their actions, and step the env.
+        """Ask all remaining players for their actions, and step the env.
 
         Returns:
-            the observations and infos after it.
+            The observations and infos after the step.
         """
         self.step += 1
         shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
@@ -152,7 +152,7 @@ class _RunningMatch:
         return observations, infos
 
     def result(self) -> MatchResult:
-        """What came of it."""
+        """Return the result of the match."""
         world = self._env.world()
         catches = [*(hunter.score for hunter in world.hunters), *(prey.times_caught for prey in world.prey)]
         parties, forfeits = self._parties.seats, self._forfeits
@@ -180,10 +180,10 @@ class _RunningMatch:
         return _HOLD[self._controls[seat]]
 
     def _ask(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
-        """Take the actions of those who are shown something.
+        """Ask the seats in `shown` for their actions, and keep them.
 
         Returns:
-            who gave none, by seat, and why.
+            The faults of seats without an action, by seat.
         """
         faults: dict[int, Fault] = {}
         for seat, (action, seconds, fault) in self._players.act(shown).items():
@@ -199,10 +199,10 @@ class _RunningMatch:
         return faults
 
     def _take_actions(self) -> dict[int, Fault]:
-        """Check the actions of those who play on: here velocities out of bounds are refused, and not clipped.
+        """Check the actions of the remaining players; velocities out of bounds are refused here, and not clipped.
 
         Returns:
-            whose action is not legal, by seat, and why.
+            The faults of seats with an illegal action, by seat.
         """
         faults: dict[int, Fault] = {}
         for seat, agent in self._playing.items():
@@ -221,7 +221,7 @@ class _RunningMatch:
         return faults
 
     def _count(self, infos: _Infos) -> None:
-        """The verdicts of a step, and its contests: each has one winner, and a party wins or loses it once."""
+        """Count the verdicts and contests of a step: each contest has one winner, and a party wins or loses it once."""
         contests: dict[int, set[int]] = {}  # the parties that lost to each seat
         for agent, info in infos.items():
             verdict = info.get("verdict", NO_REQUEST)
@@ -239,7 +239,7 @@ class _RunningMatch:
 
 
 def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:
-    """What a party's instances have printed; of several, each under its name."""
+    """Return the output of a party's instances; if there are several, each under its name."""
     if len(agents) == 1:
         return logs.get(agents[0], "")
     return "\n".join(f"{agent}:\n{logs[agent].rstrip()}" for agent in agents if logs.get(agent))

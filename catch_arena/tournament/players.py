@@ -1,4 +1,4 @@
-"""The players of one match: what a match asks of them, and what they answer."""
+"""Players of one match: their interface, and the players in this process."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -12,40 +12,39 @@ from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
 from catch_arena.tournament.entrants import Entrant
 
 ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
-"""Kinds of failure: an agent raises or dies; it takes too long; its answer is no legal action; it cannot begin; it has
-failed in too many matches in a row, and is not started any more.
+"""Kinds of failure, in this order: the agent raises or dies; it takes too long; its answer is no legal action; it
+cannot begin; it has failed in too many matches in a row, and is not started any more.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Why one seat cannot go on."""
+    """Reason for which a seat cannot go on."""
 
     code: ForfeitCode
     reason: str
-    """One line for people."""
+    """Reason in one line."""
     late: bool = False
     """True if the seat was too slow."""
 
 
 # plain tuples: a trusted match makes thousands of them
 Observation = tuple[list[float], list[int]]
-"""What a seat is shown in a step: R7.1's or R12.4's vector, and R7.2's mask, which not every seat has (empty then)."""
+"""Observation of a seat in a step: the vector of R7.1 or R12.4, and the mask of R7.2; empty if the seat has none."""
 Answer = tuple[Any, float, Fault | None]
-"""What it makes of that: its action, unchecked (None where there is a fault), how long that took [s], and its fault."""
+"""Answer of a seat: action, unchecked (None if there is a fault); time taken [s]; fault (None if there is none)."""
 
 
 class Players:
-    """Agents in the seats of one match, in this process: quick, and asked one after the other. A seat that had a fault
-    is not asked again.
+    """Players of one match in this process: fast, and asked one after the other.
 
-    What they raise is their fault alone; nothing limits their time, their memory or their reach.
-    `isolation.isolated_players` has further seats, whose agents are in processes of their own.
+    A seat that had a fault is not asked again. An agent that raises harms only itself. Nothing limits the agents' time,
+    memory or access. `isolation.isolated_players` adds seats whose agents are in their own processes.
 
     Args:
-        seated: by seat, an instance for this match, or an entrant, of which one is made; what prey says of its control
-            does not matter.
-        absent: the seats of those that are not made, and why.
+        seated: by seat, an instance for this match, or an entrant, of which an instance is made; the control of prey
+            is ignored.
+        absent: faults of the seats for which no instance is made, by seat.
     """
 
     def __init__(
@@ -56,7 +55,7 @@ class Players:
         self.controls: dict[int, Control] = {
             seat: one.control if isinstance(one, Entrant) else control_of(one) for seat, one in seated.items()
         }
-        """What each seat asks for."""
+        """Control of each seat."""
         self._policies: dict[int, Policy | PreyPolicy] = {}
         self._limits: Sequence[AnyLimits] = ()
         self._faults = dict(absent)
@@ -68,10 +67,10 @@ class Players:
                 self._faults[seat] = Fault("FORFEIT_INIT", str(error))
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match: each seat is told its own seed.
+        """Begin a match, with a seed for each seat.
 
         Returns:
-            those that cannot play, by seat.
+            The faults of seats that cannot play, by seat.
         """
         self._limits = limits
         for seat, policy in self._policies.items():
@@ -82,7 +81,7 @@ class Players:
         return self._faults
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
-        """Ask these seats for their actions, in one step."""
+        """Return the answers of these seats in one step."""
         answers: dict[int, Answer] = {}
         policies, all_limits, clock = self._policies, self._limits, time.perf_counter
         for seat, (vector, mask) in observations.items():
@@ -98,8 +97,8 @@ class Players:
         return answers
 
     def drop(self, seat: int) -> None:
-        """End the agent of a seat that plays no further: it has forfeited, or dropped out. Nothing of it runs on."""
+        """End the agent of a seat that forfeited or dropped out; no process of it is left."""
 
     def logs(self) -> dict[int, str]:
-        """What seats have printed, as far as it is kept: here it goes where this process prints."""
+        """Return the printed text by seat; empty here, since these agents print to this process's own output."""
         return {}

@@ -1,18 +1,18 @@
-"""Who is ahead of whom when a match has ended (R6.1, R11.1, R12.5)."""
+"""Ranks at the end of a match (R6.1, R11.1, R12.5)."""
 
 import math
 from collections.abc import Sequence
 
 
 def ranks_of_sides(scores: Sequence[int], lasted: Sequence[int | None], hunting: int) -> tuple[int, ...]:
-    """The ranks by party, on each side by itself: of `hunting` teams by R11.1, then of prey.
+    """Return the ranks by party, separately for each side: of `hunting` teams by R11.1, then of prey.
 
-    R12.5: prey that was caught least comes first, and withdrawn prey behind all other.
+    R12.5: The prey that was caught least comes first; withdrawn prey comes after all other.
 
     Args:
-        scores: a team's catches, and how often prey was caught.
-        lasted: as of `ranks_of`.
-        hunting: how many of them hunt.
+        scores: catches of each team, then the number of times that each prey was caught.
+        lasted: the step of each forfeit, as in `ranks_of`.
+        hunting: number of hunting parties.
     """
     prey = [(end is not None, caught) for caught, end in zip(scores[hunting:], lasted[hunting:], strict=True)]
     ranks = ranks_of(scores[:hunting], lasted[:hunting])
@@ -20,11 +20,11 @@ def ranks_of_sides(scores: Sequence[int], lasted: Sequence[int | None], hunting:
 
 
 def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:
-    """R6.1, R11.1: each one's rank is 1 + how many did better.
+    """R6.1, R11.1: Return the ranks: 1 + the number of hunters or teams that did better.
 
     Args:
-        scores: catches of each, a hunter or a team.
-        lasted: the step at which one forfeited, None for those that did not: they did better than all who did.
+        scores: catches of each hunter or team.
+        lasted: the step at which each forfeited; None for no forfeit, which is better than any forfeit.
     """
     merits = [
         (math.inf, score) if end is None else (end, 0)

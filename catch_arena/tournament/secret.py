@@ -1,6 +1,6 @@
-"""A tournament's secret, and the seeds that follow from it; docs/tournaments.md, "Seeds", has it for other languages.
+"""Secret of a tournament, and the seeds that follow from it; docs/tournaments.md, "Seeds", describes it in full.
 
-Each seed is a keyed hash of what it is for: whoever knows some of them knows nothing of the others.
+Each seed is a keyed hash of its purpose: nothing about a seed can be computed from other seeds.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ Purpose = Literal[
     "grade",
     "suite",
 ]
-"""What something is drawn for, each in at most sixteen bytes (BLAKE2b's `person`)."""
+"""Purposes of draws, each of at most sixteen bytes (`person` of BLAKE2b)."""
 
 _BYTES: Final = 16
 _SEED_BYTES: Final = 8
@@ -30,17 +30,15 @@ _LONGEST_NUMBER: Final = len(str(SEED_LIMIT))
 
 @dataclass(frozen=True, slots=True)
 class Secret:
-    """128 bits, from which all follows that is drawn in a tournament. Its `repr` does not show them: errors may be read
-    by anybody.
-    """
+    """Secret of 128 bits, the source of all draws in a tournament; its `repr` hides them, since errors are public."""
 
     key: bytes = field(repr=False)
     number: int | None = field(default=None, repr=False, compare=False)
-    """The number that it was made from, if any: then it can be guessed."""
+    """Number that the secret was made from, which can be guessed; None if there is none."""
 
     @classmethod
     def of(cls, seed: "Secret | int | None") -> "Secret":
-        """A secret as it is, that of a number, or for None a fresh one from the operating system.
+        """Return a secret as it is, the secret of a number, or for None a new one from the operating system.
 
         Raises:
             ConfigError: for a number that is not in [0, 2^64).
@@ -54,7 +52,7 @@ class Secret:
 
     @classmethod
     def parse(cls, text: str) -> "Secret":
-        """Exactly 32 hexadecimal digits are a secret, anything else is a number.
+        """Return the secret in a text: exactly 32 hexadecimal digits are its bits, any other text is a number.
 
         Raises:
             ConfigError: for a text that is neither.
@@ -69,25 +67,25 @@ class Secret:
 
     @property
     def text(self) -> str:
-        """What `parse` takes: the number, where it was made from one."""
+        """Text for `parse`: the number if the secret was made from one, else `digits`."""
         return self.digits if self.number is None else str(self.number)
 
     @property
     def digits(self) -> str:
-        """32 hexadecimal digits."""
+        """The 128 bits, as 32 hexadecimal digits."""
         return self.key.hex()
 
     def seed(self, purpose: Purpose, *numbers: int) -> int:
-        """A whole number in [0, 2^63): so that SQLite's and Parquet's whole numbers hold it.
+        """Return a seed in [0, 2^63), which fits the integers of SQLite and Parquet.
 
         Args:
-            purpose: what is drawn.
-            numbers: of what it is drawn, as the table in docs/tournaments.md says; each in [0, 2^64).
+            purpose: what the seed is for.
+            numbers: indices of the draw, as in the table in docs/tournaments.md; each in [0, 2^64).
         """
         return int.from_bytes(_hash(self.key, _SEED_BYTES, purpose, numbers), "little") >> 1
 
     def part(self, purpose: Purpose, *numbers: int) -> "Secret":
-        """A secret of its own, for what draws with the same purposes again."""
+        """Return a separate secret, for a part that draws with the same purposes again."""
         return Secret(_hash(self.key, _BYTES, purpose, numbers))
 
 
@@ -97,5 +95,5 @@ def _hash(key: bytes, size: int, purpose: str, numbers: tuple[int, ...]) -> byte
 
 
 def agent_seed(seed: int, seat: int) -> int:
-    """What an agent is told as its seed, in [0, 2^63), in a match that is of no plan and has its seed from people."""
+    """Return the seed of an agent, in [0, 2^63), in a match without a plan, whose seed a user gives."""
     return Secret.of(seed).seed("agent", 0, seat)

@@ -1,7 +1,6 @@
-"""What a tournament leaves in its folder beside its store: standings.csv and standings.json, and prey_standings.csv
-where there is prey.
+"""Files with the standings of a tournament: standings.csv and standings.json, and with prey prey_standings.csv.
 
-Nothing in them depends on time, machine or the number of processes: the same plan writes the same bytes.
+They do not depend on time, machine or the number of processes: the same plan writes the same bytes.
 """
 
 import csv
@@ -29,11 +28,12 @@ _DIGITS: Final = 6
 def write_standings(
     folder: Path, tournament: Tournament, matches: int, tables: Mapping[Side, Sequence[Standing]]
 ) -> None:
-    """Write the files of a tournament that has ended, whose seed they tell; each whole or not at all; files of these
-    names are replaced, others left alone.
+    """Write the standings files of a tournament that has ended; they contain its seed.
+
+    Each file is written whole or not at all. Files of these names are replaced, others stay.
 
     Raises:
-        OutputError: where it cannot be written.
+        OutputError: if a file cannot be written.
     """
     for side, table in tables.items():
         write_whole(folder / TABLES[side], table_text(table).encode())
@@ -41,7 +41,7 @@ def write_standings(
 
 
 def table_text(table: Sequence[Standing]) -> str:
-    """The standings as CSV; an interval that is not known is empty."""
+    """Return the standings as CSV; an unknown interval is empty."""
     text = io.StringIO()
     rows = [_flat(standing) for standing in table]
     writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
@@ -51,7 +51,7 @@ def table_text(table: Sequence[Standing]) -> str:
 
 
 def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Sequence[Standing]]) -> str:
-    """The standings with all that is needed to play the tournament again."""
+    """Return as JSON the standings, and the seed, plan and settings for playing the tournament again."""
     names: dict[Side, str] = {"hunter": "standings", "prey": "prey_standings"}
     summary = {
         "ruleset": RULESET,
@@ -77,7 +77,7 @@ def _whole(standing: Standing) -> dict[str, Any]:
 
 
 def _flat(standing: Standing) -> dict[str, Any]:
-    """One line of the table, an interval in two columns; all refusals together, and all forfeits."""
+    """Return a line of the table: an interval has two columns, and refusals and forfeits are sums."""
     row: dict[str, Any] = {
         "place": standing.place,
         "agent": standing.name,
@@ -99,7 +99,7 @@ def _flat(standing: Standing) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers as they are written: rounded, so that the last bit of a sum does not show; None where there is none."""
+    """Return a value for a file: numbers are rounded, so that the last bit of a sum does not show; NaN is None."""
     if not isinstance(value, float):
         return value
     return None if math.isnan(value) else round(value, _DIGITS)

@@ -1,7 +1,7 @@
-"""A tournament's matches, planned and played, in one SQLite file: what is in it outlives whatever happens to us.
+"""Store of a tournament's planned and played matches: one SQLite file, which survives the end of any process.
 
-Each block is a transaction of its own, in write-ahead mode: a process that is killed loses the matches under way, and
-none that was kept. Keeping a match twice changes nothing.
+Each block is a separate transaction, in write-ahead mode: a killed process loses the matches under way, and no stored
+match. Storing a match twice changes nothing.
 """
 
 import os
@@ -30,15 +30,15 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
 STORE: Final = "tournament.sqlite"
-_APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: what kind of file it is
+_APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: the kind of the file
 _FORMAT: Final = 5
 _PAGE: Final = 1000
-"""How many matches that wait are read at once."""
+"""Number of waiting matches that are read at a time."""
 _PATIENCE_S: Final = 60.0
-"""How long another process may hold the file."""
+"""Longest time that another process may lock the file [s]."""
 _FULL: Final = "SQLITE_FULL"
 _FAILED: Final = "SQLITE_IOERR"
-"""What SQLite says where it cannot write. It says the second on a full disk too, of the files beside its own."""
+"""Names of SQLite's errors if it cannot write. A full disk may give _FAILED too, if a helper file is written."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
@@ -57,7 +57,7 @@ CREATE TABLE result (
 ) WITHOUT ROWID;
 """
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
-"""One for each part of a result, as JSON; logs are files."""
+"""Columns of a result, one for each part, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
 _KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _VERSIONS: Final = "SELECT id, value FROM versions"
@@ -69,7 +69,7 @@ _PLAYED: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Tournament:
-    """The tournament whose matches a store holds; only the same tournament can continue it.
+    """Tournament whose matches a store holds; only the same tournament can continue it.
 
     Table `fact` has these fields by name, as JSON.
     """
@@ -77,11 +77,11 @@ class Tournament:
     config: ArenaConfig
     entrants: tuple[Entrant, ...]
     plan: Mapping[str, str | int | float]
-    """The plan's parameters."""
+    """Parameters of the plan."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
-    """Its other terms: `recorded`, `trusted`, and the limits of isolated agents."""
+    """Other terms of the tournament: `recorded`, `trusted`, `max_forfeits`, and the limits of isolated agents."""
     seed: str | None = field(default=None, repr=False)
-    """`Secret.text`; None where the plan is not drawn, or not for others to repeat."""
+    """Seed as `Secret.text`; None if the plan is not drawn, or need not be repeated by others."""
     ruleset: str = RULESET
 
     def __post_init__(self) -> None:
@@ -92,51 +92,51 @@ class Tournament:
 
     @classmethod
     def of(cls, facts: Mapping[str, str]) -> "Tournament":
-        """Return the tournament that is stored so.
+        """Return the tournament that table `fact` describes.
 
         Raises:
-            DamagedError: for facts that no tournament of this version has.
+            DamagedError: for facts that are invalid in this version.
         """
         try:
             values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts.items()}
             config: Any = values.get("config")
-            values["config"] = ArenaConfig.from_dict(config)  # whole numbers stay whole
+            values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
             return msgspec.convert(values, cls)
         except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
             raise stored_values.DamagedError(f"table fact: {error}") from None
 
     @property
     def secret(self) -> Secret | None:
-        """Secret that the plan is drawn from."""
+        """Secret that the plan is drawn from; None if there is no seed."""
         return None if self.seed is None else Secret.parse(self.seed)
 
 
 def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
-    """Return a tournament's `terms`.
+    """Return the `terms` of a tournament.
 
     Args:
-        limits: those of isolated agents, None where all are trusted.
-        max_forfeits: see `execution.forfeit_streaks`.
-        recorded: whether there are replays.
+        limits: limits of isolated agents; None if all are trusted.
+        max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
+        recorded: True if replays are kept.
     """
     numbers = {} if limits is None else limits.numbers()
     return {"recorded": recorded, "trusted": limits is None, "max_forfeits": max_forfeits} | numbers
 
 
 class Store:
-    """The matches of one tournament. A context that closes the file.
+    """Store of one tournament's matches. Use it as a context manager: its exit closes the file.
 
     Raises:
-        StoreError: for whatever SQLite refuses.
+        StoreError: if SQLite reports an error; this holds for all methods.
     """
 
     def __init__(self, path: Path | None = None, *, writable: bool = True) -> None:
-        """Open the file, or one in memory; see `begin` and `read`."""
+        """Open the file, or a store in memory if there is no path; see `begin` and `read`."""
         self.path = path
         self._playing = ExitStack()
         name = ":memory:" if path is None else path.absolute().as_uri()
         if path is not None and not writable:
-            # without a log there is no writer; with immutable=1, SQLite makes no files of its own to wait for one
+            # without a log there is no writer, and with immutable=1 SQLite makes no helper files
             name += "?mode=ro" if path.with_name(f"{path.name}-wal").exists() else "?mode=ro&immutable=1"
         with self._store_errors():
             self._db = sqlite3.connect(name, isolation_level=None, timeout=_PATIENCE_S, uri=True)
@@ -144,16 +144,16 @@ class Store:
 
     @classmethod
     def begin(cls, tournament: Tournament, folder: Path | None = None, *, resume: bool = False) -> "Store":
-        """The store of a tournament that is to be played, kept in memory where there is no folder.
+        """Return the store for playing a tournament, in memory if there is no folder.
 
         Raises:
             StoreError: if the folder has a store already that is not to be resumed, or another command plays in it.
-            OtherTournamentError: where it is of another tournament.
+            OtherTournamentError: if the folder's store is of another tournament.
         """
         path = None if folder is None else folder / STORE
         if path is not None and not path.exists():
-            with suppress(OSError):  # SQLite says it in its words
-                path.touch(0o600)  # it has the seeds of matches to come
+            with suppress(OSError):  # SQLite reports the error below
+                path.touch(0o600)  # the file has the seeds of future matches
         store = cls(path)
         with store._closed_on_error():
             if folder is not None:
@@ -163,10 +163,10 @@ class Store:
 
     @classmethod
     def read(cls, folder: Path) -> "Store":
-        """The store of a tournament that has begun.
+        """Return the store of a tournament that has begun, for reading.
 
         Raises:
-            StoreError: if there is none; from here on also if something in it is damaged.
+            StoreError: if there is none; here and in later calls also if the file is damaged.
         """
         path = folder / STORE
         if is_loop(folder):
@@ -181,10 +181,10 @@ class Store:
 
     @classmethod
     def secret_in(cls, folder: Path) -> Secret | None:
-        """What the tournament in a folder is drawn from; None where there is none yet.
+        """Return the secret of the tournament in a folder; None if there is no tournament yet.
 
         Raises:
-            StoreError: where it cannot be read.
+            StoreError: if the store cannot be read.
         """
         path = folder / STORE
         if not path.is_file():
@@ -194,23 +194,23 @@ class Store:
 
     @property
     def tournament(self) -> Tournament:
-        """Whose matches these are."""
+        """Tournament whose matches the store holds."""
         with self._store_errors():
             return Tournament.of(self._facts())
 
     @property
     def ended(self) -> bool:
-        """Whether its plan has been played to its end: before, nobody may know what it is drawn from."""
+        """True if the plan has been played to its end; its secret must not be shown earlier."""
         with self._store_errors():
             return self._facts().get("ended") == "true"
 
     def end(self) -> None:
-        """The plan has no further matches."""
+        """Mark the plan as played to its end."""
         with self.transaction() as db:
             db.execute("INSERT OR REPLACE INTO fact VALUES ('ended', 'true')")
 
     def plan(self, blocks: Iterable[Block]) -> int:
-        """Write blocks that will be played, all or none; how many matches there are in them."""
+        """Write blocks that will be played, all or none, and return the number of their matches."""
         count = 0
         with self.transaction() as db:
             before = db.total_changes
@@ -218,12 +218,12 @@ class Store:
                 row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
                 db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?, ?)", row)
                 count += 1
-            if db.total_changes > before:  # it may be longer than it was
+            if db.total_changes > before:  # the plan may be longer than before
                 db.execute("DELETE FROM fact WHERE name = 'ended'")
         return count
 
     def keep(self, block: Iterable[PlayedMatch]) -> None:
-        """Write matches that were played, all or none; one that was kept before stays as it was."""
+        """Write played matches, all or none; a match that was stored before is not changed."""
         with self.transaction():
             for one in block:
                 self._keep(one)
@@ -237,12 +237,12 @@ class Store:
         self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:
-        """The matches that are planned and not played, by block, in the order of the plan."""
+        """Yield the blocks that are planned and not played, in the order of the plan."""
         for _, block in groupby(self._waiting(), key=lambda match: match.block):
             yield tuple(block)
 
     def _waiting(self) -> Iterator[Match]:
-        """Match by match, read a page at a time: in between there are writes."""
+        """Yield the waiting matches, read in pages: other results are written meanwhile."""
         after, shape = "", self._shape()
         while True:
             with self._store_errors():
@@ -258,11 +258,11 @@ class Store:
             after = page[-1].id
 
     def played(self, most: int = -1) -> Iterator[PlayedMatch]:
-        """What was played, in the order of the plan; `most`, at most so many."""
+        """Return the played matches in the order of the plan: at most `most`, or all if -1."""
         return (one for one, _ in self.records(most))
 
     def records(self, most: int = -1) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
-        """The same, each with the versions that played it."""
+        """Yield the played matches, as `played` does, each with the package versions that played it."""
         shape = self._shape()
         with self._store_errors():
             known = {key: stored_values.versions_of(key, text) for key, text in self._db.execute(_VERSIONS)}
@@ -270,15 +270,15 @@ class Store:
                 yield stored_values.played_of(row, *shape), known[by]
 
     def count_played(self) -> int:
-        """How many matches were played."""
+        """Return the number of played matches."""
         return self._count("result")
 
     def count_planned(self) -> int:
-        """How many matches are planned so far, those that were played included."""
+        """Return the number of planned matches so far, played ones included."""
         return self._count("match")
 
     def close(self) -> None:
-        """Close the file; another command may play in its folder then."""
+        """Close the file, and let other commands play in its folder."""
         self._db.close()
         self._playing.close()
 
@@ -295,10 +295,10 @@ class Store:
         return "the store" if self.path is None else str(self.path)
 
     def _open(self, tournament: Tournament, *, resume: bool) -> None:
-        begun = self._has_tables()  # before anything is changed in a file that may not be ours
+        begun = self._has_tables()  # before any change: the file may not be ours
         with self._store_errors():
             self._db.execute("PRAGMA journal_mode = WAL")
-            self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may take the last matches, but never the file
+            self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may lose the last matches, but never the file
             self._db.execute("PRAGMA foreign_keys = ON")
         with self.transaction() as db:
             if not begun and not self._has_tables():
@@ -306,7 +306,7 @@ class Store:
                     db.execute(statement)
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
                 db.execute(f"PRAGMA user_version = {_FORMAT}")
-            if not self.count_planned():  # whoever began it got no further
+            if not self.count_planned():  # an earlier command ended before it planned a match
                 facts = [(one.name, _json(getattr(tournament, one.name))) for one in fields(tournament)]
                 db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", facts)
             elif not resume:
@@ -322,10 +322,10 @@ class Store:
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
 
     def _has_tables(self) -> bool:
-        """Whether there is anything in it.
+        """Return whether the file has tables of this format; False if it is empty.
 
         Raises:
-            StoreError: for what we have not made, or in another format.
+            StoreError: if the file is no store, is damaged, or has another format.
         """
         with self._store_errors():
             (application_id,) = self._db.execute("PRAGMA application_id").fetchone()
@@ -347,7 +347,7 @@ class Store:
         return dict(self._db.execute("SELECT name, value FROM fact"))
 
     def _shape(self) -> tuple[int, int]:
-        """Return the number of parties in a match, and of entrants."""
+        """Return the number of parties in a match, and the number of entrants."""
         tournament = self.tournament
         return len(Parties.of(tournament.config)), len(tournament.entrants)
 
@@ -365,7 +365,7 @@ class Store:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """What is written in it is kept, all or none."""
+        """Open a transaction: all writes in it are kept, or none if it raises."""
         with self._store_errors():
             self._db.execute("BEGIN IMMEDIATE")
             try:
@@ -382,13 +382,13 @@ class Store:
             yield
         except stored_values.DamagedError as error:
             raise StoreError(f"{self._name}: is damaged: {one_line(str(error))}") from None
-        except UnicodeError:  # of what SQLite itself says
+        except UnicodeError:  # in a message of SQLite
             raise StoreError(f"{self._name}: is damaged: it holds what is no text") from None
         except sqlite3.Error as error:
             raise StoreError(f"{self._name}: {one_line(self._message(error))}") from None
 
     def _message(self, error: sqlite3.Error) -> str:
-        """What SQLite says; where it cannot write, with the room that there is, and what the rest needs."""
+        """Return an error of SQLite in words; if it cannot write, with the free and the needed space."""
         name = getattr(error, "sqlite_errorname", "")
         if self.path is None or not name.startswith((_FULL, _FAILED)):
             return f"cannot be used: {error}"
@@ -397,7 +397,7 @@ class Store:
         return f"cannot be written: {why}: {room(folder, needed)}"
 
     def _bytes_needed(self) -> int | None:
-        """Bytes for the matches that wait, about; None where the plan is not written either."""
+        """Return the approximate size of the waiting matches [bytes]; None if no plan is written yet."""
         with suppress(sqlite3.Error):
             (count,) = self._db.execute(
                 "SELECT count(*) FROM match LEFT JOIN result ON match = id WHERE result.match IS NULL"
@@ -409,7 +409,7 @@ class Store:
 
 @contextmanager
 def only_one_plays_in(folder: Path) -> Iterator[None]:
-    """Hold a lock on a folder, which the kernel releases with this process. On Windows there is none.
+    """Hold a lock on a folder, which the kernel releases when this process ends. Windows has no such lock.
 
     Raises:
         StoreError: if another command holds it.
@@ -421,7 +421,7 @@ def only_one_plays_in(folder: Path) -> Iterator[None]:
         return
     try:
         descriptor = os.open(folder, os.O_RDONLY)
-    except OSError:  # it cannot be read; whoever writes there says so
+    except OSError:  # the folder cannot be read: writing to it raises an error with the reason
         yield
         return
     try:
@@ -438,7 +438,7 @@ def only_one_plays_in(folder: Path) -> Iterator[None]:
 
 
 def versions() -> dict[str, str]:
-    """What plays in this process, by version: the package, Python, NumPy and Numba."""
+    """Return the versions in this process, by name: of the package, Python, NumPy and Numba."""
     return {
         "catch_arena": version("catch-arena"),
         "python": platform.python_version(),
@@ -448,12 +448,12 @@ def versions() -> dict[str, str]:
 
 
 def store_bytes(parties: int) -> int:
-    """Return about how many bytes a match takes in the store (docs/tournaments.md)."""
+    """Return the approximate size of a match in the store [bytes] (docs/tournaments.md)."""
     return 90 + 84 * parties
 
 
 def difference(there: Tournament, here: Tournament) -> str | None:
-    """Return the first fact in which a stored tournament differs from this one, in words; None if there is none."""
+    """Return the first difference between a stored tournament and this one, in words; None if there is none."""
     old, new = ({**one.config.to_dict(), **one.plan, **one.terms} for one in (there, here))
     for name in (*old, *new):
         if old.get(name) != new.get(name):

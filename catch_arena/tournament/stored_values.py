@@ -10,14 +10,14 @@ import msgspec
 from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 
 RESULTS: Final = tuple(field.name for field in fields(MatchResult) if field.name != "logs")
-"""The parts of a result that a store keeps, in their order; each is a column with JSON."""
+"""Parts of a result that a store keeps, in the order of its columns; each is a column with JSON."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
 
 T = TypeVar("T")
 
 
 class DamagedError(Exception):
-    """A value that no command has written; the text names the table, the row and the value."""
+    """Error for a stored value that no command has written; the text names the table, the row and the value."""
 
 
 _VERSIONS: Final = msgspec.json.Decoder(dict[str, str])
@@ -26,7 +26,7 @@ _RESULT: Final = msgspec.json.Decoder(MatchResult)
 
 
 def versions_of(key: int, text: str) -> dict[str, str]:
-    """Return the versions that played, by package; or raise DamagedError, as the functions below."""
+    """Return the versions that played, by package; like the functions below, raise DamagedError for wrong values."""
     return _decode(_VERSIONS, f"table versions, row {key}", text)
 
 
@@ -35,8 +35,8 @@ def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
 
     Args:
         row: its id, block, seed, seating and agents' seeds.
-        parties: the number of parties in each match.
-        entrants: the number of entrants.
+        parties: number of parties in each match.
+        entrants: number of entrants.
     """
     name, block, seed, seating, agent_seeds = row
     where = f"table match, row {name}"
@@ -50,7 +50,7 @@ def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
 
 
 def played_of(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
-    """Return a match that was played; its row has the values of `match_of`, its replay's digest, and RESULTS."""
+    """Return a played match; its row has the values of `match_of`, the replay's digest, and RESULTS."""
     *planned, replay = row[: -len(RESULTS)]
     match = match_of(planned, parties, entrants)
     where = f"table result, row {match.id}"
@@ -61,7 +61,7 @@ def played_of(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
 
 
 def _object(values: Mapping[str, object]) -> str:
-    """Return the JSON of an object whose values are texts of JSON, or whole numbers."""
+    """Return the JSON of an object whose values are JSON texts or integers."""
     return "{" + ",".join(f'"{name}":{value}' for name, value in values.items()) + "}"
 
 

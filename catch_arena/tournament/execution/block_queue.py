@@ -1,6 +1,6 @@
-"""Blocks played side by side, and kept in the order of the plan: the results are those of one block after the other.
+"""Queue of blocks that are played in parallel and kept in the order of the plan, with the results of serial play.
 
-This is the only place that plays a match again: if it failed on our side, or if an entrant was excluded after it began.
+Only this module plays a match again: if it failed on our side, or if one of its entrants was excluded after its start.
 """
 
 import time
@@ -18,23 +18,23 @@ from catch_arena.tournament.match import Block
 from catch_arena.tournament.players import Fault
 
 _MOST_TRIES: Final = 3
-"""Tries of a block that fails on our side."""
+"""Number of tries of a block that fails on our side."""
 _PAUSE_S: Final = 1.0
-"""Pause before what failed is begun again."""
+"""Pause before failed blocks are begun again [s]."""
 _MOST_HELD: Final = 256
-"""Blocks that were played and wait, in memory, for one ahead of them."""
+"""Largest number of played blocks that wait in memory for an earlier block."""
 
 
 @dataclass(slots=True)
 class _QueuedBlock:
-    """A block that was begun, and is not kept yet."""
+    """Block that was begun, and is not kept yet."""
 
     block: Block
     excluded: Mapping[int, Fault] = field(default_factory=dict)
-    """Entrants that were excluded when it was begun."""
+    """Entrants that were excluded when the block was begun, by index, with the reason."""
     future: Future[list[RecordedMatch]] = field(default_factory=Future)
     matches: list[RecordedMatch] | None = None
-    """None while it is played."""
+    """Matches of the block; None while it is played."""
     failures: int = 0
 
 
@@ -44,9 +44,10 @@ def play_blocks(
     streaks: ForfeitStreaks,
     keep: Callable[[list[RecordedMatch]], None],
 ) -> None:
-    """Play these blocks, a few ahead of the workers: they are not held in memory all at the same time.
+    """Play these blocks; only a few are begun ahead of the workers, to bound the memory.
 
-    A block may begin before those ahead of it have ended. If these exclude one of its entrants, it is played again.
+    A block may begin before earlier blocks have ended. If an earlier block excludes one of its entrants, the block is
+    played again.
 
     Args:
         blocks: in the order of the plan.

@@ -1,4 +1,4 @@
-"""What a plan will cost, told before it is played."""
+"""Cost of a plan in time and space, estimated before it is played."""
 
 import time
 from collections import Counter
@@ -16,46 +16,46 @@ from catch_arena.tournament.plans.schedule import FixedPlan, Plan
 from catch_arena.tournament.store import store_bytes
 
 _SAMPLE_S: Final = 2.0
-"""How long matches are tried for, at least one."""
+"""Time for trying matches [s]; at least one is tried."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Of one match."""
+    """Mean cost of one match."""
 
     seconds: float
-    """Of one process."""
+    """Time in one process [s]."""
     stored: int
-    """Bytes in the store."""
+    """Size in the store [bytes]."""
     replay: int
-    """Bytes of its replay, 0 where none is made."""
+    """Size of the replay [bytes]; 0 if none is made."""
     tried: int
-    """How many matches were played for this, and not kept."""
+    """Number of matches that were played for this estimate, and not kept."""
     forfeits: Mapping[str, str]
-    """How entrants failed in them, by name: the time of these matches is theirs too."""
+    """First forfeit of each entrant that failed in these matches, by name; `seconds` includes the failed matches."""
 
 
 @dataclass(frozen=True, slots=True)
 class WorstDelay:
-    """The most time that agents in processes of their own may take, each by itself."""
+    """Longest time that one isolated agent can take."""
 
     agents: int
-    """How many could."""
+    """Number of isolated agents."""
     hanging_s: float
-    """In a match of one that hangs: for its start, and for the step that it is given up in."""
+    """Longest time of a match with an agent that hangs: its start, and the step in which it forfeits [s]."""
     slow_s: float
-    """In a match of one that is only just in time, always, and so does not forfeit."""
+    """Longest time of a match with an agent that is always just in time, and so does not forfeit [s]."""
     matches: int
-    """Of one that hangs in each, before it is out; all of its matches where it never is."""
+    """Number of matches of an agent that hangs in each, until it is excluded; all its matches if it never is."""
 
 
 def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay | None:
-    """What slow agents could cost at worst; None where nobody's time is limited.
+    """Return the longest time that slow agents can take; None if no agent has a time limit.
 
     Args:
-        worker: how a worker plays a match.
-        matches: the most that an entrant plays.
-        max_forfeits: as of `runner.play_plan`.
+        worker: plays the matches.
+        matches: largest number of matches that an entrant plays.
+        max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
     """
     isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
     if worker.limits is None or not isolated:
@@ -72,7 +72,7 @@ def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay |
 
 
 def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
-    """Return what a match of this plan costs here, or None if its first block fails on our side.
+    """Return the cost of a match of this plan on this machine, or None if its first block fails on our side.
 
     Matches of the first block are tried, and not kept.
     """
@@ -103,7 +103,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
 def match_counts(
     plan: FixedPlan, entrants: int, progress: Callable[[int, int], None] = lambda *_: None
 ) -> tuple[tuple[int, int], tuple[int, int]]:
-    """How many matches an entrant plays, and how many a pair of them has in common: (least, most) of each."""
+    """Return (least, most) of the matches of an entrant, and (least, most) of the common matches of a pair."""
     played = [0] * entrants
     met: Counter[tuple[int, ...]] = Counter()
     counted = 0

@@ -1,4 +1,4 @@
-"""Where blocks are played: in this process, or in several on this machine. `ray_executor` has a third place."""
+"""Executors, which play blocks: in this process, or in several on this machine. `ray_executor` plays on a cluster."""
 
 import multiprocessing
 import os
@@ -22,17 +22,17 @@ from catch_arena.tournament.players import Fault
 
 
 class Executor:
-    """Plays one block after the other, in this process; its subclasses play several side by side.
+    """Executor of one block after the other, in this process; its subclasses play several in parallel.
 
-    A context, which leaves no process behind.
+    Use it as a context manager: its exit ends all processes.
     """
 
     max_pending = 1
-    """Number of blocks that are begun before the first is waited for: enough that no worker is ever idle."""
+    """Number of blocks that are begun before the first is waited for: enough to keep all workers busy."""
 
     def __init__(self, worker: Worker) -> None:
         self.worker = worker
-        """Plays each match; it may be replaced while nothing is played."""
+        """Worker that plays each match; it may be replaced while no match is played."""
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, without the entrants that are `excluded`."""
@@ -44,15 +44,15 @@ class Executor:
         return future
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """Return what came of it.
+        """Return the matches of a submitted block.
 
         Raises:
-            NoContest: if it failed on our side.
+            NoContest: if the block failed on our side.
         """
         return future.result()
 
     def close(self) -> None:
-        """End all processes, whatever they play."""
+        """End all processes, also while they play."""
         self.worker.close()
 
     def __enter__(self) -> "Executor":
@@ -65,11 +65,11 @@ class Executor:
 
 
 class ProcessExecutor(Executor):
-    """Several processes on this machine.
+    """Executor with several processes on this machine.
 
     Args:
-        worker: plays matches there.
-        jobs: the number of processes.
+        worker: plays the matches in each process.
+        jobs: number of processes.
 
     Raises:
         ConfigError: for a number below 1.
@@ -83,9 +83,9 @@ class ProcessExecutor(Executor):
         self._pool = self._new_pool()
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches, when one of the processes is idle."""
+        """Begin to play these matches as soon as one of the processes is idle."""
         _compile(self.worker.config)  # once here; worker processes read it from the cache
-        with _signals_held():  # processes that it starts hold them until they have begun
+        with _signals_held():  # new processes hold signals until they have begun
             try:
                 return self._pool.submit(_play, self.worker, matches, excluded)
             except BrokenProcessPool:
@@ -94,14 +94,18 @@ class ProcessExecutor(Executor):
                 return self._pool.submit(_play, self.worker, matches, excluded)
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """Return what came of it."""
+        """Return the matches of a submitted block.
+
+        Raises:
+            NoContest: if the block failed on our side, or a worker process died.
+        """
         try:
             return future.result()
         except BrokenProcessPool:
             raise NoContest("a worker process died: a trusted agent may have ended it, or memory ran out") from None
 
     def close(self) -> None:
-        """End all processes, whatever they play; the agents in them end with them."""
+        """End all processes, also while they play; the agents in them end with them."""
         processes = list((self._pool._processes or {}).values())  # noqa: SLF001 - Python 3.14 has terminate_workers()
         for process in processes:
             process.terminate()
@@ -122,7 +126,7 @@ def usable_cores() -> int:
 
 
 def require_jobs(jobs: int) -> None:
-    """Require at least one process.
+    """Check that there is at least one process.
 
     Raises:
         ConfigError: for a number of processes below 1.
@@ -139,13 +143,13 @@ def _compile(config: ArenaConfig) -> None:
 def _play(worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
     try:
         return worker.play(matches, excluded)
-    except KeyboardInterrupt:  # an agent's: this process ignores Ctrl-C
+    except KeyboardInterrupt:  # raised by an agent: this process ignores Ctrl-C
         raise RuntimeError(f"in a worker process:\n{traceback.format_exc()}") from None
 
 
 @contextmanager
 def _signals_held() -> Iterator[None]:
-    """Hold Ctrl-C back: a process that starts meanwhile holds it back too, until `_begin_process` ignores it."""
+    """Block Ctrl-C: a process that starts meanwhile blocks it too, until `_begin_process` ignores it."""
     if os.name != "posix":
         yield
         return
@@ -157,7 +161,7 @@ def _signals_held() -> Iterator[None]:
 
 
 def _begin_process() -> None:
-    """Leave Ctrl-C to the process that started this one, and end with it, however it ends."""
+    """Ignore Ctrl-C, which the parent process handles, and end when the parent ends for any reason."""
     outlive_readers()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if os.name == "posix":

@@ -1,7 +1,7 @@
-"""Which entrants are excluded: an agent that has forfeited as many matches in a row as allowed plays no further ones.
+"""Exclusion of entrants: an agent that has forfeited the allowed number of matches in a row plays no further ones.
 
-Forfeits are counted in the order of the plan, whenever and wherever the matches were played, and checked when a block
-ends: all matches of a block have the same field.
+Forfeits are counted in the order of the plan, whatever order the matches were played in. They are checked at the end of
+a block, so that all matches of a block have the same field.
 """
 
 from collections import Counter
@@ -13,13 +13,13 @@ from catch_arena.tournament.players import Fault
 
 
 class ForfeitStreaks:
-    """How many matches each entrant has forfeited in a row, block by block.
+    """Number of matches that each entrant has forfeited in a row, block by block.
 
     Args:
-        most: how many exclude an entrant, 0 for none.
+        most: number of forfeits in a row that exclude an entrant; 0 for no limit.
 
     Raises:
-        ConfigError: for a number below 0.
+        ConfigError: for `most` below 0.
     """
 
     def __init__(self, most: int) -> None:
@@ -31,10 +31,10 @@ class ForfeitStreaks:
         self._excluded: dict[int, Fault] = {}
 
     def add(self, block: Iterable[PlayedMatch]) -> bool:
-        """The next block of the plan has been played.
+        """Count the forfeits of the next block of the plan.
 
         Returns:
-            whether it excludes anybody.
+            True if the block excludes an entrant.
         """
         before = len(self._excluded)
         for one in block:
@@ -50,15 +50,15 @@ class ForfeitStreaks:
         return len(self._excluded) > before
 
     def excluded_from(self, block: Block) -> Mapping[int, Fault]:
-        """Which entrants of a block are excluded, and why, as far as the blocks that were added tell."""
+        """Return the excluded entrants of a block, by index, with the reason, after the blocks that were added."""
         players = players_of(block)
         return {index: why for index, why in self._excluded.items() if index in players}
 
     def may_begin(self, block: Block, before: Sequence[Block]) -> bool:
-        """Whether it makes sense to begin a block while those right before it are still played.
+        """Return whether to begin a block while the blocks in `before` are still played.
 
-        An agent that ends its matches is trusted to go on so. Of any other no more matches are begun than it may
-        forfeit: one that hangs costs time.
+        An agent that finished its last match is expected to finish the next ones. For any other agent, no more matches
+        are begun than it may forfeit: an agent that hangs costs time.
         """
         if not self._most:
             return True

@@ -1,4 +1,4 @@
-"""Blocks played by Ray: by workers on this machine, or on all those of a cluster."""
+"""Executor that uses Ray, with workers on this machine or on all machines of a cluster."""
 
 import os
 import platform
@@ -21,21 +21,21 @@ from catch_arena.tournament.store import versions
 
 
 class RayExecutor(Executor):
-    """Ray's workers, one core each.
+    """Executor with Ray's workers, one core each.
 
     Args:
-        jobs: how many workers are started on this machine.
-        address: of a running cluster, all of whose cores play instead: as `ray start --head` tells it, or "auto" on one
-            of its machines.
+        jobs: number of workers that are started on this machine.
+        address: address of a running cluster, all of whose cores play instead: as `ray start --head` prints it, or
+            "auto" on one of its machines.
 
     Raises:
-        ConfigError: where Ray is missing or does not answer.
+        ConfigError: if Ray is missing or does not answer.
     """
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
         super().__init__(worker)
         require_jobs(jobs)
-        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # nobody was asked
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # the user has not agreed to them
         try:
             import ray
         except ImportError:
@@ -56,13 +56,13 @@ class RayExecutor(Executor):
                 f"address must be that of a running Ray cluster, got {address!r}: {reason(error)}"
             ) from None
         finally:
-            with suppress(ValueError):  # Ray has put a handler of its own there, unless this is not the main thread
+            with suppress(ValueError):  # Ray has installed its own handler, unless this is not the main thread
                 signal.signal(signal.SIGTERM, before)
         self._ray = ray
         self.max_pending = 4 * int(ray.cluster_resources().get("CPU", 1))
         self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
-        self._task = ray.remote(max_retries=0)(_play)  # block_queue plays again what is lost
+        self._task = ray.remote(max_retries=0)(_play)  # block_queue plays lost blocks again
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches."""
@@ -70,7 +70,12 @@ class RayExecutor(Executor):
         return future
 
     def result(self, future: Future[Any]) -> list[RecordedMatch]:
-        """What came of it."""
+        """Return the matches of a submitted block.
+
+        Raises:
+            NoContest: if the block failed on our side, or a Ray worker was lost.
+            CatchArenaError: if the worker's machine has other agents or versions.
+        """
         try:
             answer: list[RecordedMatch] | CatchArenaError = future.result()
         except self._ray.exceptions.RayTaskError:
@@ -82,14 +87,14 @@ class RayExecutor(Executor):
         return answer
 
     def close(self) -> None:
-        """End Ray's processes that were started here, and leave a cluster."""
+        """End the Ray processes that were started here, and leave a cluster."""
         self._ray.shutdown()
 
 
 def _play(
     worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault], expected: tuple[tuple[str, str], ...]
 ) -> list[RecordedMatch] | CatchArenaError:
-    """The matches that were played, or our error as a value: Ray would wrap one that is raised in its own."""
+    """Return the played matches, or our error as a value: Ray would wrap a raised error in its own."""
     try:
         require_same(worker, expected)
         return worker.play(matches, excluded)
@@ -99,11 +104,11 @@ def _play(
 
 @cache
 def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
-    """Require the agents and versions of the machine that began; asked once in each of Ray's processes.
+    """Check that agents and versions are those of the machine that began; each Ray process checks it once.
 
     Raises:
-        AgentError: where an agent's file is not here, or is another one.
-        ConfigError: where a package here has another version.
+        AgentError: if an agent's file is missing or different on this machine.
+        ConfigError: if a package has another version on this machine.
     """
     here = versions()
     for name, wanted in expected:

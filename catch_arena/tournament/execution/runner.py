@@ -1,4 +1,4 @@
-"""Plays a plan, and stores its blocks in the order of the plan; the results do not depend on where it is played."""
+"""Runner of a plan, which stores blocks in the order of the plan; the results do not depend on the executor."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count
@@ -18,7 +18,7 @@ from catch_arena.tournament.store import Store
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
-"""In the tournament's folder."""
+"""Names of folders in the tournament's folder: REPLAYS and LOGS."""
 
 
 def play_plan(
@@ -31,19 +31,19 @@ def play_plan(
     on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
     on_planned: Callable[[int], None] = lambda _: None,
 ) -> None:
-    """Play what is not in the store yet, stage by stage, until the plan has no further.
+    """Play the matches of a plan that are not in the store yet, stage by stage, to the end of the plan.
 
-    A stage is written to the store before it is played, and each block when it and those before it have ended. Whatever
-    breaks it off, the same call goes on where it was, and no process is left behind.
+    A stage is written to the store before it is played. A block is written when it and all earlier blocks have ended.
+    After an interruption, the same call continues from there; no process is left.
 
     Args:
-        store: where results are kept.
-        plan: which matches are played.
-        executor: what plays the matches.
-        max_forfeits: after how many forfeits in a row an entrant is excluded, 0 for never.
-        folder: in which agents' logs are kept, and replays where the executor's worker makes them.
-        on_results: called with what was played before, and then with the matches of each block.
-        on_planned: called with the number of matches that are planned, after each block of the plan.
+        store: keeps the results.
+        plan: the matches to play.
+        executor: plays the matches.
+        max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
+        folder: folder for agents' logs, and for replays if the executor's worker makes them; None to write neither.
+        on_results: called with the matches that were played before, and then with the matches of each block.
+        on_planned: called with the number of planned matches, after each block of the plan.
 
     Raises:
         ConfigError: for max_forfeits below 0.
@@ -57,7 +57,7 @@ def play_plan(
     streaks = ForfeitStreaks(max_forfeits)
 
     def keep(recorded: Sequence[RecordedMatch]) -> None:
-        for one, replay in recorded:  # files first, so that what is kept has them
+        for one, replay in recorded:  # files first, so that every match in the store has its files
             if folder is not None:
                 if replay:
                     write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
@@ -92,8 +92,9 @@ def play_plan(
 
 
 def _remove_replays(store: Store, folder: Path) -> None:
-    """Of matches that are still to be played, where we were killed between writing a block's replays and keeping it:
-    they tell where its targets will appear.
+    """Remove the replays of matches that are still to be played, which show the places of their targets.
+
+    They exist if the program was killed after writing a block's replays, and before storing the block.
     """
     there = {path.stem: path for path in folder.glob("*.replay")}
     for match in (match for block in store.waiting() for match in block if there):

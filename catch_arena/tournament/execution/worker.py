@@ -1,4 +1,4 @@
-"""Plays the matches of a block, in any process."""
+"""Worker, which plays the matches of a block in any process."""
 
 import hashlib
 from collections.abc import Iterable, Mapping
@@ -19,23 +19,23 @@ from catch_arena.tournament.players import Fault
 _DIGEST_BYTES: Final = 16
 
 RecordedMatch = tuple[PlayedMatch, bytes]
-"""A match that was played, and the content of its replay's file: empty if none was asked for."""
+"""Played match, and the content of its replay's file; empty if no replay is made."""
 
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """Plays matches; it can be sent to another process, and makes fresh instances of the agents there."""
+    """Player of matches that can be sent to another process, in which it makes new instances of the agents."""
 
     config: ArenaConfig
     entrants: tuple[Entrant, ...]
     record: bool = False
-    """Whether replays are made."""
+    """True to make replays."""
     limits: AgentLimits | None = None
     """Limits of isolated agents; None if all are trusted."""
 
     @property
     def sandbox(self) -> Sandbox | None:
-        """The sandbox of its agents, one for each process; agents wait in it for the next match."""
+        """Sandbox of its agents, one per process; agents wait in it for the next match. None if all are trusted."""
         return None if self.limits is None else _sandbox(self.limits)
 
     def play(
@@ -44,8 +44,8 @@ class Worker:
         """Play one match after the other.
 
         Args:
-            matches: which matches.
-            excluded: the indices of entrants that are not started, and why.
+            matches: the matches to play.
+            excluded: reasons for which entrants are not started, by index.
 
         Raises:
             NoContest: for a match that failed on our side.

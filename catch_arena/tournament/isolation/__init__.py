@@ -1,7 +1,7 @@
-"""Isolated agents: each in a process of its own, with limits.
+"""Isolated agents: each in its own process, with limits.
 
-- playing: whole matches, with the agents of each seat where they belong.
-- isolated_players: asks the agents of a match, and blames the one that fails.
-- sandbox: the agents' processes. agent_program: the program in them. protocol: what both say.
-- namespaces: the command line that hides everything else from an agent. limits: what an agent may take.
+- playing: whole matches, with trusted and isolated agents.
+- isolated_players: asks the agents of a match, and finds the faults of each.
+- sandbox: the agents' processes. agent_program: the program in them. protocol: the messages between both.
+- namespaces: the command line that hides the rest of the machine from an agent. limits: limits of an agent.
 """

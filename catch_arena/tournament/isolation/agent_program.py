@@ -1,10 +1,10 @@
-"""The program in an agent's process: it imports the agent's module once, and forks for each of its matches.
+"""Program in an agent's process, which imports the agent's module once, and forks for each match.
 
 It reads lines from one pipe and writes answers to another; standard output and standard error go to the agent's log.
-From the import on it runs a stranger's code, so the tournament relies on nothing that it says. A command takes the
-place of this program, and speaks the protocol itself.
+From the import on it runs a stranger's code, so the tournament does not trust its answers. A command replaces this
+program, and speaks the protocol itself.
 
-`sandbox.AgentProcess` starts it, in namespaces (namespaces.py) or as it is.
+`sandbox.AgentProcess` starts it, with or without namespaces (namespaces.py).
 """
 
 import ctypes
@@ -39,11 +39,11 @@ from catch_arena.tournament.loading import agent_class, create_policy, has_prey,
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
 _MIB: Final = 1 << 20
 _ADDRESSES: Final = 4
-"""Addresses that a process may use for each byte of its private memory: libraries map much that they never touch."""
+"""Addresses that a process may use for each byte of its private memory: libraries map memory that they never use."""
 _TOLD: Final = 76
-"""Exit code of a match's process that has sent why its agent failed; nothing more is sent, and the program ends."""
+"""Exit code of a match's process that has sent its agent's error; nothing more is sent, and the program ends."""
 _CLEAN_S: Final = 1.0
-"""Time to end what a match has left; after it the program ends, and the tournament ends the rest."""
+"""Time to end the processes that a match has left [s]; then the program ends, and the tournament ends the rest."""
 
 
 def main(words: str) -> None:
@@ -55,7 +55,7 @@ def main(words: str) -> None:
     arguments = json.loads(words)
     try:
         serve(**arguments)
-    except BaseException:  # noqa: BLE001 - its last line says why a match could not be held
+    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of NoContest
         traceback.print_exc()
     finally:
         _leave(None if arguments["namespaced"] else Path(arguments["folder"]))
@@ -65,12 +65,12 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
     """Play matches until the tournament closes the lines.
 
     Args:
-        spec: an entrant's.
-        limits: an agent's, by name.
-        folder: where the agent's working folder is made for each match.
+        spec: spec of an entrant.
+        limits: limits of the agent, by name.
+        folder: folder in which the agent's working folder is made for each match.
         into: descriptor of the pipe with the lines.
         out: descriptor of the pipe for the answers.
-        namespaced: whether the process is in namespaces of its own.
+        namespaced: True if the process is in its own namespaces.
     """
     if not namespaced:
         _end_with(os.getppid(), Path(folder))
@@ -111,13 +111,13 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
 
 
 def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapping[str, Any]) -> None:
-    """Speak the protocol for a Python class; what it raises is sent in one line, and its traceback printed.
+    """Speak the protocol for a Python class; an error that it raises is sent in one line, and its traceback printed.
 
     Args:
-        policy: an instance for this match, already asked for by a hello.
+        policy: instance for this match, made after its hello.
         lines: descriptor of the lines and records for it.
         answers: descriptor for its answers.
-        known: what it says of itself besides its control.
+        known: further facts for the greeting, besides the control.
     """
     doing = "init"
     try:
@@ -140,8 +140,8 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
 
 
 def _play(spec: str, into: int, out: int) -> NoReturn:
-    """Play one match, in a process of its own."""
-    # an END is still there if the last match's process ended before it
+    """Play one match in its own process."""
+    # an END is still in the pipe if the last match's process ended before it read it
     side = json.loads(_read_line(into).lstrip(protocol.END))["side"]
     try:
         policy = create_policy(spec, side)
@@ -167,7 +167,7 @@ def _become_command(command: list[str], into: int, out: int) -> NoReturn:
 
 
 def _import(spec: str, out: int) -> None:
-    """Load the agent's class, or say why that fails and end."""
+    """Load the agent's class, or send the error and end this process."""
     if (folder := folder_of(spec)) is not None:
         sys.path.insert(0, str(folder))
     try:
@@ -183,7 +183,7 @@ def _confine(limits: AgentLimits, *, namespaced: bool) -> None:
     with suppress(OSError):  # when the machine has no memory left, agents are ended first
         Path("/proc/self/oom_score_adj").write_text("1000")
     _set_for_process(_SET_CHILD_SUBREAPER, 1)
-    if LINUX:  # it does not hold root
+    if LINUX:  # this limit does not apply to root
         _limit(resource.RLIMIT_NPROC, limits.processes if namespaced else limits.processes + _tasks())
     _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)
@@ -193,7 +193,7 @@ def _confine(limits: AgentLimits, *, namespaced: bool) -> None:
 
 
 def _limit_cpu(seconds: int) -> None:
-    _limit(resource.RLIMIT_CPU, seconds, spare=1)  # SIGXCPU comes before SIGKILL, and says why
+    _limit(resource.RLIMIT_CPU, seconds, spare=1)  # SIGXCPU comes before SIGKILL, and shows the reason
 
 
 def _limit(what: int, amount: int, spare: int = 0) -> None:
@@ -204,12 +204,12 @@ def _limit(what: int, amount: int, spare: int = 0) -> None:
 
 
 def _tasks() -> int:
-    """Return the number of processes and threads on this machine; the user has at most as many."""
+    """Return the number of processes and threads on this machine, an upper bound for those of the user."""
     return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
 def _leave(folder: Path | None) -> NoReturn:
-    """End this process, and without namespaces all that it started; remove its folder."""
+    """End this process, and without namespaces all processes that it started; remove its folder."""
     try:
         if folder is not None:
             _end_descendants()
@@ -219,10 +219,10 @@ def _leave(folder: Path | None) -> NoReturn:
 
 
 def _end_with(parent: int, folder: Path) -> None:
-    """End this process, and all that it started, when its parent ends or asks for it; remove its folder."""
+    """End this process and all that it started when its parent ends or sends SIGTERM; then remove its folder."""
     signal.signal(signal.SIGTERM, lambda *_: _leave(folder))
     _set_for_process(_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != parent:  # it ended before the call
+    if os.getppid() != parent:  # the parent ended before the call
         _leave(folder)
 
 
@@ -232,7 +232,7 @@ def _set_for_process(option: int, value: int) -> None:
 
 
 def _exit_code(child: int) -> int:
-    """Wait for that process; others that end meanwhile are waited for too."""
+    """Wait for the child and return its exit code; other processes that end meanwhile are reaped too."""
     while True:
         ended, status = os.waitpid(-1, 0)
         if ended == child:
@@ -240,7 +240,7 @@ def _exit_code(child: int) -> int:
 
 
 def _end_all_others() -> bool:
-    """End all other processes in these namespaces; false if some do not end."""
+    """End all other processes in these namespaces; return False if some do not end in time."""
     patience = time.monotonic() + _CLEAN_S
     while time.monotonic() < patience:
         try:
@@ -254,7 +254,7 @@ def _end_all_others() -> bool:
 
 
 def _end_descendants() -> bool:
-    """End all processes that descend from this one, as far as the system lists them; false if some do not end."""
+    """End all descendants of this process that the system lists; return False if some do not end in time."""
     children = Path(f"/proc/self/task/{os.getpid()}/children")
     patience = time.monotonic() + _CLEAN_S
     while time.monotonic() < patience:
@@ -278,7 +278,7 @@ def _work_in(folder: Path) -> None:
 
 
 def _found_in(folder: Path) -> Iterator[Path]:
-    """Yield what is in a folder before an agent writes to it: its own files, and the folders above them."""
+    """Yield the files and folders in a folder, with those in its subfolders; links and mounts are not entered."""
     for entry in folder.iterdir():
         yield entry
         if not entry.is_symlink() and entry.is_dir() and not entry.is_mount():
@@ -286,7 +286,7 @@ def _found_in(folder: Path) -> Iterator[Path]:
 
 
 def _remove(folder: Path, kept: Collection[Path]) -> None:
-    """Remove what an agent wrote; if that fails the program ends, and the next one has new folders."""
+    """Remove all files and folders except `kept`; if that fails the program ends, and the next one has new folders."""
     for entry in list(os.scandir(folder)):
         path = Path(entry.path)
         if path in kept:
@@ -309,7 +309,7 @@ def _report(error: AgentError, answers: int) -> None:
 
 
 def _print(error: BaseException, theirs: TracebackType | None) -> None:
-    """Print a traceback to the agent's log; of an error of ours only the agent's own lines, as the error is sent."""
+    """Print a traceback to the agent's log; for an error of ours only the agent's own lines, as the error is sent."""
     log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
     if isinstance(error, CatchArenaError):
         ours = str(Path(catch_arena.__file__).parent) + os.sep
@@ -322,12 +322,12 @@ def _print(error: BaseException, theirs: TracebackType | None) -> None:
 
 
 def _imports(file: str) -> bool:
-    """Return whether a line of this file imports an agent, and is none of the agent's own."""
+    """Return whether a file belongs to the import of an agent, and not to the agent itself."""
     return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__}
 
 
 def _read_line(lines: int) -> bytes:
-    """Read a line, after which nothing follows; empty at the end of the pipe."""
+    """Read a line and return it, empty at the end of the pipe; the other side sends nothing after a line."""
     line = b""
     while not line.endswith(b"\n") and (part := os.read(lines, protocol.PART)):
         line += part

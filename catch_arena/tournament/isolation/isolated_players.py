@@ -1,4 +1,4 @@
-"""Isolated agents in seats of a match: all are asked at the same time, and each must answer in time."""
+"""Players that are isolated agents: all are asked at the same time, and each must answer within its limit."""
 
 import json
 import math
@@ -20,31 +20,31 @@ from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox, how_
 from catch_arena.tournament.players import Answer, Fault, Observation, Players
 
 _POLL_S: Final = 0.1
-"""Longest wait at a time, so that this process notices if it stood still itself."""
+"""Longest single wait [s], so that this process notices if it stood still itself."""
 _STALL_S: Final = 1.0
-"""If this process stood still for as long, no agent is blamed for being late."""
+"""Stall of this process [s] from which on no agent is blamed for being late."""
 _CHOICES: Final = {b'{"action":%d}' % choice: choice for choice in range(64)}
-"""The lines of most agents in most steps: to look them up takes a tenth of reading JSON."""
+"""Lines of most agents in most steps, and their choices: a look-up takes a tenth of the time of reading JSON."""
 
 
 class _Reply(NamedTuple):
-    """One line of an agent."""
+    """Answer of an agent in one line, or the fault that it has instead."""
 
     said: dict[str, Any]
-    """Empty if there is a fault."""
+    """JSON object in the line; empty if there is a fault."""
     seconds: float
-    """From the line that it answers until it was read."""
+    """Time from sending a line to reading the answer [s]."""
     fault: Fault | None = None
 
 
 class IsolatedPlayers(Players):
-    """Players of which some are in processes of their own; these are asked at the same time.
+    """Players of a match, some of them in their own processes; these are asked at the same time.
 
     Args:
-        sandbox: where they run.
-        entrants: those in processes of their own, by seat.
-        here: the players of the other seats, as of `Players`.
-        absent: likewise.
+        sandbox: starts and ends their processes.
+        entrants: the entrants in their own processes, by seat.
+        here: the players in this process, by seat, as in `Players`.
+        absent: the faults of seats without a player, as in `Players`.
     """
 
     def __init__(
@@ -65,19 +65,19 @@ class IsolatedPlayers(Players):
             "reset": f"what was left of init_s ({self._allowed.init_s:g} s)",
             "act": f"step_ms ({self._allowed.step_ms:g} ms) and what was left of bank_s ({self._allowed.bank_s:g} s)",
         }
-        """The limit that a late agent exceeds, by what it does; reports count by these words."""
+        """Names of the limits that a late agent exceeds, by request; reports count faults by these words."""
         self._processes: dict[int, AgentProcess] = {}
         self._dropped: set[int] = set()
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match; everything before the first view counts as init."""
+        """Begin a match; all time and faults before the first view count as init."""
         here = super().reset(seeds, limits)
         faults: dict[int, Fault] = {}
         greeted = self._greet(self._entrants)
         for seat, reply in greeted.items():
             if reply.fault is not None:
                 faults[seat] = reply.fault
-            elif self._entrants[seat].side == "prey":  # whose control is not up to it (R12.2)
+            elif self._entrants[seat].side == "prey":  # prey cannot choose its control (R12.2)
                 continue
             elif (control := _control_in(reply)) != self.controls[seat]:
                 why = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
@@ -107,7 +107,7 @@ class IsolatedPlayers(Players):
         return answers
 
     def inspect(self) -> Inspection:
-        """Ask the agent in seat 0 who it is, and end it."""
+        """Ask the agent in seat 0 for its control, side and sources, and end it."""
         reply = self._greet([0])[0]
         log = self.logs()[0]
         self.drop(0)
@@ -123,27 +123,31 @@ class IsolatedPlayers(Players):
         return Inspection(control, named, None, log, reply.said.get("prey") is True)
 
     def drop(self, seat: int) -> None:
-        """End the agent of a seat that plays no further, and all that it started."""
+        """End the agent of a seat that has stopped playing, and all processes that it started."""
         if seat in self._processes:
             self._dropped.add(seat)
             self._sandbox.end(self._entrants[seat])
 
     def logs(self) -> dict[int, str]:
-        """Return what each seat has printed."""
+        """Return the printed text of each seat."""
         for seat, process in self._processes.items():
             if seat not in self._dropped:
                 process.read_log()
         return {seat: process.log.text() for seat, process in self._processes.items()}
 
     def _greet(self, seats: Collection[int]) -> dict[int, _Reply]:
-        """Start the agents of these seats, and ask who they are."""
+        """Start the agents of these seats, and return their answers to the greeting."""
         for seat in seats:
             self._processes[seat] = self._sandbox.start(self._entrants[seat])
         lines = {seat: protocol.hello_line(self._entrants[seat].side) for seat in seats}
         return self._exchange(lines, dict.fromkeys(seats, self._allowed.init_s), "init")
 
     def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
-        """Send each seat its line, and take a line from each: JSON objects, or faults."""
+        """Send each seat its line, and return the answer of each: a JSON object or a fault.
+
+        Raises:
+            NoContest: if this process stood still, or an agent's process ended before it ran any code of the agent.
+        """
         replies: dict[int, _Reply] = {}
         sent_at: dict[int, float] = {}
         due: dict[int, float] = {}
@@ -182,10 +186,10 @@ class IsolatedPlayers(Players):
                     replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
-                poll.unregister(self._processes[seat].answers)  # what it says from now on is too late
+                poll.unregister(self._processes[seat].answers)  # later answers are too late
                 replies[seat] = _Reply({}, now - sent_at[seat], late)
         for seat, reply in replies.items():
-            if "ended" in reply.said:  # as our program says of the process that it forked for the match
+            if "ended" in reply.said:  # our program reports the end of the process that it forked for the match
                 replies[seat] = _Reply({}, reply.seconds, _crash(doing, how_it_ended(reply.said["ended"])))
             elif reply.fault is not None and not reply.fault.reason:
                 replies[seat] = _Reply({}, reply.seconds, _crash(doing, self._why_ended(seat)))
@@ -195,7 +199,7 @@ class IsolatedPlayers(Players):
         """End an agent whose process has ended before it answered, and return why.
 
         Raises:
-            NoContest: if it ended before it ran any code of the agent.
+            NoContest: if the process ended before it ran any code of the agent.
         """
         process = self._processes[seat]
         self.drop(seat)
@@ -206,7 +210,7 @@ class IsolatedPlayers(Players):
 
 
 def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
-    """What an agent's line says."""
+    """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
     if isinstance(heard, Fault):
         return _Reply({}, seconds, heard)
     if heard in _CHOICES:
@@ -234,10 +238,10 @@ def _control_in(greeting: _Reply) -> Any:
 
 @contextmanager
 def isolated_players(sandbox: Sandbox, *seated: Any) -> Iterator[IsolatedPlayers]:
-    """`IsolatedPlayers` for one match; what they started ends with it."""
+    """Make `IsolatedPlayers` for one match, and end all that they started when it is over."""
     try:
         yield IsolatedPlayers(sandbox, *seated)
     except BaseException:
-        sandbox.close()  # whatever was under way, the next match starts anew
+        sandbox.close()  # the next match must not meet processes of this one
         raise
     sandbox.clear()

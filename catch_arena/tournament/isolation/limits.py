@@ -7,7 +7,7 @@ from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, suggest
 
 Level = Literal["namespaces", "processes"]
-"""Levels of isolation: an agent has namespaces of its own, or only a process of its own."""
+"""Levels of isolation: an agent has its own namespaces, or only its own process."""
 _MOST: Final = 10**6
 
 
@@ -16,27 +16,27 @@ class AgentLimits:
     """Limits of one agent in one match (docs/isolation.md). Times are wall-clock times, except `cpu_s`."""
 
     init_s: float = 10.0
-    """For everything before the first view: start, import, construction and `reset`."""
+    """Time before the first view [s]: for start, import, construction and `reset`."""
     step_ms: float = 100.0
-    """For one action."""
+    """Time for one action [ms]."""
     bank_s: float = 5.0
-    """Time over `step_ms` that a match allows, in all its steps together."""
+    """Time over `step_ms` that a match allows in all its steps together [s]."""
     memory_mib: int = 1024
-    """Private memory of each process. Its addresses may span four times as much, for libraries."""
+    """Private memory of each process [MiB]. Its addresses may span four times as much, for libraries."""
     processes: int = 256
-    """Processes and threads of an agent at the same time."""
+    """Number of processes and threads of an agent at the same time."""
     cpu_s: int = 300
-    """CPU time of each process, in one match."""
+    """CPU time of each process in one match [s]."""
     open_files: int = 64
-    """Files that each process has open at the same time."""
+    """Number of files that each process has open at the same time."""
     file_mib: int = 16
-    """The largest file that it may write; in namespaces also all its files together, in each of two folders."""
+    """Size of each file that it writes [MiB]; in namespaces also of all its files together, in each of two folders."""
     log_kib: int = 64
-    """Part of its output in a match that is kept: the first half and the last."""
+    """Size of the output in a match that is kept [KiB]: half of it from the beginning, half from the end."""
     answer_kib: int = 64
-    """The longest answer."""
+    """Size of the longest answer [KiB]."""
     isolation: Level | None = None
-    """The level of isolation; None for namespaces if this machine has them, else processes."""
+    """Level of isolation; None for namespaces if this machine has them, else processes."""
 
     def __post_init__(self) -> None:
         if self.isolation is not None:
@@ -51,10 +51,10 @@ class AgentLimits:
 
     @classmethod
     def of(cls, **values: Any) -> "AgentLimits":
-        """Return the usual limits with these changes.
+        """Return the default limits with these changes.
 
         Raises:
-            ConfigError: for an unknown name, and for a value that a limit cannot have.
+            ConfigError: for an unknown name, or a value that the limit cannot have.
         """
         names = [*_NUMBERS, "isolation"]
         for name in values:

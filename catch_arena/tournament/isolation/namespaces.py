@@ -1,7 +1,8 @@
-"""Namespaces by bubblewrap: the command line in front of an agent's program, and whether it works on this machine.
+"""Namespaces by bubblewrap: the command line before an agent's program, and a check that it works on this machine.
 
-In them an agent has no network, sees no other processes, and sees a read-only file system with what it needs. It can
-write to two small folders in memory. It is not root there, cannot become root, and cannot make further namespaces.
+In them an agent has no network, sees no other processes, and sees a read-only file system with the files that it needs.
+It can write to two small folders in memory. It is not root there, cannot become root, and cannot make further
+namespaces.
 """
 
 import importlib.util
@@ -37,7 +38,7 @@ _SETTINGS: Final = (
     *("mime.types", "nsswitch.conf", "os-release", "pki/tls/certs", "pki/tls/openssl.cnf", "ssl/certs"),
     *("ssl/openssl.cnf", "terminfo", "timezone"),
 )
-"""Files in /etc that programs read: not the machine's users, keys or names."""
+"""Files in /etc that programs read, without the machine's users, keys and names."""
 _INSTALLED: Final = {"site-packages", "dist-packages"}
 _REASONS: Final = (
     ("kernel/unprivileged_userns_clone", "0", "sysctl kernel.unprivileged_userns_clone=1 allows user namespaces"),
@@ -48,7 +49,7 @@ _REASONS: Final = (
         "AppArmor must allow it user namespaces: sysctl kernel.apparmor_restrict_unprivileged_userns=0, or a profile",
     ),
 )
-"""Settings of the kernel that forbid user namespaces: name, value, and what to do."""
+"""Settings of the kernel that forbid user namespaces: name, value, and remedy."""
 
 
 def level_here(asked: Level | None = None) -> Level:
@@ -71,7 +72,7 @@ def level_here(asked: Level | None = None) -> Level:
 
 
 def level_line(level: Level) -> str:
-    """Return the line that tells users which level protects them, and from what it does not."""
+    """Return a line for users with the level of isolation, and a warning if it is only processes."""
     if level == "namespaces":
         return "isolation: namespaces"
     return (
@@ -85,7 +86,7 @@ def bubblewrap_words(visible: Iterable[Path], writable_bytes: int) -> list[str]:
 
     Args:
         visible: files and folders that the program can read, at the same paths as outside.
-        writable_bytes: the size of each of the folders TEMPORARY and SHARED.
+        writable_bytes: size of each of the folders TEMPORARY and SHARED [bytes].
     """
     size = ["--size", str(writable_bytes), "--tmpfs"]
     words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", "--dev", "/dev"]
@@ -93,19 +94,19 @@ def bubblewrap_words(visible: Iterable[Path], writable_bytes: int) -> list[str]:
     paths = set(visible)
     shown = {path for path in paths if paths.isdisjoint(path.parents)}
     closed = {path.parent for path in shown if TEMPORARY in path.parent.parents}
-    for path in sorted(shown | closed):  # a folder comes before what lies in it
+    for path in sorted(shown | closed):  # a folder comes before its contents
         words += ["--tmpfs", str(path)] if path in closed else ["--ro-bind-try", str(path), str(path)]
     words += [word for path in sorted(closed) for word in ("--remount-ro", str(path))]
     return [*words, "--remount-ro", "/", "--chdir", str(TEMPORARY), "--"]
 
 
 def visible_paths(spec: str) -> list[Path]:
-    """Return the files and folders that the agent of this spec sees: its own, Python, and what is installed."""
+    """Return the files and folders that the agent of this spec sees: its own, Python, and the installed packages."""
     return [*_runtime(), *_own_paths(spec)]
 
 
 def namespaces_missing() -> str | None:
-    """Return why namespaces do not work on this machine, in one line with what to do; None if they work."""
+    """Return the reason for which namespaces do not work on this machine, with a remedy; None if they work."""
     return _missing(shutil.which(_PROGRAM))
 
 
@@ -161,7 +162,7 @@ def _runtime() -> Iterator[Path]:
 
 
 def _own_paths(spec: str) -> Iterator[Path]:
-    """Yield an agent's files and folders: a file with those of the same stem, a folder, or a package."""
+    """Yield an agent's files and folders: a file with others of its stem, a folder, a package, or a command's files."""
     if (words := command_of(spec)) is not None:
         yield from _command_paths(words)
     elif (folder := folder_of(spec)) is not None:
@@ -173,9 +174,9 @@ def _own_paths(spec: str) -> Iterator[Path]:
 
 
 def _of_one_stem(file: Path) -> Iterator[Path]:
-    """Yield a file, and the files in its folder that differ from it in their ending only.
+    """Yield a file, and the files in its folder with the same stem and another ending.
 
-    A link next to it is left out: it may lead to somebody else's file.
+    A link next to the file is left out: it may lead to a file that the agent must not see.
     """
     yield file
     for other in file.parent.iterdir() if file.parent.is_dir() else ():
@@ -188,7 +189,7 @@ def _command_paths(words: Sequence[str]) -> Iterator[Path]:
     program, *arguments = words
     for link in _links(Path(program)):
         yield link
-        if link.parent.name == "bin":  # such as a Java or a Node.js that lies in a folder of its own
+        if link.parent.name == "bin":  # such as a Java or a Node.js with its own folder
             yield from (link.parents[1] / name for name in ("conf", "lib", "lib64", "libexec"))
     for part in (part for word in arguments for part in re.split("[=:]", word)):
         path = Path(part)
@@ -197,7 +198,7 @@ def _command_paths(words: Sequence[str]) -> Iterator[Path]:
 
 
 def _package_folders(spec: str) -> Iterator[Path]:
-    """Yield where the package of `package.module:Class` lies; nothing of it is run."""
+    """Yield the folders or the file of the package of `package.module:Class`, without running its code."""
     try:
         found = importlib.util.find_spec(spec.partition(":")[0].partition(".")[0])
     except (ImportError, ValueError):

@@ -1,4 +1,4 @@
-"""Matches of entrants: trusted agents play in this process, and all others in processes of their own."""
+"""Matches of entrants: trusted agents play in this process, and all others in their own processes."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -30,15 +30,15 @@ def play_entrants(
     agent_seeds: Sequence[int] = (),
     **options: Any,
 ) -> MatchResult:
-    """Play one match of these entrants, by party.
+    """Play one match of these entrants, and return its result.
 
     Args:
         config: the arena's settings.
-        seed: a whole number in [0, 2^64).
-        entrants: by party (parties.py).
-        sandbox: where agents that are not trusted run; None if all are trusted.
-        excluded_parties: parties that are not started, and why.
-        agent_seeds: each party's own seed; if there are none they follow from `seed`.
+        seed: an integer in [0, 2^64).
+        entrants: the entrants by party (parties.py).
+        sandbox: runs agents that are not trusted; None if all are trusted.
+        excluded_parties: reasons for which parties are not started, by party.
+        agent_seeds: seed of each party; if empty, these seeds follow from `seed`.
         options: further arguments of `match_loop.play`.
 
     Raises:
@@ -59,14 +59,14 @@ def start_players(
     sandbox: Sandbox | None,
     excluded_seats: Mapping[int, Fault] = MappingProxyType({}),
 ) -> AbstractContextManager[Players]:
-    """Return the players of one match, by seat, which play while the context lasts.
+    """Return a context manager with the players of one match, by seat; its exit ends their processes.
 
     Agents that come with the package, and all agents if there is no sandbox, play in this process.
 
     Args:
-        seated: by seat; an entrant, or an instance that plays in this process.
-        sandbox: where agents that are not trusted run.
-        excluded_seats: seats that are not started, and why.
+        seated: entrants, or instances that play in this process, by seat.
+        sandbox: runs agents that are not trusted; None if all are trusted.
+        excluded_seats: reasons for which seats are not started, by seat.
 
     Raises:
         NoContest: for a match that failed on our side.
@@ -83,12 +83,12 @@ def start_players(
 
 
 def sandbox_for(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
-    """Return a sandbox with these limits, or nothing if all agents are trusted."""
+    """Return a context manager with a sandbox of these limits, or with None if all agents are trusted."""
     return nullcontext() if limits is None else Sandbox(limits)
 
 
 def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
-    """Return the function by which `enter` asks agents who they are, in the process where they would play."""
+    """Return a function that inspects an agent for `enter`, in the kind of process in which the agent would play."""
 
     def inspect(spec: str) -> Inspection:
         if sandbox is None or is_shipped(spec):
@@ -100,13 +100,13 @@ def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
 
 
 def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
-    """Return who plays in each party: its entrant, or who plays prey for it."""
+    """Return the player of each party: its entrant, or the entrant that plays prey for it."""
     parties = Parties.of(config)
     return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
 
 
 def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
-    """Return who plays in each seat. Further seats of a team have names of their own: processes are kept by names."""
+    """Return the player of each seat. Further seats of a team have different names: processes are kept by names."""
     playing = in_parties(config, entrants)
     return [
         replace(playing[party], name=f"{playing[party].name} ({number + 1})") if number else playing[party]
@@ -115,5 +115,5 @@ def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
 
 
 def _instance_seed(seed: int, number: int) -> int:
-    """Return the seed of a party's instance: the first has the party's, the others have seeds that follow from it."""
+    """Return the seed of a party's instance: the party's seed for the first, and seeds derived from it for others."""
     return agent_seed(seed, number) if number else seed

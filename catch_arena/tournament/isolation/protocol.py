@@ -1,7 +1,7 @@
 """Messages between a match and an isolated agent: lines of JSON (docs/isolation.md).
 
-To Python agents, whose side of the protocol is ours too, a view is written as a record of bytes: it is as exact, and
-costs both sides a tenth.
+Our own program speaks for Python agents. To it a view is written as a record of bytes, which is as exact, and takes
+both sides a tenth of the time.
 """
 
 import json
@@ -17,10 +17,10 @@ from catch_arena.policy import AnyLimits, Limits, PreyLimits, Side
 
 VERSION: Final = 1
 STARTED: Final = b'{"started":true}\n'
-"""First line of each program, before it runs any code of an agent."""
+"""First line from each program, sent before it runs any code of an agent."""
 _HEAD: Final = Struct("<HH")
 PART: Final = 65536
-"""Bytes that are read from a pipe at a time."""
+"""Number of bytes that are read from a pipe at a time."""
 END: Final = _HEAD.pack(0, 0)
 """Record that ends a match."""
 
@@ -33,7 +33,7 @@ def line(**message: Any) -> bytes:
 
 
 def hello_line(side: Side) -> bytes:
-    """Return the line that asks an agent who it is."""
+    """Return the greeting, which asks an agent for its control and other facts."""
     return line(hello=VERSION, side=side)
 
 
@@ -43,7 +43,7 @@ def reset_line(seed: int, limits: AnyLimits) -> bytes:
 
 
 def limits_in(reset: dict[str, Any]) -> AnyLimits:
-    """Return the limits in that line."""
+    """Return the limits in the message of `reset_line`."""
     return (PreyLimits if reset["side"] == "prey" else Limits)(**reset["limits"])
 
 
@@ -62,9 +62,9 @@ def view_record(observation: Sequence[float], mask: Sequence[int]) -> bytes:
 
 
 def read_record(file: int) -> tuple[list[float], list[int]] | None:
-    """Read the next view from a descriptor; None at the end of a match or of the pipe.
+    """Read the next view from a descriptor and return it; None at the end of a match or of the pipe.
 
-    The other side writes one record and waits, so that nothing follows it.
+    The other side writes one record and waits, so nothing follows the record.
     """
     record = os.read(file, PART)
     if len(record) < _HEAD.size or record == END:
@@ -88,7 +88,7 @@ def _view_form(width: int) -> str:
 
 
 def action_line(action: object) -> bytes:
-    """Return an agent's action as a line; what JSON cannot express is sent as text, which no control accepts."""
+    """Return an agent's action as a line; a value that JSON cannot express becomes text, which no control accepts."""
     try:
         return b'{"action":%s}\n' % json.dumps(plain_action(action), default=_plain).encode()
     except (TypeError, ValueError, RecursionError):

@@ -1,4 +1,4 @@
-"""The processes of isolated agents, from the tournament's side. docs/isolation.md says what this protects from."""
+"""Processes of isolated agents, from the tournament's side. docs/isolation.md lists the attacks that this stops."""
 
 import json
 import os
@@ -25,9 +25,9 @@ from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.players import Fault
 
 _MOST_WAITING: Final = 16
-"""Entrants whose processes wait for their next match; each holds its agent's modules in memory."""
+"""Largest number of processes that wait for a next match; each holds its agent's modules in memory."""
 _END_S: Final = 2.0
-"""Time for a process to end a match, or to end."""
+"""Time for a process to end a match, or to end itself [s]."""
 _KIB: Final = 1024
 _MOST_CODES: Final = 256
 _MAIN: Final = (
@@ -36,30 +36,30 @@ _MAIN: Final = (
 )
 _PASSED_ON: Final = (
     *("PATH", "LANG", "LC_ALL", "TZ"),
-    # which instructions NumPy and its BLAS use: others round sums otherwise, and a network would play otherwise
+    # the instructions of NumPy and its BLAS: with others, sums are rounded differently, and a network plays differently
     *("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE"),
     *("MKL_CBWR", "MKL_ENABLE_INSTRUCTIONS"),
 )
 _SETTINGS: Final = {
     "PYTHONDONTWRITEBYTECODE": "1",  # nothing is left next to an agent's file
     "PYTHONHASHSEED": "0",  # equal seeds, equal play
-    "PYTHONUNBUFFERED": "1",  # what is printed is kept, however its process ends
+    "PYTHONUNBUFFERED": "1",  # output is kept even if the process is killed
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
-"""Environment of agents, besides HOME and TMPDIR."""
+"""Environment variables of agents, besides HOME and TMPDIR."""
 
 
 class Log:
-    """The first and the last half of what an agent prints, up to a size in bytes."""
+    """Log of an agent's output, up to a size in bytes: half of it from the beginning, half from the end."""
 
     def __init__(self, size: int) -> None:
         self._half = size // 2
         self._first, self._last, self._between = bytearray(), bytearray(), 0
 
     def add(self, content: bytes) -> None:
-        """Add what was printed."""
+        """Add printed bytes."""
         room = self._half - len(self._first)
         self._first += content[:room]
         self._last += content[room:]
@@ -68,35 +68,35 @@ class Log:
             del self._last[:over]
 
     def text(self) -> str:
-        """Return what is kept, with a line where something is left out."""
+        """Return the kept text, with a line in place of bytes that are left out."""
         gap = f"\n[{self._between} bytes left out]\n".encode() if self._between else b""
         return (self._first + gap + self._last).decode(errors="backslashreplace")
 
     def last_line(self) -> str:
-        """Return the last line with text, empty if there is none."""
+        """Return the last line that is not blank; empty if there is none."""
         return next((line for line in reversed(self.text().splitlines()) if line.strip()), "")
 
 
 class AgentProcess:
-    """One agent's process (agent_program.py), with its pipes; it plays one match after the other.
+    """Process of one agent (agent_program.py), with its pipes; it plays one match after the other.
 
     Args:
-        spec: an entrant's.
-        limits: its limits.
-        level: how it is isolated.
+        spec: spec of an entrant.
+        limits: limits of the agent.
+        level: level of isolation.
 
     Raises:
         ConfigError: on Windows.
-        NoContest: if it cannot be started.
+        NoContest: if the process cannot be started.
     """
 
     def __init__(self, spec: str, limits: AgentLimits, level: Level) -> None:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
         self.serves_many = command_of(spec) is None
-        """True if it plays further matches; a command ends with its first."""
+        """True if it can play further matches; a command ends with its first."""
         self.started = False
-        """True from when it runs the agent's code."""
+        """True after the process has begun to run the agent's code."""
         self._longest = limits.answer_kib * _KIB
         self._log_size = limits.log_kib * _KIB
         self._namespaced = level == "namespaces"
@@ -137,20 +137,20 @@ class AgentProcess:
 
     @property
     def pid(self) -> int:
-        """The process's id; in namespaces, that of the process that made them."""
+        """Id of the process; in namespaces, id of the process that made them."""
         return self._process.pid
 
     def begin(self) -> None:
-        """Begin a match: its log is a new one."""
+        """Begin a match, with a new log."""
         self._plays = True
         self.log = Log(self._log_size)
 
     def files(self) -> tuple[int, ...]:
-        """Return the descriptors to wait for."""
+        """Return the descriptors to poll: answers, and printed text while the log is open."""
         return (self.answers, self.printed) if self._log_open else (self.answers,)
 
     def write(self, line: bytes) -> bool:
-        """Return whether the pipe had room for a line; if it is closed, that shows when it is read."""
+        """Write a line, and return False if the pipe has no room; a closed pipe shows in the next `read`."""
         try:
             return os.write(self._into, line) == len(line)
         except BlockingIOError:
@@ -159,7 +159,7 @@ class AgentProcess:
             return True
 
     def read(self) -> bytes | Fault | None:
-        """Read what has come: a whole line, a fault, or None if the line is not whole yet.
+        """Read the available bytes, and return a whole line, a fault, or None if the line is not complete yet.
 
         A fault without a reason means that the process has ended.
         """
@@ -184,9 +184,9 @@ class AgentProcess:
         return line
 
     def read_log(self) -> bool:
-        """Take what has been printed; return whether more may come."""
+        """Add printed bytes to the log, and return whether more may come."""
         with suppress(BlockingIOError):
-            for _ in range(4):  # one that prints for ever is not waited for
+            for _ in range(4):  # an agent that prints without end must not block
                 if not (part := os.read(self.printed, protocol.PART)):
                     self._log_open = False
                     break
@@ -194,7 +194,7 @@ class AgentProcess:
         return self._log_open
 
     def finish(self) -> bool:
-        """End its match, if it plays one; return whether the process can play another."""
+        """End the current match, if any, and return whether the process can play another one."""
         if not self._plays:
             return True
         self._plays = False
@@ -205,22 +205,22 @@ class AgentProcess:
         return line is not None and line.startswith(b'{"ended":')
 
     def kill(self) -> None:
-        """Kill the process, and all in its namespaces or in its group."""
-        if self._killed:  # its number may be another process's by now
+        """Kill the process, and all processes in its namespaces or in its group."""
+        if self._killed:  # another process may have its id by now
             return
         self._killed = True
         if not self._namespaced and self._process.poll() is None:
-            self._process.terminate()  # it ends what it started, wherever that is
+            self._process.terminate()  # it ends all that it started, also in other groups
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(_END_S)
-        with suppress(ProcessLookupError, PermissionError):  # macOS says the latter of the dead
+        with suppress(ProcessLookupError, PermissionError):  # macOS raises the latter for dead processes
             os.killpg(self.pid, signal.SIGKILL)
 
     def close(self) -> None:
         """Kill the process, wait for its end, and remove its folder."""
         self.kill()
         self._process.wait()
-        patience = time.monotonic() + _END_S  # with the last process in its namespaces its log ends
+        patience = time.monotonic() + _END_S  # the log ends with the last process in the namespaces
         while self.read_log() and (left := patience - time.monotonic()) > 0:
             select.select([self.printed], [], [], left)
         for file in (self._into, self.answers, self.printed):
@@ -229,7 +229,7 @@ class AgentProcess:
             self._folder.cleanup()
 
     def _last_line(self) -> bytes | None:
-        """Return the line that comes next, None if none comes in time."""
+        """Return the next line, or None if none comes in time."""
         patience = time.monotonic() + _END_S
         while (left := patience - time.monotonic()) > 0 and select.select([self.answers], [], [], left)[0]:
             if (heard := self.read()) is not None:
@@ -238,10 +238,10 @@ class AgentProcess:
 
 
 class Sandbox:
-    """The isolated agents of one process; it holds one match at a time. Use it as a context manager, or `close` it.
+    """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
     Args:
-        limits: each agent's.
+        limits: limits of each agent; None for the default limits.
 
     Raises:
         ConfigError: for a level that this machine does not have.
@@ -261,46 +261,46 @@ class Sandbox:
 
     @property
     def pids(self) -> list[int]:
-        """The processes that wait or play."""
+        """Ids of the processes that wait or play."""
         return [process.pid for process in self._processes.values()]
 
     def start(self, entrant: Entrant) -> AgentProcess:
-        """Return an entrant's process for the next match: the one that waits, or a new one.
+        """Return an entrant's process for the next match: its waiting process, or a new one.
 
         Raises:
-            NoContest: if it cannot be started.
+            NoContest: if the process cannot be started.
         """
         key = entrant.name, entrant.spec
         process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.limits, self.level)
-        self._processes[key] = process  # the last one: those that have waited longest are ended first
+        self._processes[key] = process  # last in the order: the processes that have waited longest are ended first
         process.begin()
         return process
 
     def end(self, entrant: Entrant) -> None:
-        """End an agent, and all that it started."""
+        """End an agent, and all processes that it started."""
         if (process := self._processes.pop((entrant.name, entrant.spec), None)) is not None:
             process.close()
 
     def clear(self) -> None:
-        """End a match: processes that can play another one wait for it."""
+        """End a match; processes that can play another match wait for it."""
         for number, (key, process) in enumerate(reversed([*self._processes.items()])):
             if number >= _MOST_WAITING or not process.finish():
                 process.close()
                 del self._processes[key]
 
     def kill(self) -> None:
-        """Kill all agents, from any thread: whoever waits for an answer finds the end, and may forget its agent."""
+        """Kill all agents; any thread may call it. A thread that waits for an answer gets the end of the pipe."""
         for process in list(self._processes.values()):
             process.kill()
 
     def close(self) -> None:
-        """End all agents, and remove what they wrote."""
+        """End all agents, and remove the files that they wrote."""
         while self._processes:
             self._processes.popitem()[1].close()
 
 
 def how_it_ended(code: Any) -> str:
-    """Return an exit code in words; one below 0 is a signal."""
+    """Return an exit code in words; a code below 0 is a signal."""
     if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
         return "its process has ended"
     if code >= 0:

@@ -1,5 +1,5 @@
-"""Which matches are played: blocks of seats and seeds, in stages; nothing here plays.
+"""Plans of matches: blocks of seats and seeds, in stages; nothing here plays.
 
-- schedule: the formats, and the blocks of each; balanced_groups: who is in a block together.
-- until_separated: a plan that goes on until the order is clear.
+- schedule: the formats, and the blocks of each; balanced_groups: the entrants of each block.
+- until_separated: a plan that goes on until the order of the entrants is clear.
 """

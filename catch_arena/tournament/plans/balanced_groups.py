@@ -1,8 +1,8 @@
-"""Groups of players that meet each other about equally often, where there are too many subsets to play them all.
+"""Groups of players that meet each other about equally often, for plans with too many subsets to play them all.
 
-A *sweep* is the fewest groups in which everybody plays equally often. It starts from a drawn circle of the players,
-cut into groups of neighbours; then players of different groups are swapped for as long as that makes the meetings of
-pairs, those of earlier sweeps counted, more equal.
+A *sweep* is the fewest groups in which every player plays equally often. It starts from a drawn circle of the players,
+cut into groups of neighbours. Then players of different groups are swapped as long as a swap makes the numbers of
+meetings of the pairs more equal; meetings in earlier sweeps count.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -13,29 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 _STARTS: Final = 16
-"""How many drawn circles a sweep is tried from; the most equal outcome is taken."""
+"""Number of drawn circles that a sweep is tried from; the most equal outcome is taken."""
 _MANY_SLOTS: Final = 64
-"""From here on one circle must do: the time grows with the square of the slots."""
+"""Number of slots above which only one circle is tried: the time grows with the square of the slots."""
 _NEVER: Final = float(1 << 40)
-"""What it costs to be twice in a group. Doubles are exact up to 2^53, and faster to multiply than whole numbers."""
+"""Cost of a player who is twice in a group. Doubles are exact up to 2^53, and faster to multiply than integers."""
 
 
 def groups_in_sweep(players: int, seats: int) -> int:
-    """The fewest groups in which everybody plays equally often."""
+    """Return the smallest number of groups in which every player plays equally often."""
     return players // gcd(players, seats)
 
 
 def sweeps_to_meet(players: int, seats: int) -> int:
-    """How many sweeps have at least as many meetings as there are pairs."""
+    """Return the smallest number of sweeps that have at least as many meetings as there are pairs."""
     meetings = groups_in_sweep(players, seats) * seats * (seats - 1)
     return ceil(players * (players - 1) / meetings) if meetings else 1
 
 
 def sweeps(players: int, seats: int, draw: Callable[[int, int, int], int]) -> Iterator[list[tuple[int, ...]]]:
-    """The groups of one sweep after the other, without end; each group in ascending order.
+    """Yield the groups of one sweep after the other, without end; each group is in ascending order.
 
     Args:
-        players: how many there are.
+        players: number of players.
         seats: at most `players`.
         draw: the lot of (sweep, circle, player).
     """
@@ -56,12 +56,12 @@ def sweeps(players: int, seats: int, draw: Callable[[int, int, int], int]) -> It
 
 
 def _neighbours(circle: Sequence[int], seats: int, slots: int) -> NDArray[np.int64]:
-    """The circle, walked round until `slots` are filled, in groups of neighbours: (groups, seats)."""
+    """Return the circle in groups of neighbours, (groups, seats); it is repeated until `slots` places are filled."""
     return np.resize(np.array(circle, dtype=np.int64), slots).reshape(-1, seats)
 
 
 def _meetings(groups: NDArray[np.int64], players: int) -> NDArray[np.float64]:
-    """How often each pair meets in these groups: (players, players), 0 with oneself."""
+    """Return the number of meetings of each pair in these groups: (players, players), with 0 on the diagonal."""
     member = np.zeros((len(groups), players))
     member[np.arange(len(groups))[:, None], groups] = 1.0
     met: NDArray[np.float64] = member.T @ member
@@ -70,9 +70,9 @@ def _meetings(groups: NDArray[np.int64], players: int) -> NDArray[np.float64]:
 
 
 def _equalised(groups: NDArray[np.int64], before: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The groups after the best swap of two players, and the best after that, until none is left that helps.
+    """Return the groups after swaps of two players, the best first, repeated until no swap helps.
 
-    The best makes the sum of the squares of the meetings least: their number is fixed, so that is most equal.
+    The best swap gives the smallest sum of squared meetings. As the number of meetings is fixed, that is most equal.
     """
     count, seats = groups.shape
     who = groups.ravel().copy()

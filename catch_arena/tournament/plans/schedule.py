@@ -1,4 +1,4 @@
-"""Plans of matches: groups of entrants, in blocks where each sits in each seat, in one of two formats."""
+"""Plans of matches in one of two formats: groups of entrants, in blocks in which each sits in each seat."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,36 +18,36 @@ FORMATS: Final = ("round-robin", "gauntlet")
 
 _MOST_MATCHES: Final = 1_000_000
 _MOST_ROUNDS: Final = 99_999
-"""As many as the ids have room for."""
+"""Largest number of rounds: match ids have five digits for it."""
 MOST_IN_A_ROUND: Final = 20_000
-"""Matches of a round; of more groups a balanced sample is played."""
+"""Largest number of matches in a round; if all groups need more, a balanced sample of the groups is played."""
 _BLOCKS_OF_EACH: Final = 10
-"""Blocks that each entrant plays at least if no number of rounds is given: all figures have an interval then."""
+"""Smallest number of blocks for each entrant if no rounds are given: all figures have an interval then."""
 
 
 class Plan(Protocol):
-    """What is played, in stages: the blocks of one stage do not depend on each other's results."""
+    """Matches to play, in stages: the blocks of one stage do not depend on each other's results."""
 
     @property
     def parameters(self) -> Mapping[str, str | int | float]:
-        """What it follows from, but for its secret: with as many entrants and seats, equal ones make equal plans."""
+        """Parameters of the plan, without its secret; equal ones make equal plans for as many entrants and seats."""
 
     @property
     def size(self) -> int:
-        """How many matches it has; the most that it may have, where it depends on their results."""
+        """Number of matches of the plan; the largest possible number if it depends on their results."""
 
     def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """The blocks of a stage, from 0 up; none after the last one.
+        """Return the blocks of a stage; none after the last stage.
 
         Args:
-            number: which stage, from 0.
-            played: all matches of the stages before.
+            number: the stage, from 0.
+            played: all matches of the earlier stages.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class FixedPlan:
-    """A plan of one stage, whose blocks are made anew whenever they are walked: none is held."""
+    """Plan of one stage, which makes its blocks again in each iteration and keeps none in memory."""
 
     parameters: Mapping[str, str | int]
     size: int
@@ -60,7 +60,7 @@ class FixedPlan:
         return (match for block in self.blocks() for match in block)
 
     def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """All of it."""
+        """Return all blocks for stage 0, and none for later stages."""
         del played
         return () if number else self.blocks()
 
@@ -73,22 +73,22 @@ def plan_of(
     seed: Secret | int,
     most: int = MOST_IN_A_ROUND,
 ) -> FixedPlan:
-    """The plan of a format: in each round a block for each group of entrants, or for a balanced sample of the groups.
+    """Return the plan of a format: each round has a block for each group of entrants, or for a balanced sample of them.
 
     A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
     each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
 
     Args:
         wanted: one of FORMATS; in a gauntlet the first entrant is in every group.
-        entrants: how many there are.
-        parties: those of the arena.
+        entrants: number of entrants.
+        parties: the parties of the arena.
         rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
-        seed: all that is drawn follows from it; a whole number in [0, 2^64) can be guessed.
-        most: matches of a round; of more groups a sample is played: the fewest in which all play equally often and as
-            many meetings as there are pairs take place (balanced_groups.py).
+        seed: source of all draws; an integer in [0, 2^64) can be guessed.
+        most: largest number of matches in a round. If all groups need more, a sample is played: the fewest groups in
+            which all play equally often, with at least as many meetings as there are pairs (balanced_groups.py).
 
     Raises:
-        ConfigError: for an unknown format, no rounds, and too few entrants or too many matches for it.
+        ConfigError: for an unknown format, a number of rounds out of range, too few entrants or too many matches.
     """
     require_choice("format", wanted, FORMATS)
     secret = Secret.of(seed)
@@ -123,21 +123,21 @@ def plan_of(
 
 
 def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> FixedPlan:
-    """In each round, one block for each group of entrants."""
+    """Return a plan with one block for each group of entrants in each round."""
     return plan_of("round-robin", entrants, parties, rounds, seed, _MOST_MATCHES)
 
 
 def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:
-    """Require as many entrants as fill the seats.
+    """Check that there are enough entrants to fill the seats.
 
     Args:
-        entrants: how many there are.
+        entrants: number of entrants.
         config: the arena's settings.
-        scenario: what it is called.
-        tournament: whether they are to fill a block, which with prey may have more players than a match.
+        scenario: name of the arena, for the error.
+        tournament: True to require enough for a block, which with prey may have more players than a match.
 
     Raises:
-        ConfigError: with advice, where the entrants cannot fill the seats.
+        ConfigError: if the entrants cannot fill the seats; the message gives advice.
     """
 
     def needed(config: ArenaConfig) -> int:
@@ -159,7 +159,10 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
 
 
 def _block(players: Sequence[int], secret: Secret, number: int, name: str, parties: Parties) -> Block:
-    """Every seating of a drawn circle of these players; `number` counts blocks from 0, `name` begins their ids."""
+    """Return the matches of block `number`, from 0: every seating of a drawn circle of these players.
+
+    The ids of the matches begin with `name`.
+    """
     circle = sorted(players, key=lambda player: secret.seed("seating", number, player))
     agent_seeds = {player: secret.seed("agent", number, player) for player in players}
     seatings = list(parties.seatings(circle))

@@ -1,4 +1,4 @@
-"""A plan that goes on until the order of all entrants is clear, or its budget is spent."""
+"""Plan that goes on until the order of all entrants is clear, or its budget is spent."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice
@@ -14,21 +14,21 @@ from catch_arena.tournament.statistics.separation import Separation, next_look, 
 from catch_arena.tournament.statistics.sides import on_side
 
 BUDGET: Final = 10_000
-"""Matches, where nobody says how many."""
+"""Default budget of a plan [matches]."""
 
 
 class UntilSeparated:
-    """Whole rounds of a format; after each stage the standings are looked at.
+    """Plan of whole rounds of a format, which ends after the first stage whose standings have a clear order.
 
-    The budget is none of the plan's parameters: it may be raised when a tournament is resumed.
+    The budget is not one of the plan's parameters: a resumed tournament may raise it.
 
     Args:
-        rounds: makes the format's plan of so many.
-        budget: how many matches it may have.
-        parties: those of the arena; with prey the order of either side is to be clear.
+        rounds: function that makes the format's plan with a given number of rounds.
+        budget: largest number of matches.
+        parties: the parties of the arena; with prey the order of each side must be clear.
 
     Raises:
-        ConfigError: for a confidence outside [0.5, 1), and a budget below the matches of one round.
+        ConfigError: for a confidence outside [0.5, 1), or a budget smaller than the matches of one round.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class UntilSeparated:
         self._whole = rounds(budget // one.size)
         self._round = sum(1 for _ in one.blocks())
         self._entrants, self._parties = entrants, parties
-        # two orders, half a doubt each
+        # with two orders, each gets half of the allowed error
         self._confidence = confidence if len(parties.sides) == 1 else (1.0 + confidence) / 2.0
         self.parameters: Mapping[str, str | int | float] = {
             **{name: value for name, value in one.parameters.items() if name != "rounds"},
@@ -55,10 +55,10 @@ class UntilSeparated:
         }
         self.size = self._whole.size
         self.last: Separation | None = None
-        """What the last look showed."""
+        """Result of the last look at the standings; None before the first one."""
 
     def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """The rounds until the next look."""
+        """Return the blocks of the rounds until the next look; none if the order is clear."""
         del number
         matches = list(played)
         blocks = len({one.match.block for one in matches})

@@ -1,7 +1,7 @@
-"""What the results say about the entrants, and how sure that is (docs/ratings.md): arrays in, figures out.
+"""Figures about the entrants with their uncertainty, from the results of matches (docs/ratings.md).
 
-- outcomes: the matches as arrays; sides: of hunters and of prey, each by itself.
-- standings: the table. ratings: how strong each is. head_to_head: each against each other.
-- separation: who can be told apart. sprt: a test of two that ends as soon as it can.
-- intervals: how sure a figure is, with tail_probabilities. aggregates: one figure over many scenarios.
+- outcomes: the matches as arrays; sides: the matches of hunters and of prey separately.
+- standings: the table. ratings: the strength of each entrant. head_to_head: each entrant against each other.
+- separation: pairs with a significant difference. sprt: a test of two agents that ends as early as possible.
+- intervals: confidence intervals, with tail_probabilities. aggregates: one figure over many scenarios.
 """

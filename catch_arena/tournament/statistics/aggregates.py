@@ -1,7 +1,7 @@
-"""One figure for an agent over many scenarios, as Agarwal et al. 2021 define it ("Deep reinforcement learning at the
+"""Figures for an agent over many scenarios, as Agarwal et al. 2021 define them ("Deep reinforcement learning at the
 edge of the statistical precipice", and its library rliable).
 
-Scores are tables (runs, scenarios). A *run* is whatever was repeated: a block of matches, or a training seed.
+Scores are tables (runs, scenarios). A *run* is the repeated unit: a block of matches, or a training seed.
 """
 
 import math
@@ -14,40 +14,39 @@ from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Floats, Ints
 
 RESAMPLES: Final = 5000
-"""How often the runs of each scenario are drawn again."""
+"""Number of bootstrap resamples of the runs of each scenario."""
 FEWEST_RUNS: Final = 4
-"""With fewer no interval is given: it would be far too narrow."""
+"""Smallest number of runs for an interval: with fewer it would be far too narrow."""
 _TRIMMED: Final = 0.25
 _TAIL: Final = 0.025
 
 
 def interquartile_mean(scores: Floats) -> float:
-    """The mean of the middle half of all the runs of all scenarios: a quarter is cut off at either end."""
+    """Return the mean of the middle half of all runs of all scenarios: a quarter is cut off at either end."""
     return float(_interquartile_means(scores[None])[0])
 
 
 def interquartile_estimate(scores: Floats) -> Estimate:
-    """The same, with its interval: the percentiles of a stratified bootstrap, which draws the runs of each scenario
-    again.
-    """
+    """Return the interquartile mean with its interval: percentiles of a bootstrap, stratified by scenario."""
     return _estimate(_interquartile_means(scores[None])[0], _interquartile_means(_resampled(scores)), len(scores))
 
 
 def interquartile_gap(first: Floats, second: Floats) -> Estimate:
-    """How far the interquartile mean of one set of scenarios lies above that of another."""
+    """Return the interquartile mean of `first` less that of `second`; the scenarios may differ."""
     drawn = _interquartile_means(_resampled(first)) - _interquartile_means(_resampled(second, 1))
     return _estimate(interquartile_mean(first) - interquartile_mean(second), drawn, min(len(first), len(second)))
 
 
 def probability_of_improvement(scores: Floats, others: Floats) -> Estimate:
-    """How likely a run of the one has a higher score than a run of the other in the same scenario, a tie counting one
-    half; the mean over the scenarios.
+    """Return the probability that a run in `scores` beats a run in `others` in the same scenario, as a mean over these.
+
+    A tie counts one half.
 
     Args:
         scores: (runs, scenarios).
         others: (runs, scenarios), of the same scenarios; there may be more or fewer runs.
     """
-    # (runs, other runs, scenarios): every pair is looked at once, and a resample counts the pairs that it drew
+    # (runs, other runs, scenarios): every pair is compared once, and a resample counts the pairs that it drew
     above = (scores[:, None] > others[None]) + 0.5 * (scores[:, None] == others[None])
     mine, theirs = _weights(scores.shape, 0), _weights(others.shape, 1)
     drawn = np.einsum("nrs,rqs,nqs->n", mine, above, theirs, optimize=True) / scores.shape[1]
@@ -55,7 +54,7 @@ def probability_of_improvement(scores: Floats, others: Floats) -> Estimate:
 
 
 def performance_profile(scores: Floats, levels: Floats) -> list[Estimate]:
-    """For each level, the share of all runs of all scenarios with a higher score."""
+    """Return for each level the share of all runs of all scenarios with a higher score."""
     drawn = _resampled(scores)
     return [
         _estimate((scores > level).mean(), (drawn > level).mean(axis=(1, 2)), len(scores)) for level in levels.tolist()
@@ -63,7 +62,7 @@ def performance_profile(scores: Floats, levels: Floats) -> list[Estimate]:
 
 
 def _interquartile_means(tables: Floats) -> Floats:
-    """(N, runs, scenarios) to (N,)."""
+    """Return the interquartile means, (N,), of tables (N, runs, scenarios)."""
     flat = np.sort(tables.reshape(len(tables), -1), axis=1)
     cut = int(_TRIMMED * flat.shape[1])
     means: Floats = flat[:, cut : flat.shape[1] - cut].mean(axis=1)
@@ -71,7 +70,7 @@ def _interquartile_means(tables: Floats) -> Floats:
 
 
 def _drawn_runs(shape: tuple[int, ...], stream: int) -> Ints:
-    """(RESAMPLES, runs, scenarios): which runs are drawn, in each scenario by itself."""
+    """Return the indices of the drawn runs, (RESAMPLES, runs, scenarios), independent in each scenario."""
     bits = np.random.PCG64(stream)  # its raw stream is fixed by NumPy's policy
     return (bits.random_raw((RESAMPLES, *shape)) % np.uint64(shape[0])).astype(np.int64)
 
@@ -81,7 +80,7 @@ def _resampled(scores: Floats, stream: int = 0) -> Floats:
 
 
 def _weights(shape: tuple[int, ...], stream: int) -> Floats:
-    """(RESAMPLES, runs, scenarios): the share of a scenario's draws that each run has."""
+    """Return each run's share of its scenario's draws: (RESAMPLES, runs, scenarios)."""
     runs, scenarios = shape
     drawn = _drawn_runs((runs, scenarios), stream)
     found: Floats = np.stack([(drawn == run).mean(axis=1) for run in range(runs)], axis=1)

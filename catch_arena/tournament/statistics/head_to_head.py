@@ -1,4 +1,4 @@
-"""Each entrant against each other."""
+"""Results of each entrant against each other."""
 
 import math
 from collections.abc import Sequence
@@ -15,31 +15,31 @@ from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, 
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """One entrant against another."""
+    """Results of one entrant against another."""
 
     name: str
     other: str
     matches: int
-    """In which both played."""
+    """Number of matches in which both played."""
     wins: int
-    """In which this one came out above the other."""
+    """Number of these in which `name` ranked above `other`."""
     ties: int
     share: Estimate
-    """Of those matches: a win counts 1, a tie one half."""
+    """Share of these matches that `name` won, in [0, 1]: a win counts 1, a tie one half; NaN if they never met."""
     improvement: float
-    """The probability that a match of this one, drawn from all, has a better score than one of the other's, a tie
-    counting one half (Agarwal et al. 2021); other than the share, it does not ask that they met. Of catches more are
-    better, and of prey's fewer.
+    """Probability that a random match of `name` has a better score than a random match of `other`, with a tie as one
+    half (Agarwal et al. 2021). Unlike the share, it is known also if they never met. For hunters more catches are
+    better, for prey fewer.
     """
 
 
 def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], side: Side = "hunter") -> list[Encounter]:
-    """All ordered pairs of different entrants that played, in the entrants' order.
+    """Return the results of all ordered pairs of different entrants that played, in the entrants' order.
 
     Args:
-        entrants: who played.
-        played: the matches, as those of one side (sides.py).
-        side: which one.
+        entrants: the entrants of the tournament.
+        played: the matches of one side (sides.py).
+        side: the side.
     """
     outcomes = Outcomes.of(len(entrants), played)
     pairs = Pairs.of(outcomes)

@@ -1,5 +1,5 @@
-"""How sure a figure is. Blocks are drawn again, never matches: the matches of a block have their targets in common, so
-they are not independent. docs/ratings.md has the formulas, their sources, and how often the intervals hold the truth.
+"""Confidence intervals of figures, by resampling blocks: the matches of a block share their targets, so they are not
+independent. docs/ratings.md has the formulas, their sources, and the measured coverage of the intervals.
 """
 
 import math
@@ -12,20 +12,20 @@ from catch_arena.tournament.statistics.outcomes import Floats, sums_by
 from catch_arena.tournament.statistics.tail_probabilities import student_critical
 
 RESAMPLES: Final = 2000
-"""How often the blocks are drawn again."""
+"""Number of bootstrap resamples of the blocks."""
 FEWEST_BLOCKS: Final = 4
-"""With fewer there is no interval: they may be equal by chance."""
+"""Smallest number of blocks for an interval: fewer may be equal by chance."""
 _CONFIDENCE: Final = 0.95
 _AT_A_TIME: Final = 100
 _MOST_DRAWN: Final = 4096
-"""More blocks than this are drawn by the bag."""
+"""Largest number of blocks that are drawn singly; more are put into this number of bags first."""
 _NOTHING: Final = 1e-12
-"""A part of a sum of squares that rounding may leave."""
+"""Relative size of a sum of squares below which it is taken for a rounding error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A figure, with the interval that holds the truth with 95 % confidence; NaN where too few blocks tell."""
+    """Figure with its 95 % confidence interval, whose ends are NaN if there are too few blocks."""
 
     mean: float
     low: float
@@ -33,13 +33,11 @@ class Estimate:
 
     @property
     def margin(self) -> float:
-        """Half of the interval's width."""
+        """Half the width of the interval."""
         return (self.high - self.low) / 2
 
     def to_dict(self, digits: int | None = None) -> dict[str, float | None]:
-        """For programs: `mean`, `low` and `high`, rounded to `digits` behind the point where they are given; None where
-        too few blocks tell.
-        """
+        """Return `mean`, `low` and `high`, rounded to `digits` decimals if given; None instead of NaN."""
         numbers = {"mean": self.mean, "low": self.low, "high": self.high}
         return {
             name: None if math.isnan(number) else number if digits is None else round(number, digits)
@@ -50,19 +48,19 @@ class Estimate:
 def estimates(
     means: Floats, residuals: Floats, counts: Floats, pseudo_variance: Floats | float = 0.0
 ) -> list[Estimate]:
-    """The intervals of figures that are means over blocks.
+    """Return the intervals of figures that are means over blocks.
 
     Args:
         means: (figures,).
-        residuals: (blocks, figures), the sums of value less mean in each block.
-        counts: (blocks, figures), of how many values.
-        pseudo_variance: what the figures vary by besides.
+        residuals: (blocks, figures), the sums of value minus mean in each block.
+        counts: (blocks, figures), the number of values in each block.
+        pseudo_variance: variance of the figures that is added to that of the blocks.
     """
     blocks = (counts > 0).sum(axis=0).astype(np.float64)
     with np.errstate(invalid="ignore", divide="ignore"):
-        correction = blocks / np.maximum(blocks - 1.0, 0.0)  # a variance among n is too small by as much
+        correction = blocks / np.maximum(blocks - 1.0, 0.0)  # Bessel's: a variance among n is too small by this factor
         variances = correction * (residuals**2).sum(axis=0) / counts.sum(axis=0) ** 2 + pseudo_variance
-        # Student's t is exceeded by what so many blocks give where they vary normally
+        # Student's t is the critical value for blocks that vary normally: the bootstrap must not fall below it
         students = student_critical(np.maximum(blocks - 1.0, 1.0), (1.0 - _CONFIDENCE) / 2.0)
         critical = np.maximum(_critical(residuals, counts, correction, pseudo_variance), students)
         margins = critical * np.sqrt(variances)
@@ -74,15 +72,17 @@ def estimates(
 
 
 def ratios(sums: Floats, counts: Floats, pseudo_variance: Floats | float = 0.0) -> list[Estimate]:
-    """Means over all blocks, given each block's sums and counts, both (blocks, figures)."""
+    """Return the means over all blocks, from each block's sums and counts, both (blocks, figures)."""
     with np.errstate(invalid="ignore"):
         means = sums.sum(axis=0) / counts.sum(axis=0)
     return estimates(means, sums - np.nan_to_num(means) * counts, counts, pseudo_variance)
 
 
 def shares(sums: Floats, counts: Floats) -> list[Estimate]:
-    """Means of values in [0, 1]. One more win and one more loss are imagined for their variance, so that a share of 0
-    or 1 is not taken for certain (in the manner of Agresti and Coull, 1998).
+    """Return the means of values in [0, 1].
+
+    For their variance one win and one loss are added, so that a share of 0 or 1 still has an interval (similar to
+    Agresti and Coull, 1998).
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         totals = counts.sum(axis=0)
@@ -95,8 +95,10 @@ def shares(sums: Floats, counts: Floats) -> list[Estimate]:
 
 
 def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_variance: Floats | float) -> Floats:
-    """(figures,): the distance from the truth, in standard errors, that 5 % of the resamples exceed (the symmetric
-    studentised bootstrap, Hall 1988); infinite where too many resamples have no standard error.
+    """Return the critical distance of each figure from its mean, in standard errors: (figures,).
+
+    5 % of the resamples exceed it (the symmetric studentised bootstrap, Hall 1988). It is infinite if too many
+    resamples have no standard error.
     """
     residuals, counts = _bags(residuals), _bags(counts)
     nothing = _NOTHING * (residuals**2).sum(axis=0)
@@ -119,7 +121,7 @@ def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_vari
 
 
 def _bags(values: Floats) -> Floats:
-    """Blocks put together at random where there are very many: as good to draw, and cheaper."""
+    """Return the sums of blocks in random bags if there are very many blocks: as good to draw, and cheaper."""
     blocks = len(values)
     if blocks <= _MOST_DRAWN:
         return values

@@ -1,4 +1,4 @@
-"""The matches that were played, as arrays: what every figure is made from."""
+"""Played matches as arrays, from which every figure is computed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,21 +15,21 @@ Ints: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Outcomes:
-    """N matches of H parties (parties.py), which are seats where there are no teams; their order means nothing."""
+    """Outcomes of N matches of H parties (parties.py); a party is a seat if there are no teams."""
 
     entrants: int
     block: Ints
-    """(N,): the block of each match, from 0 and without gaps."""
+    """Block of each match, from 0 and without gaps: (N,)."""
     seating: Ints
-    """(N, H): who played which, by index among the entrants; one may play several."""
+    """Player of each party, as an index among the entrants, (N, H); an entrant may play several parties."""
     scores: Ints
-    """(N, H)."""
+    """Score of each party: (N, H)."""
     ranks: Ints
-    """(N, H): 1 is best, equal ones tie; from 2 on where all forfeited, as nobody wins such a match."""
+    """Rank of each party, (N, H): 1 is best, equal ones tie; from 2 on if all forfeited, as no party wins then."""
 
     @classmethod
     def of(cls, entrants: int, played: Sequence[PlayedMatch]) -> "Outcomes":
-        """Those of a tournament, in the order of its plan, so that sums do not depend on who finished first."""
+        """Return the outcomes in the order of the plan, so that sums do not depend on the order of play."""
         in_order = sorted(played, key=lambda one: one.match)
         shape = (len(in_order), len(in_order[0].match.seating) if in_order else 0)
         return cls(
@@ -42,16 +42,16 @@ class Outcomes:
 
     @property
     def blocks(self) -> int:
-        """How many there are."""
+        """Number of blocks."""
         return int(self.block.max(initial=-1)) + 1
 
     def by_block(self, values: Floats | Ints | float = 1.0) -> Floats:
-        """(blocks, entrants): the sums of `values`: one for each party of each match, or 1 for all."""
+        """Return the sums of `values`, (blocks, entrants); `values` is one per party and match, or one for all."""
         return sums_by(self.blocks, self.entrants, self.block[:, None], self.seating, values)
 
     @property
     def win_shares(self) -> Floats:
-        """(N, H): 1 for a win; those who share the first rank share it."""
+        """Share of the win of each party, (N, H): 1 for a win; parties that share the first rank share it."""
         won: Floats = (self.ranks == 1).astype(np.float64)
         won /= np.maximum(won.sum(axis=1, keepdims=True), 1.0)
         return won
@@ -63,7 +63,7 @@ def _ranks(result: MatchResult) -> list[int]:
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
-    """Every two different entrants that met in a match, and which of them came out above the other."""
+    """Pairs of different entrants that met in a match, and their results."""
 
     entrants: int
     blocks: int
@@ -71,11 +71,11 @@ class Pairs:
     first: Ints
     second: Ints
     result: Ints
-    """1 where the first is above the second, 0 where they tie, -1 where it is below."""
+    """Result of each pair: 1 if the first ranks above the second, 0 for a tie, -1 if it ranks below."""
 
     @classmethod
     def of(cls, outcomes: Outcomes) -> "Pairs":
-        """H (H - 1) / 2 for each match, less those where an entrant met itself."""
+        """Return the H (H - 1) / 2 pairs of each match, without those of an entrant with itself."""
         one, other = np.triu_indices(outcomes.seating.shape[1], 1)
         block = np.repeat(outcomes.block, len(one))
         first, second = outcomes.seating[:, one].ravel(), outcomes.seating[:, other].ravel()
@@ -84,7 +84,7 @@ class Pairs:
         return cls(outcomes.entrants, outcomes.blocks, block[apart], first[apart], second[apart], result[apart])
 
     def table(self, result: int) -> Floats:
-        """(entrants, entrants): how often the first of a pair met this result against the second, either way round."""
+        """Return the number of times that each entrant had this result against each other: (entrants, entrants)."""
         forth, back = self.result == result, self.result == -result
         size = self.entrants
         return sums_by(size, size, self.first[forth], self.second[forth]) + sums_by(
@@ -92,7 +92,10 @@ class Pairs:
         )
 
     def blocks_above(self) -> Floats:
-        """(entrants, entrants): in how many blocks the first came out above the second more often than below."""
+        """Return the number of blocks in which an entrant ranked above another more often than below.
+
+        The shape is (entrants, entrants): the row is the first entrant, the column the other.
+        """
         size = self.entrants
         pair = np.minimum(self.first, self.second) * size + np.maximum(self.first, self.second)
         met, number = np.unique(self.block * size**2 + pair, return_inverse=True)
@@ -103,7 +106,7 @@ class Pairs:
 
 
 def sums_by(rows: int, columns: int, row: Ints, column: Ints, values: Floats | Ints | float = 1.0) -> Floats:
-    """(rows, columns): the sums of the values that belong in each cell; the arrays are broadcast together."""
+    """Return the sum of the values of each cell, (rows, columns); the arrays are broadcast together."""
     cell = row * columns + column
     weights = np.broadcast_to(np.asarray(values, dtype=np.float64), cell.shape)
     return np.bincount(cell.ravel(), weights.ravel(), rows * columns).astype(np.float64).reshape(rows, columns)

@@ -1,9 +1,9 @@
-"""How strong the entrants are: one fit to all matches at once, whatever order they were played in.
+"""Ratings of the entrants, by one fit to all matches, which does not depend on their order.
 
-The model is Davidson's (1970): of two that meet, with strengths a and b, the first comes out above with probability
+The model is Davidson's (1970). If entrants of strengths a and b meet, the first ranks above the second with probability
 a / (a + b + v sqrt(a b)), and they tie with probability v sqrt(a b) / (a + b + v sqrt(a b)). A match of more than two
-counts as all its pairs (a composite likelihood: Varin, Reid and Firth 2011), which are not independent, so errors are
-taken from whole blocks. docs/ratings.md has the rest.
+counts as all its pairs (a composite likelihood: Varin, Reid and Firth 2011). Pairs are not independent, so errors are
+computed from whole blocks. docs/ratings.md has the rest.
 """
 
 import math
@@ -16,7 +16,7 @@ from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS, Estimate,
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
 
 ELO: Final = 400.0 / math.log(10.0)
-"""Points for each unit of log strength: 400 points make wins ten times as likely as defeats."""
+"""Points per unit of log strength: with 400 points more, wins are ten times as likely as defeats."""
 _LONGEST_STEP: Final = 2.0
 _CLOSE_ENOUGH: Final = 1e-10
 _MOST_STEPS: Final = 200
@@ -24,23 +24,23 @@ _MOST_STEPS: Final = 200
 
 @dataclass(frozen=True, slots=True)
 class Ratings:
-    """The fit, in points, 0 being the mean of all who played; NaN for those who did not."""
+    """Result of the fit."""
 
     points: Floats
-    """(entrants,)."""
+    """Rating of each entrant in points, (entrants,): 0 is the mean of all that played; NaN for no match."""
     tie: float
-    """Davidson's v: two equals tie with probability v / (2 + v)."""
+    """Davidson's v: two equal entrants tie with probability v / (2 + v)."""
     influence: Floats
-    """(blocks, entrants): how far each block moves each rating from where it would be without it."""
+    """Change of each rating that each block causes, in points: (blocks, entrants)."""
     pseudo_influence: Floats
-    """(2 entrants, entrants): the same for the imagined games that keep ratings finite."""
+    """Change of each rating that each added game causes, in points, (2 entrants, entrants): see `rate`."""
     blocks: Floats
-    """(entrants,): in how many blocks each played."""
+    """Number of blocks that each entrant played in: (entrants,)."""
     blocks_above: Floats
-    """(entrants, entrants): in how many blocks the first came out above the second more often than below."""
+    """Number of blocks in which the first ranked above the second more often than below: (entrants, entrants)."""
 
     def estimates(self) -> list[Estimate]:
-        """Each rating with its interval."""
+        """Return each rating with its interval."""
         return estimates(
             self.points,
             self.influence * len(self.influence),
@@ -49,11 +49,11 @@ class Ratings:
         )
 
     def distances(self) -> Floats:
-        """(entrants, entrants): the difference of each two over its standard error, 0 or more; NaN where one of them
-        did not play.
+        """Return the difference of each pair divided by its standard error, 0 or more: (entrants, entrants).
 
-        Between the shares of the field that they are expected to beat, not between their ratings: these run off to
-        infinity where one never wins, and their errors faster still (Hauck and Donner 1977).
+        It is NaN if one of the pair did not play. The difference is between expected shares against the field, and not
+        between ratings: for an entrant that never wins, a rating goes to infinity, and its error grows even faster
+        (Hauck and Donner 1977).
         """
         played = np.isfinite(self.points)
         field = max(int(played.sum()), 1)
@@ -73,10 +73,11 @@ class Ratings:
 
 
 def rate(outcomes: Outcomes) -> Ratings:
-    """Fit the model.
+    """Return the ratings that fit the outcomes best.
 
-    Everyone is imagined to have won half a game and lost half a game against an opponent of rating 0, and two equals to
-    have tied half a game of one: without that an entrant that never lost would have no finite rating.
+    Games are added to the played ones: each entrant wins half a game and loses half a game against an opponent of
+    rating 0, and two equal opponents play one game and tie half of it. Without them an entrant that never lost would
+    have no finite rating.
     """
     pairs = Pairs.of(outcomes)
     blocks_played = (outcomes.by_block() > 0).sum(axis=0)
@@ -91,7 +92,7 @@ def rate(outcomes: Outcomes) -> Ratings:
     gradients[:, size] = np.bincount(pairs.block, (pairs.result == 0) - tied, outcomes.blocks)
     win = _logistic(strengths)
     imagined = np.zeros((2 * size, size + 1))
-    imagined[:size, :size] = np.diag(1.0 - win)  # for the errors they are whole games: see docs/ratings.md
+    imagined[:size, :size] = np.diag(1.0 - win)  # for the errors, added games are whole games: see docs/ratings.md
     imagined[size:, :size] = np.diag(-win)
 
     played = blocks_played > 0
@@ -111,14 +112,14 @@ def rate(outcomes: Outcomes) -> Ratings:
 
 
 def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
-    """Newton's method on the concave log-likelihood.
+    """Maximise the concave log-likelihood by Newton's method.
 
     Args:
-        wins: [i, j], how often i came out above j.
-        ties: symmetric; both (entrants, entrants).
+        wins: (entrants, entrants): wins[i, j] is the number of times that i ranked above j.
+        ties: (entrants, entrants), the numbers of ties; symmetric.
 
     Returns:
-        log strengths, log v, and the information matrix, in which v is last.
+        The log strengths, log v, and the information matrix, in which v is last.
     """
     size = len(wins)
     met = wins + wins.T + ties
@@ -146,7 +147,7 @@ def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
 
 
 def _chances(difference: Floats, log_tie: float) -> tuple[Floats, Floats, Floats]:
-    """Davidson's: above, below, tied, given log strengths that differ by this much."""
+    """Return Davidson's probabilities (above, below, tied) for a difference of log strengths."""
     above, below = np.exp(difference / 2.0), np.exp(-difference / 2.0)
     total = above + below + math.exp(log_tie)
     return above / total, below / total, math.exp(log_tie) / total

@@ -1,4 +1,4 @@
-"""Which entrants the matches can tell apart, and whether that is all of them yet."""
+"""Separation of entrants: tests of significant differences between them, and of the whole order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,37 +13,37 @@ from catch_arena.tournament.statistics.ratings import Ratings, rate
 from catch_arena.tournament.statistics.tail_probabilities import fair_coin_tail, student_tail
 
 LEVEL: Final = 0.05
-"""How often two equal entrants may be told apart."""
+"""Significance level: the largest probability of a false difference between equal entrants."""
 _FIRST_LOOK: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Separation:
-    """What one look at a tournament under way says."""
+    """Result of one look at a running tournament."""
 
     clear: bool
-    """Whether the whole order is."""
+    """True if the whole order is clear."""
     pair: tuple[str, str]
-    """The two that are hardest to tell apart, the higher first."""
+    """Names of the pair with the least significant difference, the higher entrant first."""
     p: float
-    """Of their difference, corrected for how many pairs there are."""
+    """P-value of the pair's difference, corrected for the number of pairs."""
     level: float
-    """What `p` must be below at this look."""
+    """Level that `p` must be below at this look."""
 
     def __str__(self) -> str:
-        """For people."""
+        """Return the result in words."""
         if self.clear:
             return "the order is clear"
         return f"{' and '.join(self.pair)} cannot be told apart yet (p = {self.p:.3g}, to be below {self.level:.2g})"
 
 
 def p_values(ratings: Ratings) -> Floats:
-    """(entrants, entrants): how often two equal entrants would differ by as much; 1 where one of them did not play.
+    """Return the p-value of each pair's difference, (entrants, entrants); 1 if one of the pair did not play.
 
-    Two tests are asked, and Bonferroni's bound allows for that. A difference over its standard error is taken for
-    Student's t, with one degree of freedom less than there are blocks that the one of them that played less was in.
-    And where the two met, there is the sign test over those blocks: one that never wins has a rating of hardly any
-    certainty, and is certainly worse.
+    Two tests are made, with Bonferroni's correction for two. The first takes a difference divided by its standard error
+    for Student's t; the degrees of freedom are the smaller number of blocks of the two, minus one. The second is the
+    sign test over the blocks in which the two met: the rating of an entrant that never wins is very uncertain, but the
+    entrant is certainly worse.
     """
     above, below = ratings.blocks_above, ratings.blocks_above.T
     higher = np.greater.outer(ratings.points, ratings.points)
@@ -58,7 +58,7 @@ def p_values(ratings: Ratings) -> Floats:
 
 
 def p_values_of_all(ratings: Ratings) -> Floats:
-    """The same, corrected for the number of pairs (Holm 1979)."""
+    """Return the p-values of all pairs, corrected for their number (Holm 1979): (entrants, entrants)."""
     table = p_values(ratings)
     one, other = np.triu_indices(len(table), 1)
     table[one, other] = table[other, one] = holm(table[one, other])
@@ -66,7 +66,7 @@ def p_values_of_all(ratings: Ratings) -> Floats:
 
 
 def holm(p: Floats) -> Floats:
-    """P-values corrected for their number: those below a level are wrong about any of them no more often than that."""
+    """Return p-values corrected for their number: the level bounds the probability of any false one below it."""
     order = np.argsort(p, kind="stable")
     corrected = np.empty_like(p)
     corrected[order] = np.minimum(np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1)), 1.0)
@@ -74,10 +74,10 @@ def holm(p: Floats) -> Floats:
 
 
 def groups(ratings: Ratings, order: Sequence[int]) -> list[tuple[int, int]]:
-    """For each place of `order`, best first: the first and the last of the groups that it belongs to, from 1.
+    """Return the first and the last group, from 1, of each entrant in `order`, best first.
 
-    A group reaches from one entrant down to the last that cannot be told from it; one that lies within another is left
-    out. Entrants that have no group in common can be told apart, all such statements together with 95 % confidence.
+    A group reaches from one entrant down to the last without a significant difference from it. A group that lies within
+    another is left out. Entrants without a common group differ, with 95 % confidence for all these pairs together.
     """
     alike = p_values_of_all(ratings)[np.ix_(order, order)] >= LEVEL
     ends: list[tuple[int, int]] = []
@@ -93,9 +93,7 @@ def groups(ratings: Ratings, order: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def next_look(blocks: int) -> int:
-    """How many blocks must have been played for the next look at whether the order is clear: 8, then half as many again
-    each time.
-    """
+    """Return the number of played blocks at the next look at the order: 8, then each time half as many more."""
     look = _FIRST_LOOK
     while look <= blocks:
         look += look // 2
@@ -103,11 +101,11 @@ def next_look(blocks: int) -> int:
 
 
 def separation(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], confidence: float = 0.95) -> Separation:
-    """Whether the order of all entrants is clear.
+    """Return whether the order of all entrants is clear, with the least clear pair.
 
-    To be asked once for each `next_look`. Looking often would find differences where there are none, so the k-th look
-    has 1 / (k (k + 1)) of what `confidence` leaves (the sum over all k is 1): however long it goes on, an order that is
-    called clear is wrong no more often than 1 - confidence.
+    Call it once for each `next_look`. Frequent looks would find false differences, so the k-th look has the share
+    1 / (k (k + 1)) of the error that `confidence` allows; the sum over all k is 1. A reported order is wrong with a
+    probability of at most 1 - confidence, for any number of looks.
     """
     outcomes = Outcomes.of(len(entrants), played)
     higher, lower, p = least_separated(rate(outcomes))
@@ -116,7 +114,7 @@ def separation(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], confi
 
 
 def least_separated(ratings: Ratings) -> tuple[int, int, float]:
-    """The two that are hardest to tell apart, the higher first, and the p-value of their difference among all pairs."""
+    """Return the pair with the least significant difference, the higher first, and its p-value among all pairs."""
     table = p_values_of_all(ratings)
     np.fill_diagonal(table, -1.0)
     one, other = map(int, np.unravel_index(int(table.argmax()), table.shape))
@@ -126,7 +124,7 @@ def least_separated(ratings: Ratings) -> tuple[int, int, float]:
 
 
 def level_of_look(blocks: int, confidence: float) -> float:
-    """What a p-value must be below after so many blocks; 0 before the first look."""
+    """Return the level that a p-value must be below after this number of blocks; 0 before the first look."""
     looks, at = 0, _FIRST_LOOK
     while at <= blocks:
         looks, at = looks + 1, next_look(at)

@@ -1,8 +1,8 @@
-"""R12.7: the matches of an arena with prey, as one side's: what is known of it is made from its own results alone.
+"""R12.7: Matches of one side in an arena with prey; the figures of a side use its own results only.
 
-Where a side has several parties in a match, they are compared in it. Where it has one, there is nobody to compare it
-with: then the matches of a block in which the other side is the same are taken for one, in which those who played that
-party in turn meet (`Parties.seatings`). They had the same opponents, in the same places.
+If a side has several parties in a match, they are compared in that match. If it has one party, matches of a block with
+the same other side are joined to one match (`Parties.seatings`). In it, entrants that played the party in turn meet:
+they had the same opponents, in the same places.
 """
 
 from collections.abc import Sequence
@@ -25,16 +25,16 @@ _BY_PARTY: Final = (
     "thinking",
     "details",
 )
-"""Parts of a result that are the same in a table of one side."""
+"""Parts of a result that are tuples by party, and keep their values in the matches of one side."""
 
 
 def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequence[PlayedMatch]:
-    """The matches as one side's; without prey they are what they are.
+    """Return the matches of one side; without prey they are unchanged.
 
     Args:
-        played: in whole blocks.
-        parties: those of the arena.
-        side: which one.
+        played: matches in whole blocks.
+        parties: the parties of the arena.
+        side: the side.
     """
     if len(parties.sides) == 1:
         return played
@@ -60,7 +60,7 @@ def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
 
 
 def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
-    """Matches with one party each, as one match of them all."""
+    """Return one match that joins matches with one party each."""
     first, results = those[0], [one.result for one in those]
     joined: dict[str, Any] = {
         name: tuple(value for result in results for value in getattr(result, name)) for name in _BY_PARTY

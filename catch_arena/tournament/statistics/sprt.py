@@ -1,8 +1,8 @@
-"""A sequential test of one share against another: it ends as soon as the blocks played so far say enough.
+"""Sequential test of one share against another, which ends as soon as the played blocks suffice.
 
-Wald's test (1945), generalised to outcomes whose distribution is not known beforehand (Li, Liu and Ying 2014): of all
-distributions over the outcomes that were seen, the likeliest with each of the two means are compared. Chess engines are
-developed with such tests over pairs of games (Fishtest, fastchess).
+It is Wald's test (1945), generalised to outcomes of unknown distribution (Li, Liu and Ying 2014). For each of the two
+means it takes the likeliest distribution over the observed outcomes with that mean, and compares these two. Chess
+engines are developed with such tests over pairs of games (Fishtest, fastchess).
 """
 
 import math
@@ -16,21 +16,21 @@ from catch_arena.errors import ConfigError
 Decision = Literal["H0", "H1"]
 
 _IMAGINED: Final = 1e-3
-"""Blocks of each extreme outcome, without which a mean could be out of reach."""
+"""Number of blocks that are added for each extreme outcome, so that a distribution with each mean exists."""
 _HALVINGS: Final = 24
-"""The likelihood is greatest at the tilt, so it is right to twice as many digits as the tilt is."""
+"""Number of bisections for the tilt. The likelihood has its maximum there, so it gets twice as many correct digits."""
 
 
 @dataclass(slots=True)
 class Sprt:
-    """H0: the mean outcome of a block is `share0`; H1: it is `share1`. Both in (0, 1), the first being less."""
+    """Sequential test of H0, a mean outcome of `share0`, against H1, `share1`; 0 < share0 < share1 < 1."""
 
     share0: float
     share1: float
     alpha: float = 0.05
-    """How often H1 may be accepted where H0 holds."""
+    """Allowed probability of accepting H1 if H0 holds, in (0, 0.5)."""
     beta: float = 0.05
-    """How often H0 may be accepted where H1 holds."""
+    """Allowed probability of accepting H0 if H1 holds, in (0, 0.5)."""
     _seen: Counter[float] = field(default_factory=Counter, init=False)
 
     def __post_init__(self) -> None:
@@ -44,17 +44,17 @@ class Sprt:
                 raise ConfigError(f"{name} must lie in (0, 0.5), got {getattr(self, name):g}")
 
     def add(self, outcome: float) -> None:
-        """One more block; its outcome lies in [0, 1]."""
+        """Add the outcome of a block, in [0, 1]."""
         self._seen[outcome] += 1
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """At or below the first H0 is accepted, at or above the second H1."""
+        """Bounds of the log-likelihood ratio: H0 is accepted at or below the first, H1 at or above the second."""
         return math.log(self.beta / (1.0 - self.alpha)), math.log((1.0 - self.beta) / self.alpha)
 
     @property
     def log_likelihood_ratio(self) -> float:
-        """Of H1 against H0."""
+        """Log-likelihood ratio of H1 against H0."""
         seen = [(0.0, _IMAGINED), (1.0, _IMAGINED), *self._seen.items()]
         tilt0, tilt1 = _tilt(seen, self.share0), _tilt(seen, self.share1)
         return sum(
@@ -64,15 +64,16 @@ class Sprt:
 
     @property
     def decision(self) -> Decision | None:
-        """None while more blocks are needed."""
+        """Accepted hypothesis; None while more blocks are needed."""
         low, high = self.bounds
         ratio = self.log_likelihood_ratio
         return "H1" if ratio >= high else "H0" if ratio <= low else None
 
 
 def _tilt(seen: Sequence[tuple[float, float]], mean: float) -> float:
-    """Where p / (1 + tilt (outcome - mean)), p being how often an outcome was seen, is the likeliest distribution with
-    this mean (empirical likelihood, Owen 1988).
+    """Return the tilt of the likeliest distribution with this mean (empirical likelihood, Owen 1988).
+
+    The distribution is p / (1 + tilt (outcome - mean)), with p the observed frequency of an outcome.
     """
     low, high = -1.0 / (1.0 - mean), 1.0 / mean
     for _ in range(_HALVINGS):
@@ -85,12 +86,12 @@ def _tilt(seen: Sequence[tuple[float, float]], mean: float) -> float:
 
 
 def share_of_elo(points: float) -> float:
-    """The share that an agent stronger by so many points gets: ten wins to a defeat for 400 points."""
+    """Return the share of an agent that is stronger by `points`: 400 points are ten wins to one defeat."""
     return 0.5 + 0.5 * math.tanh(points * math.log(10.0) / 800.0)
 
 
 def elo_of_share(share: float) -> float:
-    """The inverse; infinite for 0 and 1."""
+    """Return the points of a share, the inverse of `share_of_elo`; infinite for 0 and 1."""
     if share in {0.0, 1.0}:
         return math.copysign(math.inf, share - 0.5)
     return 400.0 * math.log10(share / (1.0 - share))

@@ -1,4 +1,4 @@
-"""What the matches say about the entrants, and how sure that is."""
+"""Standings of the entrants, with the uncertainty of each figure."""
 
 import math
 from collections import Counter
@@ -19,54 +19,54 @@ from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.verdicts import Verdict
 
 _DIGITS = 6
-"""Ratings that agree to so many share a place: the last bits depend on the order of the entrants."""
+"""Decimals in which ratings must agree to share a place: the last bits depend on the order of the entrants."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """One entrant's line of the table; docs/ratings.md says how each figure is made."""
+    """Line of one entrant in the table; docs/ratings.md defines each figure."""
 
     place: int
-    """1 is best, by rating; equal ratings share a place."""
+    """Place by rating: 1 is best, and equal ratings share a place."""
     name: str
     groups: tuple[int, int]
-    """The first and the last group that it belongs to, from 1; two in one group cannot be told apart."""
+    """First and last group of the entrant, from 1; entrants in one group have no significant difference."""
     matches: int
     rating: Estimate
-    """In points: 0 is the mean, 400 more make it ten times as likely to come out above as below."""
+    """Rating in points: 0 is the mean; with 400 points more, wins are ten times as likely as defeats."""
     score: Estimate
-    """Catches in a match, of a team all together; of prey, how often it was caught."""
+    """Mean catches per match, of a team in total; for prey, the mean number of times that it was caught."""
     iqm: Estimate
-    """The mean score of the middle half of its matches."""
+    """Mean score of the middle half of its matches."""
     win_share: Estimate
-    """Matches won in [0, 1]; those who share the first rank share the win."""
+    """Share of matches won, in [0, 1]; parties that share the first rank share the win."""
     mean_rank: float
     contests_lost: float
-    """Contests in a match that a rival won (R5.6)."""
+    """Mean number of contests per match that a rival won (R5.6)."""
     contest_win_share: float
-    """Of the contests with rivals that it took part in, the share that it won; NaN where there was none."""
+    """Share of its contests with rivals that it won, in [0, 1]; NaN if there was none."""
     lost_to_mates: float
-    """Requests in a match that a team-mate won (R11.3)."""
+    """Mean number of requests per match that a team-mate won (R11.3)."""
     refusals: dict[str, float]
-    """Requests in a match that were refused for another reason, by verdict; those that it never met are left out."""
+    """Mean number of requests per match refused for other reasons, by verdict; verdicts with 0 are left out."""
     forfeits: dict[str, int]
-    """Matches that it forfeited, by code."""
+    """Number of forfeited matches, by code."""
 
     @property
     def group(self) -> str:
-        """«1», or «1-3» where it belongs to several."""
+        """Groups as text: «1», or «1-3» if there are several."""
         return "-".join(str(number) for number in sorted(set(self.groups)))
 
     @property
     def refused(self) -> float:
-        """All the refusals together."""
+        """Mean number of refused requests per match, for all verdicts in `refusals`."""
         return sum(self.refusals.values())
 
 
 def standings_of_sides(
     entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties
 ) -> dict[Side, list[Standing]]:
-    """A table for each side, made from its own results alone (R12.7)."""
+    """Return a table for each side, from its own results only (R12.7)."""
     return {
         side: standings([entrant.on(side) for entrant in entrants], on_side(played, parties, side))
         for side in parties.sides
@@ -74,7 +74,7 @@ def standings_of_sides(
 
 
 def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
-    """The table of those who played, highest rating first. Played again it is the same, in whatever order."""
+    """Return the table of the entrants that played, highest rating first; the order of play does not change it."""
     if not played:
         return []
     outcomes = Outcomes.of(len(entrants), played)
@@ -130,8 +130,9 @@ def _share(won: int, lost: int) -> float:
 
 
 def _interquartile_means(outcomes: Outcomes) -> list[Estimate]:
-    """The mean score of the middle half of each entrant's matches: a quarter is cut off at either end. For the interval
-    what lies beyond a quartile pulls as if it lay there (Huber 1981).
+    """Return the mean score of the middle half of each entrant's matches: a quarter is cut off at either end.
+
+    For the interval, a score beyond a quartile counts as the quartile (Huber 1981).
     """
     means = np.full(outcomes.entrants, math.nan)
     pulls = np.zeros(outcomes.seating.shape)

@@ -1,7 +1,7 @@
-"""The tails of the two distributions that tests of significance ask for, on arrays.
+"""Tail probabilities of the two distributions that significance tests need, on arrays.
 
-SciPy has them too, and takes 140 MB of disk and a quarter of a second of every start (Numba imports it where it is
-installed); the tests compare with it.
+SciPy has them too, but needs 140 MB of disk, and a quarter of a second at every start, as Numba imports it if it is
+installed. The tests compare with SciPy.
 """
 
 import math
@@ -16,15 +16,15 @@ from catch_arena.tournament.statistics.outcomes import Floats
 _MOST_TERMS: Final = 100_000
 _PRECISION: Final = 1e-15
 _TINY: Final = 1e-300
-"""In place of a zero divisor (Lentz 1976)."""
+"""Value in place of a zero divisor (Lentz 1976)."""
 
 _log_gamma = np.vectorize(math.lgamma, otypes=[np.float64])
 
 
 def incomplete_beta(a: ArrayLike, b: ArrayLike, x: ArrayLike) -> Floats:
-    """The regularised incomplete beta function I_x(a, b), for a, b > 0 and x in [0, 1]; the arguments broadcast.
+    """Return the regularised incomplete beta function I_x(a, b), for a, b > 0 and x in [0, 1]; the arguments broadcast.
 
-    Its continued fraction (DLMF 8.17.22), on the side of the mean where it converges fast.
+    It uses the continued fraction (DLMF 8.17.22), on the side of the mean on which it converges fast.
     """
     a, b, x = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in (a, b, x)))
     far = x > (a + 1.0) / (a + b + 2.0)
@@ -36,7 +36,7 @@ def incomplete_beta(a: ArrayLike, b: ArrayLike, x: ArrayLike) -> Floats:
 
 
 def _continued_fraction(a: Floats, b: Floats, x: Floats) -> Floats:
-    """1 + d_1 / (1 + d_2 / (1 + ...)), by the modified method of Lentz."""
+    """Return 1 + d_1 / (1 + d_2 / (1 + ...)), by the modified method of Lentz."""
     value, upper, lower = np.ones_like(x), np.ones_like(x), np.zeros_like(x)
     for term in range(1, _MOST_TERMS):
         m = term // 2
@@ -49,23 +49,23 @@ def _continued_fraction(a: Floats, b: Floats, x: Floats) -> Floats:
         upper = 1.0 + d / upper
         upper = np.where(np.abs(upper) < _TINY, _TINY, upper)
         value = value * upper * lower
-        if not np.any(np.abs(upper * lower - 1.0) >= _PRECISION):  # what is no number stays none
+        if not np.any(np.abs(upper * lower - 1.0) >= _PRECISION):  # NaN does not converge: it must not go on
             break
     return value
 
 
 def fair_coin_tail(heads: Floats, tails: Floats) -> Floats:
-    """How often `heads + tails` throws of a fair coin have at least `heads` heads, for heads >= 1."""
+    """Return the probability of at least `heads` heads in `heads + tails` throws of a fair coin, for heads >= 1."""
     return incomplete_beta(heads, tails + 1.0, 0.5)
 
 
 def student_tail(freedom: Floats, t: Floats) -> Floats:
-    """How often Student's t, with so many degrees of freedom, is above t >= 0."""
+    """Return the probability that Student's t with `freedom` degrees of freedom exceeds t, for t >= 0."""
     return 0.5 * incomplete_beta(0.5 * freedom, 0.5, freedom / (freedom + t * t))
 
 
 def student_critical(freedom: Floats, tail: float) -> Floats:
-    """The t that Student's t is above so often, `tail` in (0, 0.5)."""
+    """Return the value that Student's t exceeds with probability `tail`, in (0, 0.5)."""
     known, positions = np.unique(freedom, return_inverse=True)
     critical: Floats = np.array([_critical(float(one), tail) for one in known])[positions].reshape(np.shape(freedom))
     return critical
@@ -73,7 +73,7 @@ def student_critical(freedom: Floats, tail: float) -> Floats:
 
 @lru_cache(maxsize=4096)
 def _critical(freedom: float, tail: float) -> float:
-    """By Newton's method, from 0: the tail is convex there, so that each step stays below the root and comes nearer."""
+    """Return the critical value by Newton's method from 0: the tail is convex, so each step stays below the root."""
     log_scale = math.lgamma(0.5 * (freedom + 1.0)) - math.lgamma(0.5 * freedom) - 0.5 * math.log(math.pi * freedom)
     t = 0.0
     for _ in range(200):
