@@ -1,4 +1,7 @@
-"""Rulebook chapter 8: the arena with the interface of the ROS 2 exercise: names and Twists, not ranks and actions."""
+"""Rulebook chapter 8: the arena with the interface of the ROS 2 exercise: names and Twists.
+
+ros/nodes plays on it.
+"""
 
 from bisect import insort
 from collections.abc import Callable, Collection, Mapping, Sequence

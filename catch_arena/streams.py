@@ -1,4 +1,7 @@
-"""Streams whose reader may close the pipe, as `head` does: the process continues, and its own exit code counts."""
+"""Streams whose reader may close the pipe, as `head` does: the process continues, and its own exit code counts.
+
+The command line and worker processes use them for stdout and stderr.
+"""
 
 import sys
 from contextlib import suppress

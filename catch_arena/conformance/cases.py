@@ -1,7 +1,7 @@
 """Cases of the conformance suite. Their fields are the keys of the .toml files, and msgspec checks the types."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal
 
 from msgspec import Meta, Struct, field, structs, to_builtins
 
@@ -39,7 +39,6 @@ Reading = Literal[
     "rivals_seen",
 ]
 """Names of the values that a case may read from an arena; docs/conformance.md explains each."""
-READINGS: Final = get_args(Reading)
 
 
 class _Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

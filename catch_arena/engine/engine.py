@@ -1,5 +1,5 @@
 """The engine: owns the memory of a batch of arenas, and calls the core. It does not check its arguments: envs and
-arbitration do.
+service do.
 """
 
 import hashlib
