@@ -29,7 +29,7 @@ from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.service import ArenaService
 
 JUST_NOT_ONE = "1.000001"
-"""Simulation speed: the wall clock's but for a millionth, so that /clock is published; a gap in it is a lost message."""
+"""Simulation speed: a millionth above real time, so that /clock is published; a gap in it is a lost message."""
 
 
 class Driver:
