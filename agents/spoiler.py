@@ -1,7 +1,7 @@
 """Catches the leader's next target first if the detour is small.
 
 A view has each visible rival's lead in catches (`score_difference`, R7.1), so the leader among those in view is known.
-In a duel of three, each player does best to aim at the strongest: D. M. Kilgour, "The simultaneous truel",
+In a duel of three (truel), each player does best to aim at the strongest: D. M. Kilgour, "The simultaneous truel",
 International Journal of Game Theory 1 (1972). More than a small detour helps the other rivals more than this hunter.
 """
 
@@ -36,7 +36,7 @@ class Agent:
 
 
 def wanted_target(ranks: range, view: View) -> int:
-    """Return the rank that the leader reaches soonest; 0 without a leader, or if this hunter is not there first."""
+    """Return the rank of the target that the leader reaches soonest; 0 without a leader, or if a rival is first."""
     leader = leading_rival(view)
     if leader is None or not ranks:
         return 0

@@ -1,4 +1,4 @@
-"""Plans a tour over a few near targets, to catch most of them soonest and before its rivals.
+"""Plans the best order in which to catch a few near targets before its rivals do.
 
 Source: B. L. Golden, L. Levy, R. Vohra, "The orienteering problem", Naval Research Logistics 34 (1987). The few targets
 are ordered by branch and bound.

@@ -40,7 +40,7 @@ for _ in range(ITERATIONS):
         observations, gained, terminations, truncations, infos = envs.step(actions.numpy())
         rewards[step] = torch.from_numpy(gained)
         dones[step] = torch.from_numpy(terminations | truncations)
-        if truncations.any():  # at a time limit the value of the last state counts
+        if truncations.any():  # at a time limit the value of the final state counts
             with torch.no_grad():
                 following = critic(body(torch.from_numpy(infos["final_obs"])))[:, 0]
             rewards[step] += GAMMA * following * torch.from_numpy(truncations & ~terminations)

@@ -96,10 +96,10 @@ def make(folder: Path, python: Path, version: str) -> None:
     include = output(own, "-c", "import numpy, sysconfig; print(sysconfig.get_path('include'), numpy.get_include())")
     built_with = f"/opt/python/cp{version.replace('.', '')}-cp{version.replace('.', '')}/"
     for file in (folder / "share").rglob("*.cmake"):
-        if built_with in (text := file.read_text()):  # two folders of the machine on which the wheels were made
+        if built_with in (text := file.read_text()):  # two paths of the machine that built the wheels
             headers, arrays = include.split()
             text = re.sub(rf"{built_with}[^;\" ]*/numpy/_core/include", arrays, text)
-            file.unlink()  # it may be a link to uv's cache
+            file.unlink()  # the file may be a link to uv's cache
             file.write_text(re.sub(rf"{built_with}include/python[0-9.]+", headers, text))
     for package in sorted(one for one in INTERFACES.iterdir() if one.is_dir()):
         source, build = folder / "src" / package.name, folder / "build" / package.name

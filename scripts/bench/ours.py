@@ -69,7 +69,7 @@ def rows(*, quick: bool) -> dict[str, Row]:
 
 
 def one_arena(control: str, *, masks_read: bool = False) -> Subject:
-    """Make the PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities."""
+    """Make the PettingZoo parallel env: 4 hunters that all chase the nearest target, or drive with fixed velocities."""
     env = catch_arena.parallel_env("standard", control=control)
     env.reset(seed=1)
     velocity = np.array((0.8, 0.3), dtype=np.float32)

@@ -1,5 +1,5 @@
-/* Step a batch of PufferLib's environment `target`, many steps in one call. The environment is in the header of PufferLib's
- * source package; the memory layout of the batch is that of PufferLib's Python class. */
+/* Step a batch of PufferLib's environment `target`, many steps in one call. The environment is in a header of
+ * PufferLib's source package; the memory layout of the batch is that of PufferLib's Python class. */
 #include "target.h"
 
 #define OPEN __attribute__((visibility("default")))

@@ -130,7 +130,7 @@ class Version:
         raise UnmeasurableError(f"{self.title} cannot be measured: {reason}")
 
     def play(self, name: str, seconds: float) -> None:
-        """Play one turn of a row."""
+        """Play one turn of a row, and keep its times."""
         self.ask("turn", name, seconds)
         cpu, wall = self.answer()
         self.rows[name]["cpu"].append(cpu)
