@@ -1,4 +1,4 @@
-"""Shares out the targets among all hunters in view so that all together do best, and takes its own share.
+"""Assigns targets to all hunters in view so that all together do best, and chases its own.
 
 H. W. Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistics Quarterly 2 (1955); J. Munkres,
 "Algorithms for the assignment and transportation problems", SIAM Journal 5 (1957).
@@ -16,21 +16,21 @@ from catch_arena.policy import View
 
 MOST_TARGETS: Final = 16
 MOST_RIVALS: Final = 8
-"""The nearest that count: the work grows with targets times the square of hunters."""
+"""Number of nearest rivals that count; the work grows with targets times the square of hunters."""
 PATIENCE_S: Final = 1.0
-"""A catch is worth 1 at once, and 1/e of it after this time: what is near one hunter is seldom given to another."""
+"""Time after which a catch is worth 1/e of an immediate one [s]; it keeps near targets with the hunter next to them."""
 
 
 class Agent:
-    """Rivals do not obey the assignment, but each is drawn to what is near it. Team-mates that think alike do."""
+    """Agent that solves an assignment problem. Rivals need not follow it, but they too prefer near targets."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         ranks = worth_chasing(view)[:MOST_TARGETS]
         if not ranks:
             return rest(view)
@@ -45,10 +45,10 @@ class Agent:
 
 
 def cheapest_assignment(costs: Sequence[Sequence[float]]) -> list[int | None]:
-    """The column of each row, each column once, so that the sum of their costs is least. With more rows than columns
-    some rows get None; with more columns than rows some columns are left over.
+    """Return the column of each row, with each column used at most once and the least sum of costs.
 
-    Rows are added one by one, each by the shortest augmenting path (R. Jonker, A. Volgenant, Computing 38, 1987).
+    With more rows than columns some rows get None; with more columns than rows some columns stay unused. Rows are added
+    one by one, each by the shortest augmenting path (R. Jonker, A. Volgenant, Computing 38, 1987).
     """
     if costs and len(costs) > len(costs[0]):
         rows: list[int | None] = [None] * len(costs)

@@ -8,24 +8,24 @@ from catch_arena.policy import View
 
 
 class Agent:
-    """Counts distance only; `contested_by_time` counts the turn as well."""
+    """Agent that compares distances only; `contested_by_time` counts the turn as well."""
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> int:
-        """The rank of a target, or 0 (hold)."""
+        """Return the rank of a target, or 0 (hold)."""
         return choose(view)
 
     def act_batch(self, view: BatchView) -> Any:
-        """The same for N hunters: (N,)."""
+        """Return the choices of N hunters, (N,); `act` makes the same choice for one."""
         from catch_arena.training.compiled import ranks_for_each  # a match must not wait for the compiler
 
         return ranks_for_each(choose, view)
 
 
 def choose(view: View) -> int:
-    """The first target that is its own; where all belong to rivals, the one where it is least behind."""
+    """Return the rank of the nearest target that no rival is nearer to, else of the least deficit; 0 if none."""
     choice, least = 0, math.inf
     for place, target in enumerate(view.targets):
         distance = math.hypot(target.forward, target.left)
@@ -38,7 +38,7 @@ def choose(view: View) -> int:
 
 
 def nearest_rival_m(forward: float, left: float, view: View) -> float:
-    """The distance [m] between a point of the own frame and the rival nearest to it; infinite without rivals."""
+    """Return the distance [m] from a point of the own frame to its nearest rival; infinite without rivals."""
     nearest = math.inf
     for rival in view.rivals:
         nearest = min(nearest, math.hypot(forward - rival.forward, left - rival.left))

@@ -1,4 +1,4 @@
-"""As prey: runs to the corner where its lead over the nearest hunter is the greatest. Hunts as `contested` does."""
+"""Prey that runs to the corner with the greatest lead over the nearest hunter; hunts as `contested` does."""
 
 import math
 from typing import Final
@@ -10,23 +10,23 @@ from catch_arena.policy import PreyView
 __all__ = ["Agent", "Prey"]
 
 WALL_M: Final = 1.0
-"""How far from the walls its corners are."""
+"""Distance of its corners from the walls [m]."""
 ALARM_M: Final = 3.0
-"""It chooses again when its lead at its corner is smaller than this."""
+"""Least lead at its corner [m]; below it, the prey chooses a corner again."""
 
 Point = tuple[float, float]
 
 
 class Prey:
-    """It stays in a corner for as long as its lead is large enough."""
+    """Prey that stays in a corner for as long as its lead is large enough."""
 
     def reset(self, seed: int) -> None:
-        """No corner is its own yet."""
+        """Forget the chosen corner."""
         del seed
         self.corner: Point | None = None
 
     def act(self, view: PreyView) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         near, far = WALL_M, view.limits.side_m - WALL_M
         if self.corner is None or lead_m(self.corner, view) < ALARM_M:
             self.corner = max(
@@ -39,7 +39,7 @@ class Prey:
 
 
 def lead_m(corner: Point, view: PreyView) -> float:
-    """How much nearer to a corner it is than the nearest hunter [m]; without hunters, infinite."""
+    """Return the distance by which the prey is nearer to a corner than any hunter [m]; infinite without hunters."""
     place = view.to_own_frame(*corner)
     return min(
         (math.dist(place, (hunter.forward, hunter.left)) for hunter in view.hunters), default=math.inf

@@ -4,13 +4,13 @@ from catch_arena.policy import View
 
 
 class Agent:
-    """The first in the alive list is the one that has waited longest."""
+    """Agent that chases the first target of the alive list, which has waited longest."""
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> int:
-        """The rank of the greatest age; of equal ages the nearer, which `max` meets first."""
+        """Return the rank of the oldest target, or 0 without targets; of equal ages `max` takes the nearer."""
         if not view.targets:
             return 0
         return max(view.targets, key=lambda target: target.age).rank

@@ -1,15 +1,15 @@
-"""Does nothing: the floor that all others must beat."""
+"""Does nothing: the baseline that every other agent must beat."""
 
 from catch_arena.policy import View
 
 
 class Agent:
-    """Holds its place."""
+    """Agent that holds its place."""
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> int:
-        """0 is hold (R4.1)."""
+        """Return 0, which is hold (R4.1)."""
         del view
         return 0

@@ -1,4 +1,4 @@
-"""Drives itself to where a target will be: leads those that move."""
+"""Drives itself to the point at which it can meet a moving target."""
 
 import math
 from typing import Any, Final
@@ -9,32 +9,32 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.policy import SeenTarget, View
 
 LOOKS: Final = 3
-"""How often the time to a target and its place by then are found from one another."""
+"""Number of iterations between the time to a target and the target's place at that time."""
 LONGEST_LEAD_S: Final = 1.5
-"""Nobody knows where a target turns to after that."""
+"""Longest time for which a target is assumed to drive straight on [s]; later turns are unknown."""
 
 
 class Agent:
-    """Under velocity control what is within reach is requested for it (R4.4)."""
+    """Agent that only drives: under velocity control the arena requests what is within reach (R4.4)."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         return decide(view)
 
     def act_batch(self, view: BatchView) -> Any:
-        """The same for N hunters: (N, 2)."""
+        """Return the commands of N hunters, (N, 2); `act` gives the same command for one."""
         from catch_arena.training.compiled import commands_for_each  # a match must not wait for the compiler
 
         return commands_for_each(decide, view)
 
 
 def decide(view: View) -> tuple[float, float]:
-    """The command for the target that costs least; without any, it keeps to its own ground."""
+    """Return the command for the target of least cost; without targets, for the middle of its own ground."""
     best, least = 0, math.inf
     for place, target in enumerate(view.targets):
         cost = cost_s(target, view, least)
@@ -45,7 +45,7 @@ def decide(view: View) -> tuple[float, float]:
 
 
 def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
-    """Where the hunter can meet a target that drives straight on: (forward, left) [m]."""
+    """Return the point (forward, left) [m] at which the hunter can meet a target that drives straight on."""
     forward, left = target.forward, target.left
     if not target.linear_velocity:
         return forward, left
@@ -57,7 +57,7 @@ def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
 
 
 def cost_s(target: SeenTarget, view: View, most: float) -> float:
-    """How soon the hunter meets a target [s], and how much later than the first rival; not counted on from `most`."""
+    """Return the time to meet a target plus twice the delay after a rival [s]; just the time if it is >= `most`."""
     forward, left = meeting_point(target, view)
     mine = arrival_s(forward, left, view.limits, most)
     if mine >= most:

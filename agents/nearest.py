@@ -7,15 +7,15 @@ from catch_arena.policy import View
 
 
 class Agent:
-    """Targets are ranked by distance, so its choice is always rank 1."""
+    """Agent that always chooses rank 1, since targets are ranked by distance."""
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> int:
-        """1 where that is legal, because there is a target; else 0 (hold)."""
+        """Return 1 if there is a target, else 0 (hold)."""
         return 1 if view.mask[1] else 0
 
     def act_batch(self, view: BatchView) -> Any:
-        """The same for N hunters: (N,)."""
+        """Return the choices of N hunters, (N,); `act` makes the same choice for one."""
         return view.masks[:, 1]

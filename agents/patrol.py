@@ -1,4 +1,4 @@
-"""Drives itself: flat out to a race, or to good ground."""
+"""Drives itself at full speed to the target with the best race, or to the middle of its own ground."""
 
 import math
 from typing import Any
@@ -8,64 +8,64 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.policy import View
 
 GRID = 5
-"""The spawn area is looked at in GRID x GRID points."""
+"""Points along each side of the grid that stands for the spawn area."""
 SPAWN_LOW_M, SPAWN_WALL_M = 0.5, 0.5889
-"""R3.2: spawns keep these distances from the walls at 0 and from those opposite."""
+"""R3.2: distances of spawns from the walls at 0, and from the opposite walls [m]."""
 TURN_GAIN = 6.0
 """Turn rate per radian of bearing [1/s]."""
 BRAKE_GAIN = 2.0
-"""Speed per metre that is left to a resting place [1/s]."""
+"""Speed per metre of distance to the resting place [1/s]."""
 
 Point = tuple[float, float]
-"""(forward, left) in the hunter's own frame [m]."""
+"""Point (forward, left) in the hunter's own frame [m]."""
 
 
 class Agent:
-    """Catches as it drives by: under velocity control what is within reach is requested for it (R4.4)."""
+    """Agent that catches as it drives by: under velocity control the arena requests what is within reach (R4.4)."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         return decide(view)
 
     def act_batch(self, view: BatchView) -> Any:
-        """The same for N hunters: (N, 2)."""
+        """Return the commands of N hunters, (N, 2); `act` gives the same command for one."""
         from catch_arena.training.compiled import commands_for_each  # a match must not wait for the compiler
 
         return commands_for_each(decide, view)
 
 
 def decide(view: View) -> tuple[float, float]:
-    """The command for the best of all races in view, or for a place to wait."""
+    """Return the command for the best of all races in view, or for a place to wait."""
     rank = best_race(range(1, len(view.targets) + 1), view)
     return drive(view.targets[rank - 1].forward, view.targets[rank - 1].left, view) if rank else rest(view)
 
 
 def rest(view: View) -> tuple[float, float]:
-    """The command that brings the hunter to the middle of its own ground, and lets it stay there."""
+    """Return the command that brings the hunter to the middle of its own ground and keeps it there."""
     forward, left = middle_of_own_ground(view)
     speed, turn = drive(forward, left, view)
     return min(speed, BRAKE_GAIN * math.hypot(forward, left) / view.limits.max_speed_mps), turn
 
 
 def drive(forward: float, left: float, view: View) -> tuple[float, float]:
-    """The command that brings a point of the own frame [m] within reach, as fast as the arc to it allows."""
+    """Return the command that brings a point of the own frame [m] within reach, as fast as the arc allows."""
     limits = view.limits
     bearing = math.atan2(left, forward)
     turn = max(-1.0, min(1.0, TURN_GAIN * bearing / limits.max_turn_rate_radps))
     if abs(bearing) >= math.pi / 2:
-        return 0.0, turn  # driving would only lead away
-    # the circle that is tangent to the heading and passes half a reach from the point has a diameter of:
+        return 0.0, turn  # driving would only increase the distance
+    # diameter of the circle that is tangent to the heading and passes half a reach from the point
     diameter = (math.hypot(forward, left) + limits.reach_m / 2) / max(1e-6, abs(math.sin(bearing)))
     return min(1.0, limits.max_turn_rate_radps * diameter / 2 / limits.max_speed_mps), turn
 
 
 def middle_of_own_ground(view: View) -> Point:
-    """The mean (forward, left) [m] of those points of the spawn area that no rival is nearer to."""
+    """Return the mean (forward, left) [m] of the points of the spawn area that no rival is nearer to."""
     step = (view.limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / GRID
     points, ahead, aside = 0, 0.0, 0.0
     for i in range(GRID):
@@ -79,7 +79,7 @@ def middle_of_own_ground(view: View) -> Point:
 
 
 def is_own(forward: float, left: float, view: View) -> bool:
-    """Whether no rival is nearer to a point of the own frame."""
+    """Return whether no rival is nearer to a point of the own frame."""
     for rival in view.rivals:
         dx, dy = forward - rival.forward, left - rival.left
         if dx * dx + dy * dy < forward * forward + left * left:

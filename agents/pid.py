@@ -1,8 +1,8 @@
-"""Drives itself with two PID loops, on distance and on heading: what a controller node on /cmd_vel does.
+"""Drives itself with two PID loops, on distance and on heading, as a controller node on /cmd_vel does.
 
-The gains are those of the ROS 2 course "catch them all" and of the hosted controllers (R4.3). The integral stands still
-while the command is at its limit (conditional integration), and begins anew with each goal: K. J. Åström, T. Hägglund,
-"PID controllers: theory, design, and tuning" (1995), chapter 3.5. Where to drive to is chosen as by `triage`.
+The gains are those of the ROS 2 course "catch them all" and of the hosted controllers (R4.3). The integral is frozen
+while the command is at its limit (conditional integration), and is reset with each goal: K. J. Åström, T. Hägglund,
+"PID controllers: theory, design, and tuning" (1995), chapter 3.5. The goal is chosen as by `triage`.
 """
 
 import math
@@ -15,11 +15,11 @@ from catch_arena.agents.triage import lost_by_s, worth_chasing
 from catch_arena.policy import View
 
 SAME_GOAL_M: Final = 0.6
-"""A goal that has moved by more than this since the last step is another one."""
+"""Longest move of a goal in one step [m]; a goal that moves farther counts as a new one."""
 
 
 class Gains(NamedTuple):
-    """Of one loop."""
+    """Gains of one PID loop."""
 
     proportional: float
     integral: float
@@ -27,25 +27,25 @@ class Gains(NamedTuple):
 
 
 LINEAR: Final = Gains(2.0, 1.0, 0.0)
-"""Speed [m/s] per metre, per metre-second, per metre a second."""
+"""Gains of the speed [m/s]: per metre, per metre-second, and per metre per second."""
 ANGULAR: Final = Gains(6.0, 0.0, 0.1)
-"""Turn rate [rad/s] per radian, per radian-second, per radian a second: the last damps the end of a turn."""
+"""Gains of the turn rate [rad/s]: per radian, radian-second, and radian per second, which damps the end of a turn."""
 
 
 class Loop:
-    """One controller: from an error to a command within its limits."""
+    """PID controller that turns an error into a command within a limit."""
 
     def __init__(self, gains: Gains) -> None:
         self.gains = gains
         self.restart()
 
     def restart(self) -> None:
-        """Forget the past."""
+        """Reset the integral and the last error."""
         self.integral = 0.0
         self.last: float | None = None
 
     def command(self, error: float, period_s: float, limit: float) -> float:
-        """The command, in [-limit, limit]."""
+        """Return the command for an error, in [-limit, limit]."""
         proportional, integral, derivative = self.gains
         rate = 0.0 if self.last is None else (error - self.last) / period_s
         self.last = error
@@ -57,18 +57,18 @@ class Loop:
 
 
 class Agent:
-    """It slows down towards each target, as turtlesim's controller does, and turns before it drives."""
+    """Agent that turns before it drives, and slows down towards each target as turtlesim's controller does."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """At rest."""
+        """Begin with new control loops and without a goal."""
         del seed
         self.linear, self.angular = Loop(LINEAR), Loop(ANGULAR)
         self.goal: Point | None = None
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         rank = best_race(worth_chasing(view), view, lost_by_s(view.limits))
         forward, left = meeting_point(view.targets[rank - 1], view) if rank else middle_of_own_ground(view)
         cosine, sine = view.heading_cos, view.heading_sin
@@ -79,7 +79,7 @@ class Agent:
         self.goal = goal
         limits, period_s = view.limits, view.limits.control_period_ms / 1000.0
         bearing = math.atan2(left, forward)
-        ahead = math.hypot(forward, left) * max(0.0, math.cos(bearing))  # no way at all to what lies behind
+        ahead = math.hypot(forward, left) * max(0.0, math.cos(bearing))  # 0 for a goal at the back
         speed = self.linear.command(ahead, period_s, limits.max_speed_mps) / limits.max_speed_mps
         turn = self.angular.command(bearing, period_s, limits.max_turn_rate_radps) / limits.max_turn_rate_radps
         return max(0.0, speed), turn

@@ -1,7 +1,8 @@
-"""Chooses where to go beside a team-mate, by a trained network.
+"""Chooses a destination by a trained network that learned to play with a team-mate.
 
-It began as a network that had learned in `standard`, and went on by PPO in `pairs`, with and against patrol,
-contested_by_time, contested, triage and its own past (scripts/train_ppo.py). It has not met the held-out opponents.
+It began with weights from training in `standard`. PPO continued in `pairs`, with and against patrol,
+contested_by_time, contested, triage and its earlier versions (scripts/train_ppo.py). It has not met the
+held-out opponents.
 """
 
 from pathlib import Path
@@ -10,7 +11,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Its weights lie beside it; scripts/train_ppo.py made them (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by scripts/train_ppo.py (docs/training.md)."""
 
     control = "velocity"
 

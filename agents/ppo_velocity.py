@@ -1,6 +1,6 @@
-"""Drives by a trained network alone: end to end, the velocities are its own.
+"""Drives with velocities that come directly from a trained network, end to end.
 
-It began as a copy of a network that chooses where to go (imitation, DAgger), and went on by PPO in `standard`, against
+It began as a copy of a network that chooses a destination (imitation, DAgger). PPO continued in `standard`, against
 patrol, contested_by_time and contested (scripts/train_ppo.py --head velocity). It has not met the held-out opponents.
 """
 
@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Its weights lie beside it; scripts/train_ppo.py made them (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by scripts/train_ppo.py (docs/training.md)."""
 
     control = "velocity"
 

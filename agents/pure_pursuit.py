@@ -1,7 +1,7 @@
-"""Drives arcs to a point that runs ahead of it on the line to its goal.
+"""Drives arcs to a lookahead point on the straight line to its goal (pure pursuit).
 
 R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Carnegie Mellon University, CMU-RI-TR-92-01
-(1992). Where to drive to is chosen as by `triage`; how to drive is the controller that most robots begin with.
+(1992). The goal is chosen as by `triage`. Pure pursuit is the controller that most robots begin with.
 """
 
 import math
@@ -14,19 +14,19 @@ from catch_arena.agents.triage import lost_by_s, worth_chasing
 from catch_arena.policy import Limits, View
 
 LOOKAHEAD_M: Final = 0.8
-"""How far ahead of it that point runs: nearer, and it stops to turn; farther, and it arrives in wide arcs."""
+"""Distance to the lookahead point [m]: if less, the hunter stops to turn; if more, it arrives in wide arcs."""
 
 
 class Agent:
-    """Its path is the straight line to the goal, planned anew in each step: nothing pushes it off that line."""
+    """Agent whose path is the straight line to the goal, planned again in each step."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         rank = best_race(worth_chasing(view), view, lost_by_s(view.limits))
         if rank:
             return follow(lookahead_point(meeting_point(view.targets[rank - 1], view)), view.limits)
@@ -36,19 +36,19 @@ class Agent:
 
 
 def lookahead_point(goal: Point) -> Point:
-    """The point of the path that is the lookahead distance away; its end where that is nearer: (forward, left) [m]."""
+    """Return the point (forward, left) [m] of the path at the lookahead distance, or the goal if that is nearer."""
     share = min(1.0, LOOKAHEAD_M / max(1e-9, math.hypot(*goal)))
     return share * goal[0], share * goal[1]
 
 
 def follow(point: Point, limits: Limits) -> tuple[float, float]:
-    """The command for the arc that leaves along the heading and passes through a point, as fast as it can be driven."""
+    """Return the fastest command for the arc that leaves along the heading and passes through a point."""
     forward, left = point
     squared = forward * forward + left * left
     if squared == 0.0:
         return 0.0, 0.0
     if forward <= 0.0:
-        return 0.0, math.copysign(1.0, left)  # no arc to what lies behind: it turns on the spot
+        return 0.0, math.copysign(1.0, left)  # no arc leads to a point at the back: turn on the spot
     curvature = 2.0 * left / squared
     speed_mps = min(limits.max_speed_mps, limits.max_turn_rate_radps / max(1e-9, abs(curvature)))
     turn = speed_mps * curvature / limits.max_turn_rate_radps

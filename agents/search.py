@@ -1,9 +1,9 @@
-"""Looks ahead: tries each place to go to in an arena of its own, with rivals as it expects them.
+"""Looks ahead: simulates driving to each possible place, with predicted rivals, and goes to the best one.
 
-What is in view is copied into a light arena, once for each place that the hunter could go to: the targets, some points
-to wait at, and where it is. All copies are played on for some seconds, in which everybody runs the race that suits it
-best; then the hunter goes where that was worth most. The work of a move is bounded, whatever is in view and however
-fast the machine is, so that a match can be repeated. Nothing is remembered or drawn.
+The view is copied into a simplified arena, once for each place that the hunter could go to: the targets, some points
+to wait at, and its own place. All copies are simulated for some seconds, in which every hunter runs its best race. Then
+the hunter goes to the place of the greatest worth. The work of a move has a limit that depends neither on the view nor
+on the machine's speed, so a match can be repeated. The agent keeps no state and draws no random numbers.
 """
 
 from typing import Any, Final, NamedTuple
@@ -18,113 +18,115 @@ Float64Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 STEP_S: Final = 0.2
-"""A step of the look-ahead: coarser than the arena's own."""
+"""Step of the look-ahead [s], coarser than the arena's own."""
 TARGETS: Final = 8
 RIVALS: Final = 7
-"""At most so many of the nearest are looked at."""
+"""Most rivals that are simulated, the nearest first; TARGETS is the same for targets."""
 WAITING: Final = 3
-"""A grid of WAITING x WAITING points of the spawn area where the hunter could wait."""
+"""Points along each side of the grid of waiting places in the spawn area."""
 GROUND: Final = 5
-"""The spawn area is shared out in GROUND x GROUND points."""
+"""Points along each side of the grid over which shares of the spawn area are counted."""
 LOOKS_AT_GROUND: Final = 3
-"""How often in a look-ahead."""
+"""Number of times in a look-ahead that the share of the ground is counted."""
 LOST: Final = 1e3
-"""Above every time [s]: a race that is lost comes behind all that are won."""
+"""Cost above every time [s], so that a lost race ranks after all that are won."""
 LONGEST_LEAD_S: Final = 1.5
-"""Nobody knows where a target turns to after that."""
+"""Longest time for which a target is assumed to drive straight on [s]; later turns are unknown."""
 SLOWEST_GAIN_MPS: Final = 0.1
-"""What flees nearly as fast as the hunter is caught at some time as well: at a wall, or by two."""
+"""Least speed at which a hunter gains on a fleeing target [m/s]: even a fast one is caught at a wall, or by two."""
 THERE_M: Final = 0.02
-"""Who waits stands still so near to its place."""
+"""Distance from its waiting place below which a hunter stands still [m]."""
 SPAWN_LOW_M: Final = 0.5
 SPAWN_WALL_M: Final = 0.5889
-"""R3.2: spawns keep these distances from the walls at 0 and from those opposite. The second is rounded, as in the agent
-`patrol`; engine/core_settings.py has all of its digits, but with those `search` could decide otherwise than it was
-rated.
+"""R3.2: distance of spawns from the walls opposite those at 0 [m]; SPAWN_LOW_M is that from the walls at 0.
+
+It is rounded, as in the agent `patrol`. engine/core_settings.py has all digits, but with those `search` could decide
+differently than when it was rated.
 """
 TURN_GAIN: Final = 6.0
 """Turn rate per radian of bearing [1/s]."""
 BRAKE_GAIN: Final = 2.0
-"""Speed per metre that is left to a resting place [1/s]."""
+"""Speed per metre of distance to the resting place [1/s]."""
 CIRCLE: Final = 0.3
-"""Of the arena's side: the circle on which a hunter drives that sees a part of the arena only, and there nothing."""
+"""Radius, as a part of the side, of the circle on which a hunter with a partial view drives if it sees no target."""
 FURTHER_RAD: Final = 0.8
-"""How far ahead on it."""
+"""Angle to the next point on that circle [rad]."""
 
 
 class Weights(NamedTuple):
-    """What a look-ahead is, and what counts in it."""
+    """Length of a look-ahead, and the weights of its results."""
 
     steps: int = 9
-    """Of STEP_S each."""
+    """Number of simulated steps of STEP_S each."""
     discount: float = 0.25
-    """By how much less a catch counts for each second that it comes later [1/s]."""
+    """Rate of the exponential discount of later catches [1/s]."""
     rivals: float = 0.33
-    """What a rival's catch costs [own catches]."""
+    """Cost of a rival's catch [own catches]."""
     ground: float = 0.6
-    """What all the ground is worth [own catches]."""
+    """Worth of the whole ground [own catches]."""
     lost_by_s: float = 0.4
-    """After the first goal the hunter runs no race that it loses by more than this."""
+    """Largest delay with which the hunter still runs a race after its first goal [s]."""
     wait_s: float = 1.0
-    """For how long it goes to a place where it waits."""
+    """Time for which the hunter goes to a waiting place [s]."""
 
 
 class Agent:
-    """Drives itself to the place from where it expects most, and decides anew in every step."""
+    """Agent that drives to the place of the greatest expected worth, and decides again in every step."""
 
     control = "velocity"
     weights = Weights()
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget, and nothing is drawn."""
+        """Do nothing: the agent keeps no state and draws no random numbers."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         observations = np.array([view.observation], dtype=np.float32)
         masks = np.zeros((1, 0), dtype=np.int8)
         speed, turn = self.act_batch(BatchView(observations, masks, view.limits))[0].tolist()
         return speed, turn
 
     def act_batch(self, view: BatchView) -> NDArray[np.float64]:
-        """The same for N hunters: (N, 2)."""
+        """Return the commands of N hunters, (N, 2); `act` gives the same command for one."""
         scene = Scene.of(view)
         return drive_to(scene, look_ahead(scene, self.weights).argmax(axis=1))
 
 
 class Scene(NamedTuple):
-    """What N hunters see, in the world frame: H hunters, each itself first, K targets, and C places to go to:
-    the targets, where it is, and where it could wait.
+    """Views of N hunters in the world frame, each with H hunters (itself first), K targets and C places to go to.
+
+    The places are the targets, the hunter's own place, and its waiting places.
     """
 
     limits: Limits
     x: Float64Array
-    """(N, H) [m]."""
+    """Hunters' places (N, H) [m]; `y` has the same shape."""
     y: Float64Array
     heading: Float64Array
-    """(N, H) [rad]."""
+    """Hunters' headings (N, H) [rad]."""
     here: BoolArray
-    """(N, H): whether there is such a hunter."""
+    """Mask (N, H) of the hunters that exist."""
     races: BoolArray
-    """(N, H): who stands still races for nothing."""
+    """Mask (N, H) of the hunters that race: itself, and rivals that move."""
     mates: BoolArray
-    """(N, H): itself and its team-mates."""
+    """Mask (N, H) of the hunter itself and its team-mates."""
     target_x: Float64Array
-    """(N, K) [m]."""
+    """Targets' places (N, K) [m]; `target_y` has the same shape."""
     target_y: Float64Array
     target_vx: Float64Array
-    """(N, K) [m/s]."""
+    """Targets' velocities (N, K) [m/s], 0 if targets do not move; `target_vy` has the same shape."""
     target_vy: Float64Array
     alive: BoolArray
-    """(N, K)."""
+    """Mask (N, K) of the targets that are alive."""
     goal_x: Float64Array
-    """(N, C) [m]."""
+    """Places to go to (N, C) [m]; `goal_y` has the same shape."""
     goal_y: Float64Array
     open: BoolArray
-    """(N, C): what is there, and is not as good as caught."""
+    """Mask (N, C) of the places that can be chosen: not absent targets, nor those as good as caught."""
 
     @classmethod
     def of(cls, view: BatchView) -> "Scene":
-        """What stands in a view."""
+        """Return the scene of a batch of views."""
         limits, own = view.limits, view.own
         x, y, cosine, sine = (
             np.asarray(c, np.float64)[:, None] for c in (own.x, own.y, own.heading_cos, own.heading_sin)
@@ -176,14 +178,14 @@ class Scene(NamedTuple):
 
 
 def spawn_area(limits: Limits, points: int) -> tuple[Float64Array, Float64Array]:
-    """R3.2: a grid of points in it: x and y [m], (points * points,)."""
+    """R3.2: return x and y [m] of a grid of points in the spawn area, (points * points,) each."""
     step = (limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / points
     places = SPAWN_LOW_M + (np.arange(points) + 0.5) * step
     return np.repeat(places, points), np.tile(places, points)
 
 
 def look_ahead(scene: Scene, weights: Weights) -> Float64Array:
-    """What each place to go to is worth: (N, C); -inf for those that are not open."""
+    """Return the worth of each place to go to, (N, C); -inf for those that are not open."""
     arena, worth = RolloutArena(scene, weights), np.zeros(scene.goal_x.shape)
     looks = {weights.steps * look // LOOKS_AT_GROUND for look in range(1, LOOKS_AT_GROUND + 1)}
     for step in range(weights.steps):
@@ -196,13 +198,13 @@ def look_ahead(scene: Scene, weights: Weights) -> Float64Array:
 
 
 class RolloutArena:
-    """The light arena: C copies of each of N scenes; in each the hunter goes to another place first.
+    """Simplified arena: C copies of each of N scenes; in each copy the hunter goes to another place first.
 
-    Its clock is coarse, and no targets appear, since the places are not known. What counts instead is the share of the
-    ground that is a hunter's own, since new targets are spread evenly (R3.2).
+    The clock is coarse. No targets appear, since their places are unknown. Instead the share of the ground that is the
+    hunter's own counts, since new targets are spread evenly (R3.2).
 
-    Everybody drives to where it would meet a target that moves, and a target that flees takes longer; but straight to
-    where it is now if it is faster, and where prey is played.
+    Every hunter drives to the point at which it would meet a moving target, and a fleeing target takes longer. If
+    targets are at least as fast as hunters, or are prey, hunters drive straight to a target's current place.
     """
 
     def __init__(self, scene: Scene, weights: Weights) -> None:
@@ -220,13 +222,13 @@ class RolloutArena:
         self.strangers = np.where(scene.mates, np.inf, 0.0)[:, None, :, None]
         self.worth = np.where(scene.mates, 1.0, -weights.rivals)
         slower = self.limits.target_speed_mps < self.limits.max_speed_mps
-        self.leads = self.limits.targets_move and slower and not self.limits.prey  # where prey turns to, nobody knows
+        self.leads = self.limits.targets_move and slower and not self.limits.prey  # prey can turn at any time
         self.rows, self.copies = np.arange(count)[:, None, None], np.arange(copies)[:, None]
         self.numbers = np.arange(self.x.shape[2])
         self._look()
 
     def _look(self) -> None:
-        """From each hunter to each target: (N, C, H, K)."""
+        """Update the geometry from each hunter to each target, (N, C, H, K), after they have moved."""
         self.dx = self.target_x[:, :, None] - self.x[..., None]
         self.dy = self.target_y[:, :, None] - self.y[..., None]
         self.distance = np.sqrt(self.dx * self.dx + self.dy * self.dy)
@@ -236,7 +238,7 @@ class RolloutArena:
         self.meet_x, self.meet_y = self._meetings()
 
     def _target_velocities(self) -> tuple[Float64Array, Float64Array]:
-        """Straight on, or, with a hunter nearer than the alarm, away from it (R3.10): (N, C, K)."""
+        """R3.10: return targets' velocities (N, C, K): straight on, or away from a hunter nearer than the alarm."""
         straight = self.scene.target_vx[:, None], self.scene.target_vy[:, None]
         if not self.limits.alarm_m:
             return straight
@@ -250,7 +252,7 @@ class RolloutArena:
         return vx, vy
 
     def _meetings(self) -> tuple[Float64Array, Float64Array]:
-        """Where each hunter drives for each target: to meet it if it moves on as it does now: (N, C, H, K)."""
+        """Return the points (N, C, H, K) at which each hunter meets each target if that keeps its velocity."""
         x, y = (np.broadcast_to(c[:, :, None], self.distance.shape) for c in (self.target_x, self.target_y))
         if not self.leads:
             return x, y
@@ -261,7 +263,7 @@ class RolloutArena:
         )
 
     def _arrivals_s(self, dx: Float64Array, dy: Float64Array, way: Float64Array) -> Float64Array:
-        """The way at full speed, and half of the turn; infinite for who is not there."""
+        """Return times to arrive [s]: the way at full speed, and half of the turn; infinite for absent hunters."""
         cosine, sine = self.cosine[..., None], self.sine[..., None]
         turn: Any = np.abs(np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy))
         arrivals: Float64Array = (
@@ -270,10 +272,10 @@ class RolloutArena:
         return arrivals
 
     def _races_s(self) -> Float64Array:
-        """When each hunter could reach each target; infinite for who does not race: (N, C, H, K)."""
+        """Return the time for each hunter to reach each target [s], (N, C, H, K); infinite if it does not race."""
         limits, dx, dy = self.limits, self.dx, self.dy
         way = np.maximum(0.0, self.distance - limits.reach_m)
-        if limits.alarm_m and self.leads:  # on what flees the hunter gains by the difference of both speeds alone
+        if limits.alarm_m and self.leads:  # on a fleeing target a hunter gains only by the difference of speeds
             gains = max(SLOWEST_GAIN_MPS, limits.max_speed_mps - limits.target_speed_mps)
             chase = np.maximum(0.0, np.minimum(self.distance, limits.alarm_m) - limits.reach_m)
             way = way + limits.target_speed_mps / gains * chase
@@ -283,7 +285,7 @@ class RolloutArena:
         return self._arrivals_s(dx, dy, way) + self.idle
 
     def catch(self) -> Float64Array:
-        """Whoever is nearest to a target, and within reach, catches it: what that is worth, (N, C)."""
+        """Let the nearest hunter within reach catch each target; return the worth of these catches, (N, C)."""
         distance = self.distance + self.absent
         caught = (distance.min(axis=2) < self.limits.reach_m) & self.alive
         if not caught.any():
@@ -292,18 +294,18 @@ class RolloutArena:
         return self._worth_of(distance.argmin(axis=2), caught)
 
     def still_to_come(self) -> Float64Array:
-        """What the targets that are left are worth to those who will reach them first: (N, C)."""
+        """Return the discounted worth, (N, C), of the remaining targets, each for the hunter that reaches it first."""
         races = self._races_s()
         soon = self.weights.steps * STEP_S + races.min(axis=2)
         return self._worth_of(races.argmin(axis=2), np.exp(-self.weights.discount * soon) * self.alive)
 
     def _worth_of(self, winners: NDArray[np.intp], counts: Any) -> Float64Array:
-        """What targets are worth, (N, C), of which so many go to these hunters, (N, C, K)."""
+        """Return the worth, (N, C), of targets weighted by `counts` that go to `winners`, (N, C, K) each."""
         worth: Float64Array = (counts * self.worth[self.rows, winners]).sum(axis=2)
         return worth
 
     def own_ground(self) -> Float64Array:
-        """The share of the spawn area that the hunter, or a team-mate, would reach first: (N, C)."""
+        """Return the share of the spawn area, (N, C), that the hunter or a team-mate would reach first."""
         x, y = spawn_area(self.limits, GROUND)
         dx, dy = x - self.x[..., None], y - self.y[..., None]
         arrivals = self._arrivals_s(dx, dy, np.sqrt(dx * dx + dy * dy))
@@ -311,8 +313,9 @@ class RolloutArena:
         return share
 
     def costs(self) -> Float64Array:
-        """What each hunter decides by, (N, C, H, K): when it wins a race, or LOST and by how much it loses it; infinite
-        for what it does not run at all.
+        """Return the cost of each race, (N, C, H, K): the time if the hunter wins it, else LOST plus the delay [s].
+
+        Races that the hunter does not run cost infinity.
         """
         races = self._races_s()
         late = races - races.min(axis=2, keepdims=True)
@@ -321,10 +324,10 @@ class RolloutArena:
         return cost
 
     def move(self, *, waits: bool) -> None:
-        """A step: everybody drives to the race that it wins soonest, or else loses by least; targets drive on.
+        """Simulate a step: every hunter drives to the race that it wins soonest, or loses by least; targets drive on.
 
         Args:
-            waits: whether the hunter is still on its way where it goes to a place to wait.
+            waits: whether a hunter that goes to a waiting place is still on its way.
         """
         cost = self.costs()
         choice, drives = cost.argmin(axis=3), cost.min(axis=3) < np.inf
@@ -341,7 +344,7 @@ class RolloutArena:
         self._look()
 
     def _drive(self, dx: Float64Array, dy: Float64Array, drives: BoolArray) -> None:
-        """All hunters, (N, C, H), by as much; as `drive`, but that who is quick enough turns in one step."""
+        """Drive hunters, (N, C, H), along offsets [m] like `drive`, but with the full turn in one step if possible."""
         fastest = self.limits.max_turn_rate_radps
         bearing = np.arctan2(self.cosine * dy - self.sine * dx, self.cosine * dx + self.sine * dy)
         distance = np.sqrt(dx * dx + dy * dy)
@@ -354,14 +357,15 @@ class RolloutArena:
         self.heading += turn
 
     def _move_targets(self) -> None:
-        """By a step, as they drive now."""
+        """Move targets for one step at their current velocities."""
         self.target_x = np.clip(self.target_x + STEP_S * self.target_vx, 0.0, self.limits.side_m)
         self.target_y = np.clip(self.target_y + STEP_S * self.target_vy, 0.0, self.limits.side_m)
 
 
 def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Float64Array:
-    """The commands (N, 2) that bring each hunter to the place that it chose: flat out to a target, ahead of it where it
-    moves, and at rest where it waits.
+    """Return the commands (N, 2) that bring each hunter to its chosen place.
+
+    It drives at full speed to a target, or ahead of a moving one, and comes to rest at a waiting place.
     """
     limits, rows, targets = scene.limits, np.arange(len(choice)), scene.alive.shape[1]
     x, y = scene.goal_x[rows, choice], scene.goal_y[rows, choice]
@@ -378,7 +382,7 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Float64Array:
 
 
 def drive(scene: Scene, x: Float64Array, y: Float64Array, waits: BoolArray) -> Float64Array:
-    """The commands (N, 2) that bring each hunter to a point [m], and to rest there where it waits."""
+    """Return the commands (N, 2) that bring each hunter to a point [m], and to rest there if it waits."""
     limits = scene.limits
     dx, dy = x - scene.x[:, 0], y - scene.y[:, 0]
     cosine, sine = np.cos(scene.heading[:, 0]), np.sin(scene.heading[:, 0])
@@ -389,14 +393,14 @@ def drive(scene: Scene, x: Float64Array, y: Float64Array, waits: BoolArray) -> F
     diameter = (distance + limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
     arrives = np.where(waits, BRAKE_GAIN * distance, distance / (limits.control_period_ms / 1000.0))
     speed = np.minimum(limits.max_turn_rate_radps / 2 * diameter, arrives) / limits.max_speed_mps
-    ahead = np.abs(bearing) < np.pi / 2  # else driving would only lead away
+    ahead = np.abs(bearing) < np.pi / 2  # else driving would only increase the distance
     commands = np.stack((np.where(ahead, np.minimum(1.0, speed), 0.0), turn), axis=1)
     commands[waits & (distance < THERE_M)] = 0.0
     return commands
 
 
 def on_the_circle(scene: Scene) -> tuple[Float64Array, Float64Array]:
-    """A place further on, on a circle about the arena's middle, to see most of it in turn: x and y [m], (N,) each."""
+    """Return x and y [m], (N,) each, of the next point on a circle that shows most of the arena in turn."""
     middle = scene.limits.side_m / 2
     angle = np.arctan2(scene.y[:, 0] - middle, scene.x[:, 0] - middle) + FURTHER_RAD
     radius = CIRCLE * scene.limits.side_m

@@ -1,8 +1,8 @@
-"""Takes away what the leader wants next, where it is there first and the detour is small.
+"""Catches the leader's next target first if the detour is small.
 
-A view says how much more each visible rival has caught (`score_difference`, R7.1), so among those in view the leader is
-known. Of three who shoot at each other each does best to aim at the strongest: D. M. Kilgour, "The simultaneous truel",
-International Journal of Game Theory 1 (1972). What costs more than a small detour helps the others more than oneself.
+A view has each visible rival's lead in catches (`score_difference`, R7.1), so the leader among those in view is known.
+In a duel of three (truel), each player does best to aim at the strongest: D. M. Kilgour, "The simultaneous truel",
+International Journal of Game Theory 1 (1972). More than a small detour helps the other rivals more than this hunter.
 """
 
 from typing import Final
@@ -14,19 +14,19 @@ from catch_arena.agents.triage import lost_by_s, worth_chasing
 from catch_arena.policy import SeenHunter, View
 
 DETOUR_S: Final = 0.4
-"""How much more time it spends on what the leader wants than on another target."""
+"""Most extra time that it spends on the leader's target, compared with its own best target [s]."""
 
 
 class Agent:
-    """Where it leads itself, the strongest of its rivals is the one to hold back."""
+    """Agent that holds back the strongest rival in view, even if it leads itself."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         ranks = worth_chasing(view)
         best = best_race(ranks, view, lost_by_s(view.limits))
         wanted = wanted_target(ranks, view)
@@ -36,7 +36,7 @@ class Agent:
 
 
 def wanted_target(ranks: range, view: View) -> int:
-    """What the leader reaches soonest, if this hunter is there before all others; 0 where there is no leader."""
+    """Return the rank of the target that the leader reaches soonest; 0 without a leader, or if a rival is first."""
     leader = leading_rival(view)
     if leader is None or not ranks:
         return 0
@@ -47,11 +47,11 @@ def wanted_target(ranks: range, view: View) -> int:
 
 
 def leading_rival(view: View) -> SeenHunter | None:
-    """Who has caught most of the visible rivals that are no team-mates and on the move; of equals the nearest."""
+    """Return the moving rival in view with most catches, no team-mate; of equals the nearest; None if there is none."""
     rivals = [rival for rival in view.rivals if rival.linear_velocity and not rival.mate]
     return max(rivals, key=lambda rival: rival.score_difference, default=None)
 
 
 def mine_s(rank: int, view: View) -> float:
-    """When this hunter can be there [s]."""
+    """Return the time at which this hunter can reach the target of a rank [s]."""
     return arrival_s(view.targets[rank - 1].forward, view.targets[rank - 1].left, view.limits)

@@ -1,7 +1,7 @@
-"""Plans a tour over the nearest few targets: the order that catches most of them soonest, before rivals take them.
+"""Plans the best order in which to catch a few near targets before its rivals do.
 
-The orienteering problem: B. L. Golden, L. Levy, R. Vohra, "The orienteering problem", Naval Research Logistics 34
-(1987). So few targets are solved by branch and bound.
+Source: B. L. Golden, L. Levy, R. Vohra, "The orienteering problem", Naval Research Logistics 34 (1987). The few targets
+are ordered by branch and bound.
 """
 
 import math
@@ -14,24 +14,24 @@ from catch_arena.agents.triage import race_or_rest, worth_chasing
 from catch_arena.policy import Limits, View
 
 MOST_STOPS: Final = 5
-"""So many of the nearest targets that can be had are put in order."""
+"""Most targets in a tour: the nearest that it can reach in time."""
 MOST_TARGETS: Final = 10
 MOST_RIVALS: Final = 6
-"""The nearest that count in what rivals will have taken."""
+"""Number of nearest moving rivals whose catches are predicted."""
 PATIENCE_S: Final = 4.0
-"""A catch is worth 1 at once, and 1/e of it after this time: by then the arena looks otherwise."""
+"""Time after which a catch is worth 1/e of an immediate one [s], since the arena changes meanwhile."""
 
 
 class Agent:
-    """It plans anew in each step, and drives to the first stop."""
+    """Agent that plans a tour in each step, and drives to its first stop."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         ranks = worth_chasing(view)[:MOST_TARGETS]
         places = [meeting_point(view.targets[rank - 1], view) for rank in ranks]
         tour = best_tour(list(zip(places, taken_s(places, view), strict=True)), view.limits)
@@ -39,8 +39,9 @@ class Agent:
 
 
 def taken_s(places: list[Point], view: View) -> list[float]:
-    """When rivals will have taken each target [s], if this hunter takes none: always the rival and the target that meet
-    soonest, and then that rival goes on from there.
+    """Return the time at which rivals will have taken each target [s], if this hunter takes none.
+
+    The rival and the target that meet soonest are paired first; then that rival continues from there.
     """
     limits = view.limits
     until_s = [math.inf] * len(places)
@@ -63,15 +64,18 @@ def taken_s(places: list[Point], view: View) -> list[float]:
 
 
 def best_tour(stops: list[tuple[Point, float]], limits: Limits) -> list[Point]:
-    """The stops, each with the time until which it is there [s], in the order of the greatest worth; those that cannot
-    be had are left out.
+    """Return the places of the tour of the greatest worth; stops that cannot be reached in time are left out.
+
+    Args:
+        stops: each target's place, and the time until which it is there [s].
+        limits: the hunter's limits.
     """
     reachable = [stop for stop in stops if leg_s(0.0, 0.0, 0.0, stop[0], limits) <= stop[1]][:MOST_STOPS]
     best: list[Point] = []
     most = 0.0
 
     def extend(tour: list[Point], left: list[tuple[Point, float]], now_s: float, heading: float, worth: float) -> None:
-        """Try each order of what is left behind a tour."""
+        """Try each order of the stops that are left, after a given tour."""
         nonlocal best, most
         if worth > most:
             best, most = tour, worth
@@ -79,7 +83,7 @@ def best_tour(stops: list[tuple[Point, float]], limits: Limits) -> list[Point]:
         legs = [(now_s + leg_s(ahead, aside, heading, place, limits), place, until_s) for place, until_s in left]
         legs = sorted(leg for leg in legs if leg[0] <= leg[2])
         if not legs or worth + len(left) * math.exp(-legs[0][0] / PATIENCE_S) <= most:
-            return  # even if all were caught together with the first
+            return  # not better, even if all were caught together with the first
         for then_s, place, _ in legs:
             others = [stop for stop in left if stop[0] != place]
             bearing = math.atan2(place[1] - aside, place[0] - ahead)
@@ -90,7 +94,7 @@ def best_tour(stops: list[tuple[Point, float]], limits: Limits) -> list[Point]:
 
 
 def leg_s(ahead: float, aside: float, heading: float, place: Point, limits: Limits) -> float:
-    """How long it takes from a place, with a heading, to another [s]; as `arrival_s` counts."""
+    """Return the time from a place and a heading to another place [s], counted as by `arrival_s`."""
     dx, dy = place[0] - ahead, place[1] - aside
     turn = abs(math.remainder(math.atan2(dy, dx) - heading, math.tau))
     way = max(0.0, math.hypot(dx, dy) - limits.reach_m)

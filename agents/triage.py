@@ -1,4 +1,4 @@
-"""Drives itself like `patrol`, and wastes no way on targets that are as good as caught or as good as lost."""
+"""Drives itself like `patrol`, but not to targets that are as good as caught or as good as lost."""
 
 import math
 from typing import Any, Final
@@ -11,39 +11,39 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.policy import Limits, View
 
 LOST_BY_S: Final = 0.4
-"""A race that a rival wins by more than this is not run: rivals seldom turn away."""
+"""Least lead of a rival at which a race is not run [s]; rivals seldom turn away."""
 
 
 class Agent:
-    """Triage sorts by what effort can change. `patrol` drives on at what it has within reach, though the request for
-    that is made already (R4.4), and in half of its steps it runs a race that it cannot win.
+    """Agent that chases only targets for which its effort changes the result (triage).
+
+    `patrol` drives on to a target within reach, although the arena requests that target already (R4.4). In half of its
+    steps `patrol` runs a race that it cannot win.
     """
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         return decide(view)
 
     def act_batch(self, view: BatchView) -> Any:
-        """The same for N hunters: (N, 2)."""
+        """Return the commands of N hunters, (N, 2); `act` gives the same command for one."""
         from catch_arena.training.compiled import commands_for_each  # a match must not wait for the compiler
 
         return commands_for_each(decide, view)
 
 
 def decide(view: View) -> tuple[float, float]:
-    """The command for the best race that is worth it."""
+    """Return the command for the best race that is worth running, else for a place to wait."""
     return race_or_rest(worth_chasing(view), view)
 
 
 def race_or_rest(ranks: range, view: View) -> tuple[float, float]:
-    """The command for the race that suits it best, among these ranks; where none is worth it, it waits on its own
-    ground.
-    """
+    """Return the command for the best race among these ranks; if none is worth running, to wait on its own ground."""
     rank = best_race(ranks, view, lost_by_s(view.limits))
     if rank == 0:
         return rest(view)
@@ -52,19 +52,17 @@ def race_or_rest(ranks: range, view: View) -> tuple[float, float]:
 
 
 def lost_by_s(limits: Limits) -> float:
-    """By how much a race may be lost and yet be run [s]; by any where targets flee: they turn away from rivals too."""
+    """Return the delay from which a race is not run [s]; infinite if targets flee, since they turn from rivals too."""
     return math.inf if limits.alarm_m or limits.prey else LOST_BY_S
 
 
 def worth_chasing(view: View) -> range:
-    """The ranks of the targets in view, without the nearest where that is as good as caught."""
+    """Return the ranks of the targets in view, without the nearest if that is as good as caught."""
     return range(2 if as_good_as_caught(view) else 1, len(view.targets) + 1)
 
 
 def as_good_as_caught(view: View) -> bool:
-    """Whether the nearest target is caught by this hunter in this very step: it is within reach, and nobody is nearer
-    to it (R5.9).
-    """
+    """R5.9: return whether this hunter catches the nearest target in this step: in reach, and nearer than rivals."""
     if len(view.targets) == 0:
         return False
     forward, left = view.targets[0].forward, view.targets[0].left

@@ -1,9 +1,9 @@
-"""Takes what lies in its own dominant region, where it arrives first, and rather where more of that lies together.
+"""Chases targets that it reaches before all rivals, and prefers those with more such targets nearby.
 
 T. Taki, J. Hasegawa, "Visualization of dominant region in team games and its application to teamwork analysis",
 Computer Graphics International (2000): a Voronoi cell by arrival times in place of distances. With nothing in view it
-waits in the middle of its cell: J. Cortés and others, "Coverage control for mobile sensing networks", IEEE Transactions
-on Robotics and Automation 20 (2004).
+waits in the middle of its own ground: J. Cortés and others, "Coverage control for mobile sensing networks", IEEE
+Transactions on Robotics and Automation 20 (2004).
 """
 
 import math
@@ -16,21 +16,21 @@ from catch_arena.agents.triage import race_or_rest, worth_chasing
 from catch_arena.policy import View
 
 COMPANY_M: Final = 1.5
-"""Over this distance the worth of a further target nearby falls to 1/e."""
+"""Distance over which the worth of another target nearby falls to 1/e [m]."""
 COMPANY_S: Final = 0.3
-"""The detour that a further target in the same place is worth [s]."""
+"""Detour that another target in the same place is worth [s]."""
 
 
 class Agent:
-    """A target of its own is worth more where others of its own are near."""
+    """Agent for which a target in its dominant region is worth more if others of that region are near."""
 
     control = "velocity"
 
     def reset(self, seed: int) -> None:
-        """Nothing to forget."""
+        """Do nothing: the agent keeps no state."""
 
     def act(self, view: View) -> tuple[float, float]:
-        """Speed and turn rate as parts of the limits, in [-1, 1]."""
+        """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         ranks = worth_chasing(view)
         places = [meeting_point(view.targets[rank - 1], view) for rank in ranks]
         own = [place for place in places if is_own(place, view)]
@@ -40,12 +40,12 @@ class Agent:
 
 
 def is_own(place: Point, view: View) -> bool:
-    """Whether no rival reaches a place sooner."""
+    """Return whether no moving rival reaches a place sooner."""
     mine = arrival_s(*place, view.limits)
     return all(rival_arrival_s(rival, *place, view.limits) >= mine for rival in view.rivals if rival.linear_velocity)
 
 
 def cost_s(place: Point, own: list[Point], view: View) -> float:
-    """The time to a target [s], less what its company is worth."""
+    """Return the time to a target [s], less the worth of other own targets near it."""
     company = sum(math.exp(-math.dist(place, other) / COMPANY_M) for other in own)
     return arrival_s(*place, view.limits) - COMPANY_S * company

@@ -10,7 +10,7 @@ import catch_arena
 
 
 def make() -> catch_arena.parallel_env:
-    """With infos that hold nothing: AgileRL takes no arrays in them."""
+    """Return a duel with empty infos, since AgileRL accepts no arrays in infos."""
     return catch_arena.parallel_env("duel", infos="none", max_cycles=30)
 
 
@@ -22,7 +22,7 @@ if __name__ == "__main__":
         "agent_ids": plain.possible_agents,
     }
     quiet = {"max_steps": 120, "evo_steps": 120, "eval_steps": 30, "verbose": False, "wb": False}
-    env = AsyncPettingZooVecEnv([make, make])  # which the training closes
+    env = AsyncPettingZooVecEnv([make, make])  # closed by the training
     agents, _ = train_multi_agent_on_policy(env, "duel", "IPPO", [IPPO(**spaces, learn_step=60)], **quiet)
     assert agents[0].steps >= 120
     env, learner = AsyncPettingZooVecEnv([make, make]), MADDPG(**spaces, batch_size=32, learn_step=20, vect_noise_dim=2)

@@ -1,4 +1,4 @@
-"""BenchMARL's IPPO over the parallel env, with masks in infos."""
+"""BenchMARL: IPPO over the parallel env, with masks in infos."""
 
 import tempfile
 from pathlib import Path
@@ -15,7 +15,7 @@ import catch_arena
 
 
 class CatchArenaTask(PettingZooClass):
-    """What BenchMARL asks of a task."""
+    """Task with the methods that BenchMARL requires."""
 
     def get_env_fun(self, num_envs: int, continuous_actions: bool, seed: int | None, device: Any) -> Any:  # noqa: ARG002
         return lambda: PettingZooWrapper(

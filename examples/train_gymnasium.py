@@ -1,4 +1,4 @@
-"""Gymnasium's vector wrappers over `GymnasiumVectorEnv`."""
+"""Gymnasium: its vector wrappers over `GymnasiumVectorEnv`."""
 
 import gymnasium
 import numpy as np
@@ -37,7 +37,7 @@ for auto_reset in (True, False):
             for _ in range(12 if auto_reset else 5):
                 actions = env.action_space.sample()
                 env.step(torch.as_tensor(actions) if name == "NumpyToTorch" else actions)
-        except Exception as error:  # noqa: BLE001 - all that fail are named together
+        except Exception as error:  # noqa: BLE001 - all failures are named together
             failed[f"{name}, auto_reset={auto_reset}"] = f"{type(error).__name__}: {error}"
 print("\n".join(f"{name}: {what}" for name, what in failed.items()) or "every wrapper plays")
 assert not failed

@@ -1,4 +1,4 @@
-"""RLlib's PPO over the parallel env, sampled by two workers: where training outgrows a machine."""
+"""RLlib: PPO over the parallel env, sampled by two workers, for training that needs more than one machine."""
 
 import ray
 from ray.rllib.algorithms.ppo import PPOConfig

@@ -1,4 +1,4 @@
-"""The short way: MaskablePPO of sb3-contrib, and an agent that needs neither it nor torch."""
+"""stable-baselines3: MaskablePPO of sb3-contrib, and an agent file that needs neither it nor torch."""
 
 import argparse
 import sys
@@ -53,7 +53,7 @@ try:
 except CatchArenaError as error:
     sys.exit(f"train_sb3: {error}")
 model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=given.seed, verbose=1)
-with suppress(KeyboardInterrupt):  # what it has learned so far is kept
+with suppress(KeyboardInterrupt):  # Ctrl-C ends training and keeps the weights
     model.learn(given.steps)
 
 network = Mlp.of_torch(model.policy.mlp_extractor.policy_net, model.policy.action_net, scale=env.batch.scale)

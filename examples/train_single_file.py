@@ -1,4 +1,4 @@
-"""A single file in CleanRL's manner: PPO with masks over `GymnasiumVectorEnv`, and nothing hidden."""
+"""Single file in the style of CleanRL: PPO with masks over `GymnasiumVectorEnv`, without a training library."""
 
 import numpy as np
 import torch
@@ -20,7 +20,7 @@ optimizer = torch.optim.Adam([*body.parameters(), *actor.parameters(), *critic.p
 
 
 def policy(observations: torch.Tensor, masks: torch.Tensor) -> Categorical:
-    """Illegal choices are never drawn."""
+    """Return the distribution over choices; illegal ones are never drawn."""
     return Categorical(logits=actor(body(observations)).masked_fill(~masks, -1e9))
 
 
@@ -40,7 +40,7 @@ for _ in range(ITERATIONS):
         observations, gained, terminations, truncations, infos = envs.step(actions.numpy())
         rewards[step] = torch.from_numpy(gained)
         dones[step] = torch.from_numpy(terminations | truncations)
-        if truncations.any():  # the time ran out: what would have followed counts
+        if truncations.any():  # at a time limit the value of the final state counts
             with torch.no_grad():
                 following = critic(body(torch.from_numpy(infos["final_obs"])))[:, 0]
             rewards[step] += GAMMA * following * torch.from_numpy(truncations & ~terminations)

@@ -1,4 +1,4 @@
-"""SuperSuit's wrappers, those that can work, and stable-baselines3's PPO over its vector env."""
+"""SuperSuit: the wrappers that can work with the env, and stable-baselines3's PPO over its vector env."""
 
 import numpy as np
 import supersuit
@@ -11,7 +11,7 @@ torch.set_num_threads(1)
 
 
 def play(env: object) -> int:
-    """One episode of random actions; how many steps."""
+    """Play one episode of a parallel env with random actions; return the number of steps."""
     env.reset(seed=3)
     steps = 0
     while env.agents:
@@ -21,7 +21,7 @@ def play(env: object) -> int:
 
 
 def agent_by_agent(env: object) -> int:
-    """The same under AEC."""
+    """Play one episode of an AEC env with random actions; return the number of turns."""
     env.reset(seed=3)
     turns = 0
     for agent in env.agent_iter():
@@ -63,7 +63,7 @@ for name, wrap in {**WRAPPERS, **{f"{name} (velocity)": wrap for name, wrap in D
     for make, run in ((catch_arena.parallel_env, play), (catch_arena.env, agent_by_agent)):
         try:
             assert run(wrap(make(max_cycles=12, control=control))) >= 4
-        except Exception as error:  # noqa: BLE001 - all that fail are named together
+        except Exception as error:  # noqa: BLE001 - all failures are named together
             failed[f"{name}, {make.__name__}"] = f"{type(error).__name__}: {error}"
 for infos in ("full", "mask", "none"):
     assert play(supersuit.black_death_v3(catch_arena.parallel_env("dropout", max_cycles=12, infos=infos))) >= 4

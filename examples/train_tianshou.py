@@ -15,7 +15,7 @@ torch.manual_seed(1)
 
 
 def make() -> PettingZooEnv:
-    """One env, as Tianshou knows it."""
+    """Return the AEC env in Tianshou's wrapper."""
     return PettingZooEnv(catch_arena.env("duel", mask_in_observation=True, infos="none", max_cycles=30))
 
 
@@ -24,7 +24,7 @@ width = env.observation_space["observation"].shape
 
 
 def learner() -> DQN:
-    """One hunter's."""
+    """Return the DQN learner of one hunter."""
     policy = DiscreteQLearningPolicy(
         model=Net(state_shape=width, action_shape=env.action_space.n, hidden_sizes=[64]),
         action_space=env.action_space,

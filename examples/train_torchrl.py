@@ -32,7 +32,7 @@ agents.rollout(30)
 for settings in ({}, {"opponents": ["nearest", "patrol"], "learners": 2, "normalise": True}, {"control": "velocity"}):
     check_env_specs(TorchRLEnv("standard", 3, max_cycles=20, **settings))
 
-with contextlib.suppress(ConfigError):  # an arena that has ended stands still until TorchRL asks for its reset
+with contextlib.suppress(ConfigError):  # an arena that has ended waits until TorchRL resets it
     TorchRLEnv("duel", 2, auto_reset=True)
     raise AssertionError("an env that never resets was made")
 
@@ -41,7 +41,7 @@ seen, choices = env.batch.observation_space.shape[0], int(env.batch.action_space
 
 
 def network(outputs: int) -> torch.nn.Module:
-    """A small MLP."""
+    """Return a small MLP."""
     return torch.nn.Sequential(torch.nn.Linear(seen, 64), torch.nn.Tanh(), torch.nn.Linear(64, outputs))
 
 
@@ -71,7 +71,7 @@ optimizer = torch.optim.Adam(loss.parameters(), 1e-3)
 before = [weights.detach().clone() for weights in actor.parameters()]
 for data in Collector(env, actor, frames_per_batch=16 * 64, total_frames=16 * 64 * 5):
     assert data[GROUP, "action_mask"].gather(-1, data[GROUP, "action"][..., None]).all()
-    for name in ("done", "terminated"):  # an arena's end is that of each of its learners
+    for name in ("done", "terminated"):  # an arena ends for all of its learners together
         shape = data["next", GROUP, "reward"].shape
         data["next", GROUP, name] = data["next", name][..., None].expand(shape)
     with torch.no_grad():

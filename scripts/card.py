@@ -1,14 +1,14 @@
-"""Plays the suite with every agent that comes with the package, and writes docs/card.md from it: what each is, what it
-reaches, and where it is weak. The results of the references go to catch_arena/suite/references.json.
+"""Play the suite with every shipped agent, and write docs/card.md: each agent's description, results and weaknesses.
+The results of the references go to catch_arena/suite/references.json.
 
-What was played is kept in --out, and a second run goes on from there: only what has changed is played again. Where
-agents are named, they are put into the card, and the others stay in it as they are.
+Matches are kept in --out, and a second run continues from there: it plays only matches of changed agents again. If
+agents are named, only their entries in the card change.
 """
 
 from catch_arena import interrupts
 
 if __name__ == "__main__":
-    interrupts.listen()  # before what follows is imported, which takes a second
+    interrupts.listen()  # before the imports below, which take a second
 
 import argparse
 import importlib
@@ -40,9 +40,9 @@ from catch_arena.tournament.statistics.intervals import Estimate
 
 PAGE: Final = Path(__file__).parent.parent / "docs" / "card.md"
 TRAINED: Final = ("ppo_", "trained_", "learned_")
-"""What the names of trained agents begin with."""
+"""Prefixes of the names of trained agents."""
 WEAK: Final = 0.45
-"""A scenario in which the normalised score is below this is named as a weakness."""
+"""Normalised score below which a scenario is listed as a weakness."""
 
 HEAD: Final = """Their results in `{suite}` (digest {digest}); [the protocol](suite.md) says what the figures are. Best
 in the held-out scenarios first. 0.5 is level with the mean opponent."""
@@ -51,9 +51,9 @@ table says fewer, the numbers are a first look. `?` stands where too few blocks 
 is that of the clock on the wall, in our own processes, while the machine did other things too."""
 HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "a move")
 TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
-"""The rows of a table, one for each agent."""
+"""Pattern of the rows of a table, one for each agent."""
 SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
-"""Where the section of an agent begins."""
+"""Pattern of the beginning of an agent's section."""
 KEY: Final = """
 *Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
 second. *First*: in how many scenarios it surely comes first among itself and its opponents, in how many that is open,
@@ -62,7 +62,7 @@ and in how many it surely does not.
 
 
 def main() -> int:
-    """The exit code: 0, or 2 with a line that says why not."""
+    """Write the card; return the exit code: 0, or 2 after printing the reason in a line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("agents", nargs="*", help="which ones to put into the card; without any, all")
     parser.add_argument("--out", type=Path, default=Path("out/card"), help="the folder for the matches")
@@ -71,7 +71,7 @@ def main() -> int:
     args = parser.parse_args()
     try:
         wanted = args.agents or list(shipped())
-        agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # what is needed most comes first
+        agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # references are needed most
         measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
         text, known = page(measured, args.blocks), {}
@@ -87,8 +87,13 @@ def main() -> int:
 
 
 def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
-    """What an agent reaches, in `most` blocks of each scenario at most; matches of another version of it, or of its
-    opponents, are thrown away.
+    """Play an agent in the suite, and return its results; matches of other versions of it or its opponents are removed.
+
+    Args:
+        agent: the agent to measure.
+        out: the folder for the matches.
+        jobs: number of processes that play.
+        most: number of blocks of each scenario, unless the agent is a reference.
     """
     folder = folder_of(out, agent)
     blocks = SUITE.blocks if agent.name in REFERENCES else most
@@ -113,7 +118,7 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
 
 
 def page(measured: Sequence[AgentMeasures], most: int) -> str:
-    """docs/card.md; `most` is that of `play`."""
+    """Return the text of docs/card.md; `most` is that of `play`."""
     command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
     lines = (
         "# The agents that come with the package",
@@ -134,10 +139,10 @@ def page(measured: Sequence[AgentMeasures], most: int) -> str:
 
 
 def merged(card: str, page: str, most: int) -> str:
-    """The card with all agents of another page in it, those with the highest scores first; `most` is that of `play`.
+    """Return the card with all agents of another page, highest held-out scores first; `most` is that of `play`.
 
     Raises:
-        ConfigError: for a card of another suite, whose figures cannot be compared with these.
+        ConfigError: the card is of another suite, so its figures cannot be compared with these.
     """
     if f"(digest {SUITE.digest})" not in card:
         raise ConfigError(f"{PAGE} is of another suite than {SUITE.digest}: make the whole card, by `make card`")
@@ -159,12 +164,12 @@ def merged(card: str, page: str, most: int) -> str:
 
 
 def name_in(text: str) -> str:
-    """The agent whose row or section it is."""
+    """Return the agent's name from its row or section."""
     return re.match(r"(?:### |\| \[?`)(\w+)", text)[1]  # type: ignore[index]
 
 
 def summary(one: AgentMeasures) -> str:
-    """An agent's row."""
+    """Return an agent's row of the first table."""
     first = Counter(of.first for of in one.scenarios)
     cells = (
         f"[`{one.agent.name}`](#{one.agent.name})",
@@ -181,7 +186,7 @@ def summary(one: AgentMeasures) -> str:
 
 
 def of_scenarios(measured: Sequence[AgentMeasures], *, held_out: bool) -> Iterator[str]:
-    """The table of the scenarios of a kind."""
+    """Yield the lines of the table of held-out or of training scenarios."""
     scenarios = SUITE.part(held_out=held_out)
     yield f"## {'Held-out scenarios' if held_out else 'Training scenarios'}"
     yield ""
@@ -196,12 +201,12 @@ def of_scenarios(measured: Sequence[AgentMeasures], *, held_out: bool) -> Iterat
 
 
 def cell(of: ScenarioMeasures) -> str:
-    """A scenario in a row: its score with the interval, and wins."""
+    """Return the cell of a scenario: the score with its interval, and the share of wins."""
     return f"{figure(of.score)}, {100 * of.win_share.mean:.0f} %"
 
 
 def section(one: AgentMeasures) -> Iterator[str]:
-    """What an agent is."""
+    """Yield the lines of an agent's section: its description, results and weaknesses."""
     module = importlib.import_module(one.agent.spec.partition(":")[0])
     about, _, more = (module.__doc__ or "").strip().partition("\n\n")
     trained = one.agent.name.startswith(TRAINED)
@@ -223,7 +228,7 @@ def section(one: AgentMeasures) -> Iterator[str]:
 
 
 def weaknesses(one: AgentMeasures) -> str:
-    """The scenarios in which it is behind, worst first, and those in which it forfeits; else the worst."""
+    """Return the scenarios in which an agent is weak or forfeits, worst first; if none or all are, only the worst."""
     worst = sorted(one.scenarios, key=lambda of: of.score.mean)
     about = {of.name: of.about.replace("`", "") for of in SUITE.scenarios}
     weak = [of for of in worst if of.score.mean < WEAK or of.forfeits]
@@ -235,17 +240,17 @@ def weaknesses(one: AgentMeasures) -> str:
 
 
 def figure(estimate: Estimate) -> str:
-    """With its interval."""
+    """Return an estimate with its interval."""
     return f"{estimate.mean:.2f} ({interval(estimate, '.2f')})"
 
 
 def time_of(one: AgentMeasures) -> str:
-    """Of a move."""
+    """Return the time of a move."""
     return f"{one.move_ms:.2f} ms"
 
 
 def machine() -> str:
-    """What it was measured on."""
+    """Return the processor, the number of cores, and the versions of Python and NumPy."""
     known = Path("/proc/cpuinfo")
     found = known.read_text().splitlines() if known.exists() else []
     models = [line.partition(":")[2].strip() for line in found if line.startswith("model name")]

@@ -1,11 +1,11 @@
-"""A tournament of seven shipped agents, a final of the best four, and what came of it, in out/demo: a report, a video
-of the final, and the best moments of all matches. Each step is a command of `catch-arena`, shown as it is run.
+"""Play a tournament of seven shipped agents and a final of the best four. out/demo gets a report, a video of the final,
+and the best moments of all matches. Each step is a command of `catch-arena`, which is printed when it starts.
 """
 
 from catch_arena import interrupts
 
 if __name__ == "__main__":
-    interrupts.listen()  # before what follows is imported, which takes a second
+    interrupts.listen()  # before the imports below, which take a second
 
 import argparse
 import json
@@ -21,11 +21,11 @@ from typing import Final
 import typer
 
 FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", "random", "idle")
-"""Who plays, however many agents the package has."""
+"""Agents that play; a fixed list, so that new agents do not change the demo."""
 SEED: Final = 7
 PICTURE: Final = ("--size", "1280x720", "--fps", "30")
 BEGAN: Final = "demo.began"
-"""A file that says: the demo made the folder, and may remove what is in it."""
+"""File that marks a folder as made by the demo, which may therefore remove its contents."""
 NOT_OURS: Final = """\
 {folder} was not made by the demo, and is left as it is.
 Remove it, or name another folder:  --out FOLDER"""
@@ -48,7 +48,7 @@ def parse() -> argparse.Namespace:
 
 
 def has_desktop() -> bool:
-    """Whether somebody sits before a screen."""
+    """Return whether the script runs in a terminal with a desktop, and not over SSH or in CI."""
     if not sys.stdout.isatty() or os.environ.get("CI"):
         return False
     if sys.platform in ("darwin", "win32"):
@@ -57,9 +57,9 @@ def has_desktop() -> bool:
 
 
 def begin(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
-    """Show a command and start it; `quietly` keeps what it says until it has ended: two bars need two terminals.
+    """Show a command and start it; `quietly` keeps its output in pipes, since two progress bars need two terminals.
 
-    It has a session of its own: Ctrl-C is for this process, and is told once.
+    The command has its own session, so that Ctrl-C reaches only this process.
     """
     line = [str(word) for word in words]
     print(f"\n$ catch-arena {shlex.join(line)}", flush=True)
@@ -71,17 +71,17 @@ def wait_for(process: subprocess.Popen[str]) -> None:
     """Wait for a command.
 
     Raises:
-        SystemExit: with the code of a command that failed.
+        SystemExit: the command failed; the code is the command's.
     """
     if process.wait():
         sys.exit(process.returncode)
 
 
 def tell(process: subprocess.Popen[str]) -> None:
-    """Wait for a quiet command; print what it says of how far it is, and in the end what it has made.
+    """Wait for a quiet command; print its progress, and its output at the end.
 
     Raises:
-        SystemExit: with the code of one that failed.
+        SystemExit: the command failed; the code is the command's.
     """
     for line in process.stderr or ():
         print(line, end="", file=sys.stderr, flush=True)
@@ -90,10 +90,10 @@ def tell(process: subprocess.Popen[str]) -> None:
 
 
 def make_anew(out: Path) -> None:
-    """Make the folder, without what an earlier demo left in it.
+    """Make the folder, and remove the files of an earlier demo from it.
 
     Raises:
-        SystemExit: with lines that say what to do, where it is somebody else's.
+        SystemExit: the demo did not make the folder, or cannot write to it; the message says so.
     """
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -104,7 +104,7 @@ def make_anew(out: Path) -> None:
         for path in left:
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
-            elif path.name != BEGAN:  # which stays, so that this can be interrupted
+            elif path.name != BEGAN:  # the mark stays, so that an interrupted removal can be repeated
                 path.unlink()
     except FileExistsError:
         sys.exit(NOT_OURS.format(folder=out))
@@ -113,7 +113,7 @@ def make_anew(out: Path) -> None:
 
 
 def demo(out: Path) -> dict[str, Path]:
-    """Play, make videos and the report; what there is to see."""
+    """Play the matches, and make the videos and the report; return the path of each result by its title."""
     started: list[subprocess.Popen[str]] = []
 
     def run(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
@@ -124,7 +124,7 @@ def demo(out: Path) -> dict[str, Path]:
     replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
     try:
         wait_for(run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out))
-        # beside the final: that keeps two cores busy
+        # at the same time as the final, so that two cores are busy
         filming = run("highlights", out / "replays", "--count", 3, *PICTURE, "-o", moments, quietly=True)
         best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
         wait_for(run("match", *best, "--seed", SEED, "-o", replay))
@@ -139,7 +139,7 @@ def demo(out: Path) -> dict[str, Path]:
 
 
 def main() -> int:
-    """The exit code."""
+    """Run the demo; return the exit code."""
     args = parse()
     began = time.monotonic()
     made = demo(args.out)

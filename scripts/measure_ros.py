@@ -1,10 +1,10 @@
-"""How the arena keeps time on a ROS 2 bus: docs/ros2.md has its numbers.
+"""Measure how the arena keeps time on a ROS 2 bus; docs/ros2.md has the results.
 
 python scripts/measure_ros.py [--bus rclpy] [--seconds 60] [--hunters 4] [--targets 16]
 
-On the loopback interface: `catch-arena ros serve` in one process; one node in another that drives all hunters ten times
-a second, receives all poses, and calls /hunter_0/catch_turtle; and a process that answers calls immediately, whose
-round trip is the bus's part. The arbiter's part is measured in this process. Leave the machine alone meanwhile.
+Three processes use the loopback interface: `catch-arena ros serve`; a node that drives all hunters ten times a second,
+receives all poses, and calls /hunter_0/catch_turtle; and a process that answers calls immediately, whose round trip is
+the bus's part. The arbiter's part is measured in this process. Use the machine for nothing else meanwhile.
 `make ros` runs it over rclpy with ROS's default middleware.
 """
 
@@ -29,11 +29,11 @@ from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.service import ArenaService
 
 JUST_NOT_ONE = "1.000001"
-"""The wall's clock, and the arena's is told on /clock, in which a gap shows that a message was lost."""
+"""Simulation speed: a millionth above real time, so that /clock is published; a gap in it is a lost message."""
 
 
 class Driver:
-    """Drives all hunters, and keeps count."""
+    """Node that drives all hunters and counts messages."""
 
     def __init__(self, bus: Bus, hunters: int) -> None:
         self.poses: dict[str, Pose] = {}
@@ -50,7 +50,7 @@ class Driver:
         self.ask = bus.client("/hunter_0/catch_turtle", types.catch_turtle)
 
     def act(self) -> str:
-        """Every hunter to the turtle next to it: what hunter_0 asks for."""
+        """Drive every hunter to its nearest turtle; return the name of hunter_0's turtle, or "nothing"."""
         wanted = "nothing"
         for hunter, pose in self.poses.items():
             if not self.turtles.turtles:
@@ -74,7 +74,7 @@ class Driver:
 
 
 def main() -> None:
-    """Measure, and print."""
+    """Measure, and print the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bus", choices=BACKENDS, help="the first that works here if it is left out")
     parser.add_argument("--seconds", type=int, default=60)
@@ -136,7 +136,7 @@ def play(given: argparse.Namespace) -> None:
 def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", seconds: int) -> tuple[list[float], float]:
     """Drive at 10 Hz, and call whenever the last call has been answered, at uneven times.
 
-    Returns: the round trips, and the arena's processor time as a part of the clock's.
+    Returns: the round trips [s], and the arena's processor time as a fraction of elapsed time.
     """
     calls: list[float] = []
     call: Call | None = None
@@ -162,7 +162,7 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
 
 
 def bus_trips(bus: Bus) -> list[float]:
-    """Calls to the process that answers at once."""
+    """Return the round trips [s] of calls to the process that answers immediately."""
     client = bus.client("/at_once", bus.interfaces(Interfaces()).catch_turtle)
     while not client.ready:
         bus.spin(0.05)
@@ -178,7 +178,7 @@ def bus_trips(bus: Bus) -> list[float]:
 
 
 def judging_steps(settings: dict[str, Any]) -> list[float]:
-    """Steps of the same arena with a request each; nothing in them waits, so that other processes do not matter."""
+    """Return the processor times [s] of steps of the same arena, each with one request; no step waits for a process."""
     service = ArenaService(**settings, control_period_ms=TICK_MS)
     service.reset(1)
     found = []
@@ -191,14 +191,14 @@ def judging_steps(settings: dict[str, Any]) -> list[float]:
 
 
 def processor_time(pid: int) -> float:
-    """Of a process, all its threads [s]."""
+    """Return the processor time of all threads of a process [s]."""
     with open(f"/proc/{pid}/stat", encoding="utf-8") as file:  # noqa: PTH123 - two hundred times a second
         fields = file.read().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def tell(what: str, seconds: list[float]) -> None:
-    """Median and the 99th percentile."""
+    """Print the median and the 99th percentile."""
     late = quantiles(seconds, n=100)[98]
     print(f"{what}: {len(seconds)}, median {1e3 * median(seconds):.2f} ms, p99 {1e3 * late:.2f} ms")
 

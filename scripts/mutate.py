@@ -3,7 +3,7 @@
 A mutant is one such change in a function of catch_arena/core. It is made in memory, in a process of its own that runs
 tests without the compiler until one fails. Tests that do not call the function cannot notice it, and are left out.
 tests/mutation/equivalent.toml has the modules, the tests, and the mutants that no test can notice, each with its
-reason: they are not tried, and an entry that fits no mutant is an error. Needs os.fork: Linux or macOS.
+reason. Those mutants are not tried, and an entry that fits no mutant is an error. Needs os.fork: Linux or macOS.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from catch_arena.files import tomllib
 ROOT = Path(__file__).parent.parent
 SETTINGS = tomllib.loads((ROOT / "tests" / "mutation" / "equivalent.toml").read_text(encoding="utf-8"))
 TIMES_SLOWER, SPARE_S = 5, 5
-"""Processor time that a test may take on a mutant, compared with the core as it is; some mutants never end."""
+"""Limit of a test's processor time: a multiple of the unchanged core's, plus seconds; some mutants never end."""
 OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     ast.Lt: (ast.LtE, ast.NotEq, ast.Eq, ast.GtE, ast.Gt),
     ast.LtE: (ast.Lt, ast.Eq, ast.NotEq, ast.Gt, ast.GtE),
@@ -48,28 +48,28 @@ OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     ast.RShift: (ast.LShift,),
 }
 NOT_CALCULATED = frozenset({"annotation", "returns", "decorator_list", "body", "orelse"})
-"""Fields of a statement that hold other statements, or that no step evaluates."""
+"""Fields of a statement that hold other statements, or that are not evaluated in a step."""
 
 
 Mutant = tuple[str, str, str, int]
-"""One change, named by its text, so that it keeps its name when lines move: `module.function`, the statement's first
-line, what it becomes, and from 1 its number among those of the function that read alike.
+"""Mutant, named by its text, so that it keeps its name when lines move: `module.function`, the statement's first
+line, its replacement, and its number, from 1, among mutants of the function with the same text.
 """
 
 
 def shown(mutant: Mutant) -> str:
-    """Return a mutant as it is printed, and as `--only` finds it."""
+    """Return the text of a mutant that is printed and that `--only` matches."""
     function, line, becomes, nth = mutant
     return f"{function}{f' (number {nth})' if nth > 1 else ''}\n  - {line}\n  + {becomes}"
 
 
 def changes(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
-    """Yield the changes of one node, without those of its parts: what goes, and what stands there instead."""
+    """Yield the changes of one node, without those of its parts: the old node and the new one."""
     one = ast.Constant(1)
     match node:
         case ast.If(test=test):
             yield from ((test, ast.Constant(always)) for always in (True, False))
-        case ast.While(test=test):  # one that is always true never ends
+        case ast.While(test=test):  # a loop whose condition is always true never ends
             yield test, ast.Constant(value=False)
         case ast.AugAssign(target=target, op=operator, value=value):
             yield from ((node, ast.AugAssign(target, other(), value)) for other in OTHERS[type(operator)])
@@ -147,7 +147,7 @@ class Trial:
         self.mutants, self.codes, self.processes = list(codes), codes, processes
         self.survivors: list[Mutant] = []
         self.noticed: Counter[tuple[str, int]] = Counter()
-        """Number of mutants of a function that a test has noticed so far: such a test comes first."""
+        """Number of noticed mutants by test and function; tests with more per second run first."""
 
     def pytest_runtestloop(self, session: Any) -> bool:
         """Run all tests once on the core as it is, then on each mutant those that call its function."""
@@ -178,13 +178,13 @@ def function_of(name: str) -> Any:
 
 
 def passes(item: Any) -> bool:
-    """Run one test; no fixture is kept for the next."""
+    """Run one test, and return whether it passes; no fixture is kept for the next test."""
     item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
     return not item.session.testsfailed
 
 
 def run_all() -> list[tuple[set[str], float]]:
-    """Run all tests on the core as it is; return the functions that each calls, and its processor time."""
+    """Run all tests on the unchanged core; return the functions that each calls, and its processor time [s]."""
     called: set[str] = set()
     for module in {mutant[0].partition(".")[0] for mutant in trial.mutants}:
         for function in functions_of(module):
@@ -203,7 +203,7 @@ def run_all() -> list[tuple[set[str], float]]:
 
 
 def try_out(number: int) -> int | None:
-    """Make a mutant, and return the place of the test that notices it."""
+    """Make a mutant, and return the index of the test that notices it, or None."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     signal.signal(signal.SIGVTALRM, signal.default_int_handler)  # KeyboardInterrupt: no test catches it
     mutant = trial.mutants[number]
@@ -229,7 +229,7 @@ def main() -> None:
     options = parser.parse_args()
     os.chdir(ROOT)
     os.environ |= {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
-    import pytest  # after what its plugins and the core read when they load
+    import pytest  # after the settings that its plugins and the core read when they load
 
     entries = SETTINGS["equivalent"]
     listed = [(one["function"], one["line"], text, one.get("nth", 1)) for one in entries for text in one["becomes"]]

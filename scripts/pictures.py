@@ -1,4 +1,4 @@
-"""Draw what the README shows: a moment of a match between four of the shipped agents, and ten seconds of it."""
+"""Draw the README's pictures: a moment, and ten seconds, of a match between four shipped agents."""
 
 import argparse
 import tempfile
@@ -37,7 +37,7 @@ def main() -> None:
 
 
 def recorded() -> Replay:
-    """The match."""
+    """Return the replay of the match."""
     entrants = enter(AGENTS)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "match.replay")

@@ -1,7 +1,7 @@
-"""Try each CPython that pyproject.toml promises, with the newest dependencies and with the oldest that it allows.
+"""Try each CPython version of pyproject.toml, with the newest and with the oldest allowed dependencies.
 
-Each gets a fresh environment in out/pythons, with the wheel (newest) or an editable install (oldest). There it plays a
-match, renders it, holds a tournament and passes the tests of the rules. A version that is not on this machine is named.
+Each gets a new environment in out/pythons, with the wheel (newest) or an editable install (oldest). There it plays a
+match, renders it, holds a tournament and runs the tests of the rules. Versions that are not installed are printed.
 """
 
 import argparse
@@ -27,7 +27,7 @@ COMMANDS = (
 
 
 def promised_versions() -> list[str]:
-    """Return the minor versions that pyproject.toml's classifiers name, such as "3.10"."""
+    """Return the minor versions in the classifiers of pyproject.toml, such as "3.10"."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     versions = [line.rpartition(" ")[2] for line in project["classifiers"] if line.startswith("Programming Language")]
     return [version for version in versions if version.startswith("3.")]
@@ -46,7 +46,7 @@ def find_python(version: str) -> Path | None:
 
 
 def run(log: Path, folder: Path, *command: str | Path) -> bool:
-    """Run a command in a folder; print the end of its log if it fails."""
+    """Run a command in a folder; return whether it succeeds; print the end of its log if it fails."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(log.with_suffix("") / "compiled")}
     with log.open("a", encoding="utf-8") as file:
         print("$", *command, file=file, flush=True)
@@ -92,7 +92,7 @@ def main() -> int:
     found = {version: python for version in promised_versions() if (python := find_python(version))}
     print("found:", *found, "| not found:", *(set(promised_versions()) - set(found) or ["none"]), flush=True)
     shutil.rmtree(OUT, ignore_errors=True)
-    shutil.rmtree(ROOT / "build", ignore_errors=True)  # setuptools would pack what an earlier build left there
+    shutil.rmtree(ROOT / "build", ignore_errors=True)  # setuptools would pack the files of an earlier build
     OUT.mkdir(parents=True)
     if not run(OUT / "wheel.log", ROOT, UV, "build", "--wheel", "--out-dir", OUT, ROOT):
         return 1

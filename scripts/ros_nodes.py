@@ -1,7 +1,7 @@
-"""Run the tests of real ROS 2 nodes: rclpy with its default middleware, and interface packages that are built here.
+"""Run the tests of real ROS 2 nodes: rclpy with its default middleware, and interface packages built here.
 
 Each Python gets an environment in .venv-ros, which is kept: ROS 2 Kilted's wheels, this checkout, and the packages of
-tests/ros_nodes/interfaces. By default it is one Python, with `--all` each of those that have wheels.
+tests/ros_nodes/interfaces. The default is one Python; `--all` takes each that has wheels.
 """
 
 import argparse
@@ -22,14 +22,14 @@ ENVIRONMENTS = ROOT / ".venv-ros"
 INTERFACES = ROOT / "tests" / "ros_nodes" / "interfaces"
 UV = Path(sys.executable).with_name("uv")
 VERSIONS = ("3.11", "3.12", "3.13")
-"""Those for which there are wheels."""
+"""Python versions for which ROS 2 Kilted has wheels."""
 WHEELS = (
     "ros-kilted-rclpy",
     "ros-kilted-rmw-fastrtps-cpp",
     "ros-kilted-geometry-msgs",
     "ros-kilted-std-srvs",
     "ros-kilted-rosgraph-msgs",
-    # what builds interface packages
+    # tools that build interface packages
     "ros-kilted-ament-cmake",
     "ros-kilted-rosidl-default-generators",
     "ros-ament-cmake-include-directories",
@@ -57,7 +57,7 @@ ament_package()
 
 
 def environment_of(python: Path) -> Path:
-    """Return the folder of a Python's environment, made or taken as it was.
+    """Return the folder of a Python's environment, which is made unless it exists.
 
     Raises:
         SystemExit: something that it needs is missing; the message is one line.
@@ -96,10 +96,10 @@ def make(folder: Path, python: Path, version: str) -> None:
     include = output(own, "-c", "import numpy, sysconfig; print(sysconfig.get_path('include'), numpy.get_include())")
     built_with = f"/opt/python/cp{version.replace('.', '')}-cp{version.replace('.', '')}/"
     for file in (folder / "share").rglob("*.cmake"):
-        if built_with in (text := file.read_text()):  # two folders of the machine on which the wheels were made
+        if built_with in (text := file.read_text()):  # two paths of the machine that built the wheels
             headers, arrays = include.split()
             text = re.sub(rf"{built_with}[^;\" ]*/numpy/_core/include", arrays, text)
-            file.unlink()  # it may be a link to uv's cache
+            file.unlink()  # the file may be a link to uv's cache
             file.write_text(re.sub(rf"{built_with}include/python[0-9.]+", headers, text))
     for package in sorted(one for one in INTERFACES.iterdir() if one.is_dir()):
         source, build = folder / "src" / package.name, folder / "build" / package.name

@@ -1,4 +1,4 @@
-"""Write the tables in docs/ that are made from code: each stands between two marks, and the first one names it.
+"""Write the tables in docs/ that are made from code; each is between two marks, and the first mark names it.
 
 A test checks that they are up to date.
 """
@@ -24,16 +24,16 @@ DOCS = Path(__file__).parent.parent / "docs"
 PAGES = ("agents.md", "observation.md", "settings.md")
 TABLE = re.compile(r"(<!-- made by `make docs`: (.+?) -->\n\n).*?(?=\n\n<!-- end -->)", re.DOTALL)
 UNITS = {"m": "m", "mps": "m/s", "radps": "rad/s", "hz": "1/s", "ms": "ms", "s": "s", "deg": "degrees"}
-"""By the last part of a setting's name."""
+"""Unit by the last part of a setting's name."""
 
 
 def with_tables(page: str) -> str:
-    """Return a page with all its tables made anew."""
+    """Return a page with all its tables written again."""
     return TABLE.sub(lambda found: found[1] + TABLES[found[2]](), page)
 
 
 def column_table(columns: Sequence[Column], begins: str = "", repeats: str = "") -> str:
-    """Return columns as a Markdown table: those whose names begin so, without those that a pattern finds."""
+    """Return the columns whose names start with `begins` as a Markdown table, without matches of `repeats`."""
     lines = ["| index | name | unit | low | high | meaning |", "|---:|---|---|---:|---:|---|"]
     for index, row in enumerate(columns):
         if row.name.startswith(begins) and not (repeats and re.match(repeats, row.name)):
@@ -42,7 +42,7 @@ def column_table(columns: Sequence[Column], begins: str = "", repeats: str = "")
 
 
 def words_below(owner: type) -> dict[str, str]:
-    """What the source says below each field of a class."""
+    """Return the docstring below each field of a class, by the field's name."""
     (definition,) = ast.parse(inspect.getsource(owner)).body
     found = {}
     for pair in pairwise(definition.body):
@@ -53,13 +53,13 @@ def words_below(owner: type) -> dict[str, str]:
 
 
 def split_unit(words: str) -> tuple[str, str]:
-    """The words without their [unit], and the unit."""
+    """Return the words without their [unit], and the unit, which is empty without one."""
     unit = re.search(r" \[(.+?)\]", words)
     return (words, "") if unit is None else (words.replace(unit[0], "", 1), unit[1])
 
 
 def limits_table(kind: type[Limits | PreyLimits]) -> str:
-    """The fields of `view.limits` as a Markdown table, from the words below each of them in the source."""
+    """Return the fields of `view.limits` as a Markdown table, from their docstrings."""
     lines = ["| field | unit | meaning |", "|---|---|---|"]
     for name, words in words_below(kind).items():
         meaning, unit = split_unit(words)
@@ -71,7 +71,7 @@ class Setting(NamedTuple):
     """One setting as a row of docs/settings.md."""
 
     chapter: int
-    """Of the rulebook."""
+    """Chapter of the rulebook."""
     name: str
     unit: str
     default: str
@@ -79,7 +79,11 @@ class Setting(NamedTuple):
 
 
 def words_for(owner: type, name: str) -> str:
-    """What the source says below a setting, which must have words there."""
+    """Return the docstring of a setting.
+
+    Raises:
+        SystemExit: the setting has no docstring.
+    """
     words = words_below(owner)
     if name not in words:
         raise SystemExit(f"{owner.__name__}.{name} has no docstring, which docs/settings.md needs")
@@ -87,8 +91,8 @@ def words_for(owner: type, name: str) -> str:
 
 
 def settings() -> Iterator[Setting]:
-    """Every setting, those of groups too. One that names no clause stands with the one before it."""
-    chapter = 2  # of the first one, `hunters`: where they start
+    """Yield every setting, also those of groups. A setting without a clause has the chapter of the one before it."""
+    chapter = 2  # of the first setting, `hunters`: chapter 2 has the starts
     kinds = get_type_hints(ArenaConfig)
     for field in fields(ArenaConfig):
         kind: Any = kinds[field.name]
@@ -110,25 +114,25 @@ def settings() -> Iterator[Setting]:
 
 
 def chapter_of(words: str) -> int:
-    """That of the first clause in them, 0 without one."""
+    """Return the chapter of the clause at the beginning of the words, or 0 without one."""
     clause = re.match(r"R(\d+)\.", words)
     return 0 if clause is None else int(clause[1])
 
 
 def as_in_a_line(words: str) -> str:
-    """Without the great letter of a sentence."""
+    """Return a sentence with a small first letter."""
     return words[0].lower() + words[1:]
 
 
 def words_of(kind: Any) -> tuple[str, ...]:
-    """The words that a setting may be, where it is one of a few."""
+    """Return the allowed words of a `Literal` type, also within a union; empty for other types."""
     if get_origin(kind) is Literal:
         return get_args(kind)
     return next((words for part in get_args(kind) if (words := words_of(part))), ())
 
 
 def shown(default: object) -> str:
-    """A default as `--set` takes it."""
+    """Return a default as `--set` takes it, as Markdown code."""
     text = json.dumps(int(default) if type(default) is float and default.is_integer() else default)
     return "`" + text.strip('"') + "`"
 

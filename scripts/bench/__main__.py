@@ -1,8 +1,8 @@
 """Measure the speed of Catch Arena, next to other environments or to an older commit: `python scripts/bench`.
 
-Each version has a process of its own, and so have the peers. They are asked for one short turn at a time, in every
-round each row of each, so that whatever else the machine does affects all alike. Times are CPU time of all threads and
-processes; numeric libraries get one thread each. Tables go to the screen, and with options to a JSON file and a page.
+Each version has its own process, and so have the peers. In every round each process plays one short turn of each row,
+so that other load on the machine affects all alike. Times are CPU time of all threads and processes; numeric libraries
+get one thread each. Tables go to the screen, and with options to a JSON file and a page.
 """
 
 import argparse
@@ -31,7 +31,7 @@ from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder
 
 COMMAND = shlex.join(["python", *(Path(one).name if Path(one).is_absolute() else one for one in sys.argv)])
-"""For the page: without the folders of this machine."""
+"""Command line for the page, without the folders of this machine."""
 MARKS = ("<!-- made by make bench -->", "<!-- made until here -->")
 AGAINST_MARKS = ("<!-- made by scripts/bench against a commit -->", "<!-- made against it until here -->")
 
@@ -83,7 +83,7 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
 
     Raises:
         UnmeasurableError: nothing can be measured.
-        KeyboardInterrupt: for SIGTERM too. Nothing is left behind in any case.
+        KeyboardInterrupt: on Ctrl-C or SIGTERM. Processes and temporary folders are removed in any case.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     own = {name: row for name, row in ours.rows(quick=args.quick).items() if row.group in args.only}
@@ -99,7 +99,7 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
                 chosen["before"] = (older, own)
                 what = f"Before: the commit {commit[:12]}. Now: {what}"
             else:
-                # ours stand beside the peers
+                # our rows that are compared with the peers
                 names = {ours.ONE_ARENA, ours.BATCH, ours.LARGE} if "peers" in args.only else set()
                 own |= {name: row for name, row in ours.rows(quick=args.quick).items() if name in names}
             chosen["now"] = (Version("the current version", ROOT, work / "now"), own)
@@ -111,7 +111,7 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
             skipped = play(list(chosen.values()), args.rounds, args.seconds)
         finally:
             for number in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(number, signal.SIG_IGN)  # a second Ctrl-C would leave the checkout behind
+                signal.signal(number, signal.SIG_IGN)  # a second Ctrl-C would prevent the removal of the checkout
     if not any(version.rows for version, _ in chosen.values()):
         raise UnmeasurableError(next(iter(skipped.values())))
     return {
@@ -152,7 +152,7 @@ def play(chosen: Sequence[tuple[Version, Mapping[str, Row]]], rounds: int, secon
 
 
 def machine() -> str:
-    """Return the processor, the arenas in one register of it, and the versions of what the figures depend on."""
+    """Return the processor, the number of arenas in one of its registers, and the versions that affect the results."""
     model = platform.processor() or platform.machine()
     known = Path("/proc/cpuinfo")
     if known.exists():
@@ -180,7 +180,7 @@ def measured_version() -> str:
 
 
 def main() -> None:
-    """Measure what is asked for, and write it down."""
+    """Measure the chosen rows, and write the results."""
     args = parse()
     try:
         figures = measure(args)

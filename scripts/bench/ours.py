@@ -1,6 +1,6 @@
-"""What is measured of Catch Arena.
+"""Rows that measure Catch Arena.
 
-By public names only: `--against` measures older versions with this file.
+They use public names only, since `--against` measures older versions with this file.
 """
 
 import mmap
@@ -22,11 +22,11 @@ from subject import Row, Subject
 import catch_arena
 
 ONE_ARENA, BATCH, LARGE = "one arena, target control", "batch of 1,024", "batch of 16,384"
-"""What stands beside the peers."""
+"""Names of the rows that are compared with the peers."""
 _AGES, _NEIGHBOURS = 32, 32
-"""Ages in a large batch, and different arenas of each."""
+"""Number of ages in a large batch, and of different arenas of each age."""
 _FULL = {"initial_targets": 16, "spawn_frequency_hz": 10.0}
-"""Targets enough that the arena stays full."""
+"""Settings with enough targets to keep the arena full."""
 _FIRST_STEP = (
     "import catch_arena as c; assert c.__file__.startswith({root!r}), c.__file__; "
     "env = c.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
@@ -69,7 +69,7 @@ def rows(*, quick: bool) -> dict[str, Row]:
 
 
 def one_arena(control: str, *, masks_read: bool = False) -> Subject:
-    """Make the PettingZoo parallel env: 4 hunters who all chase the nearest target, or drive with fixed velocities."""
+    """Make the PettingZoo parallel env: 4 hunters that all chase the nearest target, or drive with fixed velocities."""
     env = catch_arena.parallel_env("standard", control=control)
     env.reset(seed=1)
     velocity = np.array((0.8, 0.3), dtype=np.float32)
@@ -99,19 +99,19 @@ def batch(
         ranks += np.arange(config.hunters) % (infos["action_mask"].shape[-1] - 1)
     velocities = np.random.default_rng(1).uniform(-1, 1, (envs, config.hunters, 2)).astype(np.float32)
     actions = {"target": (ranks,), "velocity": (None, velocities), "full": (ranks, velocities)}[control]
-    if "choices" not in signature(arena.step).parameters:  # of an older commit, where they were one argument
+    if "choices" not in signature(arena.step).parameters:  # older commits have one argument for all actions
         actions = ({"target": ranks, "velocity": velocities, "full": {"cmd_vel": velocities, "catch": ranks}}[control],)
-    if envs >= _AGES * _NEIGHBOURS:  # a smaller one plays whole episodes in a turn
+    if envs >= _AGES * _NEIGHBOURS:  # a smaller batch plays whole episodes in a turn
         spread(arena, actions)
     floats = arena.observation_space().shape[0]
     return Subject(lambda: arena.step(*actions), config.hunters, envs, floats, threads=threads)
 
 
 def spread(arena: catch_arena.VectorArena, actions: Sequence[Any]) -> None:
-    """Put the arenas at all ages of an episode, and neighbours at the same one.
+    """Put the arenas at all ages of an episode, with neighbours at the same age.
 
-    Late in an episode a step costs more than early. Without this a turn that is shorter than an episode would depend on
-    where it begins.
+    Late in an episode a step costs more than early. Without this, a turn shorter than an episode would depend on its
+    first step.
     """
     few = catch_arena.VectorArena(arena.config, _NEIGHBOURS)
     few.reset(1)
@@ -229,10 +229,10 @@ def _process(*words: str, cold: bool = False) -> Callable[[], object]:
 
 
 class _Pages(mmap.mmap):
-    """Memory that a large batch asks of the system itself, which tracemalloc does not count."""
+    """Memory map that counts its bytes, since tracemalloc does not count them."""
 
     taken = 0
-    """Bytes, of all of them."""
+    """Bytes of all maps together."""
 
     def __new__(cls, fileno: int, length: int, *arguments: Any, **options: Any) -> "_Pages":
         cls.taken += length
@@ -245,7 +245,7 @@ def memory(envs: int) -> Subject:
 
 
 def bytes_of_an_arena(envs: int) -> float:
-    """Return the bytes that a batch of that size holds for each arena, without what all batches share."""
+    """Return the bytes per arena of a batch of that size, without the memory that all batches share."""
     catch_arena.VectorArena("standard", 2).reset(1)
     usual, _Pages.taken = mmap.mmap, 0
     mmap.mmap = _Pages  # type: ignore[misc]

@@ -1,6 +1,6 @@
-"""Environments of the same kind from other projects, each stepped in the way that its authors recommend.
+"""Similar environments from other projects (peers), each stepped as its authors recommend.
 
-Every peer gets fixed actions, so that no policy is measured, and begins a new episode where one ends.
+Every peer gets fixed actions, so that no policy is measured, and begins a new episode when one ends.
 """
 
 import ctypes
@@ -14,13 +14,13 @@ from pathlib import Path
 from subject import Row, Subject
 
 HEADER = Path("pufferlib", "ocean", "target", "target.h")
-"""PufferLib's environment `target`, in its source package."""
+"""Header of PufferLib's environment `target`, in its source package."""
 _FLAGS = ("-O3", "-march=native", "-fwrapv", "-shared", "-fPIC")
-"""For this very processor, as our own code is compiled."""
+"""Compiler flags for the processor of this machine, as for our own code."""
 _UNDRAWN = ("-fvisibility=hidden", "-ffunction-sections", "-Wl,--gc-sections")
-"""Leave out the functions that draw, and with them raylib, of which only the header has to be there."""
+"""Compiler flags that leave out the functions that draw, so that only raylib's header is needed."""
 _FLOATS = 16
-"""Numbers that an agent sees in each of the simple_tags."""
+"""Numbers in an agent's observation in each of the simple_tags."""
 
 
 def rows(*, quick: bool, pufferlib: Path | None) -> dict[str, Row]:
@@ -111,7 +111,7 @@ def compiled(source: Path) -> ctypes.CDLL:
     """Compile puffer.c with the header of PufferLib's source package, and load it.
 
     Raises:
-        RuntimeError: with the compiler's first error.
+        RuntimeError: the compiler failed; the message is its first error.
         FileNotFoundError: there is no compiler.
     """
     with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,5 @@
-/* Drives PufferLib's environment `target`: a batch of it, many steps in one call. What it drives is in their header, which
- * their source package has; how the batch's memory lies is as their own Python class has it. */
+/* Step a batch of PufferLib's environment `target`, many steps in one call. The environment is in a header of
+ * PufferLib's source package; the memory layout of the batch is that of PufferLib's Python class. */
 #include "target.h"
 
 #define OPEN __attribute__((visibility("default")))
@@ -11,7 +11,7 @@ typedef struct {
     Target* all;
 } Batch;
 
-/* Returns NULL where memory does not suffice. Nobody frees it: it lives as long as the process. */
+/* Return a new batch, or NULL if memory does not suffice. The batch is never freed: it lives as long as the process. */
 OPEN Batch* make_batch(int envs, int agents, int goals) {
     size_t seats = (size_t)envs * agents, floats = 2 * (agents + goals) + 4;
     Batch* batch = malloc(sizeof(Batch));

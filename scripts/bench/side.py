@@ -1,4 +1,4 @@
-"""A process that plays the rows of one version of the package, or the peers: it answers requests, a line each."""
+"""Process that measures one version of the package, or the peers; it answers requests, one a line."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from typing import Any
 from subject import Subject
 
 _ALL = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
-"""This machine's processors, on Linux."""
+"""Processors of this machine on Linux; empty elsewhere."""
 
 
 def _play_on(processors: set[int]) -> None:
@@ -18,7 +18,7 @@ def _play_on(processors: set[int]) -> None:
 
 
 class Side:
-    """The subjects of one side, made when they are asked for."""
+    """Subjects of one version or of the peers, made on request."""
 
     def __init__(self, package: str, *, quick: bool, pufferlib: str) -> None:
         self._package = package
@@ -36,7 +36,7 @@ class Side:
         """Get a subject ready, with an unmeasured turn, and return its sizes.
 
         Raises:
-            ImportError: the package is another one than that of this side.
+            ImportError: Catch Arena was imported from a folder outside this side's package.
         """
         made = self._made[name] = self._rows[name].make()
         made.turn(seconds)
@@ -47,7 +47,10 @@ class Side:
         return {"agents": made.agents, "envs": made.envs, "floats": made.floats}
 
     def turn(self, name: str, seconds: float) -> list[float]:
-        """Play one turn, on one processor: what those of a shared machine give differs for minutes."""
+        """Play one turn, and return its times of a step [s]: CPU time and wall time.
+
+        A single-threaded subject gets one fixed processor, since those of a shared machine differ in speed for minutes.
+        """
         subject = self._made[name]
         _play_on(_ALL if subject.threads > 1 else {*sorted(_ALL)[-1:]})
         played = subject.turn(seconds)
@@ -56,18 +59,18 @@ class Side:
 
 
 def answer(side: Side, request: list[Any]) -> dict[str, Any]:
-    """Return what the request gives, or the error in a line."""
+    """Return the result of the request, or the error in a line."""
     verb, *arguments = request
     try:
         return {"answer": getattr(side, verb)(*arguments)}
-    except Exception as error:  # noqa: BLE001 - code of others, and an older version, may fail in any way
+    except Exception as error:  # noqa: BLE001 - peers and older versions may raise any error
         return {"error": " ".join(f"{type(error).__name__}: {error}".split())}
 
 
 def main() -> None:
-    """Answer until there are no more requests."""
+    """Answer requests until the input ends."""
     out = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what a peer prints is no answer
+    os.dup2(2, 1)  # prints of a peer go to stderr, since stdout has the answers
     package, quick, pufferlib = sys.argv[1:]
     side = Side(package, quick=quick == "quick", pufferlib=pufferlib)
     for line in sys.stdin:

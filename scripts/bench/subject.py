@@ -1,4 +1,4 @@
-"""One thing with a step to be measured, and how a turn of it is timed."""
+"""Measured subjects: something with a step, and the timing of its turns."""
 
 import resource
 import time
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Turn(NamedTuple):
-    """One turn of a subject: seconds of a step, of all threads and processes, and on the clock."""
+    """Times of one step in a turn of a subject [s]: CPU time of all threads and processes, and wall time."""
 
     cpu_s: float
     wall_s: float
@@ -16,21 +16,21 @@ class Turn(NamedTuple):
 
 @dataclass
 class Subject:
-    """Something with a step, made for one process."""
+    """Object with a step that is measured, made for one process."""
 
     step: Callable[[], object]
     agents: int = 1
-    """In one environment."""
+    """Number of agents in one environment."""
     envs: int = 1
     floats: int = 0
-    """Numbers that an agent sees."""
+    """Numbers in an agent's observation."""
     steps_per_call: int = 1
     threads: int = 1
     value: Callable[[], float] | None = None
-    """Measures something else than time, such as bytes."""
+    """Function that measures something other than time, such as bytes; None measures time."""
 
     def turn(self, seconds: float) -> Turn:
-        """Call the step for about that many CPU-seconds. Clocks are read rarely if a step is short."""
+        """Call the step for about `seconds` of CPU time; return its times. Clocks are read rarely for a short step."""
         if self.value:
             return Turn(self.value(), 0.0)
         calls, chunk, wall, cpu = 0, 1, time.perf_counter(), cpu_seconds()
@@ -45,18 +45,18 @@ class Subject:
 
 
 def cpu_seconds() -> float:
-    """Return the CPU time of this process, and of those that it has waited for."""
+    """Return the CPU time of this process and of its ended child processes [s]."""
     used = (resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN))
     return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 class Row(NamedTuple):
-    """What is measured under one name: how it is made, and the unit in which it is printed."""
+    """Row of the results: a group, the printed unit, and a function that makes the subject."""
 
     group: str
-    """The word for `--only`."""
+    """Word that selects the row with `--only`."""
     unit: str
-    """A key of `UNITS`."""
+    """Key of `UNITS`."""
     make: Callable[[], Subject]
 
 
@@ -68,4 +68,4 @@ UNITS = {
     "CPU-s": 1.0,
     "bytes an arena": 1.0,
 }
-"""What one second, or one byte, is in each."""
+"""Factor from seconds, or bytes, to each unit."""

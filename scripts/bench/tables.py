@@ -1,4 +1,4 @@
-"""The figures as tables in Markdown, for the screen and for docs/performance.md."""
+"""Results as Markdown tables, for the screen and for docs/performance.md."""
 
 import statistics
 from collections.abc import Mapping, Sequence
@@ -15,11 +15,11 @@ WITHIN = (
     ("cost of an agent-step with 64 targets, times that with 4", "64 targets", "4 targets", "cpu"),
     ("trusted agents, times as fast as in processes", "tournament, processes", "tournament, trusted", "cpu"),
 )
-"""Ratios of two rows of one version: a title, what is above and below, and by which clock."""
+"""Ratios of two rows of one version: title, numerator, denominator, and clock ("cpu" or "wall")."""
 
 
 def written(figures: Mapping[str, Any]) -> str:
-    """Return all that was measured."""
+    """Return all results as Markdown."""
     versions: Mapping[str, Mapping[str, Any]] = figures["versions"]
     text = [f"{figures['machine']}. {figures['what']}. Command: `{figures['command']}`. {figures['rounds']}."]
     if "before" in versions:
@@ -41,7 +41,7 @@ def written(figures: Mapping[str, Any]) -> str:
 
 
 def _cost(row: Mapping[str, Any], clock: str = "cpu") -> float:
-    """Return the median cost of a step of one agent."""
+    """Return the median cost of a step of one agent [s]."""
     return statistics.median(row[clock]) / row["agents"]
 
 
@@ -51,7 +51,7 @@ def _in_unit(row: Mapping[str, Any], seconds: float) -> str:
 
 
 def _beside(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
-    """Return the table of two versions, and of how many times as fast the current one is."""
+    """Return the table of two versions, with the speed of the current one relative to the older one."""
     rows = []
     for name, row in now.items():
         pair = (before[name]["cpu"], row["cpu"])
@@ -99,19 +99,19 @@ def _peers(ours: Mapping[str, Any], peers: Mapping[str, Any]) -> str:
 
 
 def rate(value: float) -> str:
-    """Write a rate with three digits, which is what a run can know."""
+    """Return a rate as text with three digits, the precision of a run."""
     return f"{float(f'{value:.3g}'):,.0f}"
 
 
 def times(value: float) -> str:
-    """Write a ratio, such as «11.8x»."""
+    """Return a ratio as text, such as «11.8x»."""
     return f"{float(f'{value:.3g}'):,g}x"
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Write columns of even width, so that a table reads on a screen too; all but the first are set to the right."""
+    """Return a Markdown table with aligned columns, readable on a screen; all but the first are right-aligned."""
     lines = [[str(cell) for cell in row] for row in (head, *rows)]
-    widths = [max(3, *(len(line[column]) for line in lines)) for column in range(len(head))]  # Markdown asks for three
+    widths = [max(3, *(len(line[column]) for line in lines)) for column in range(len(head))]  # Markdown requires three
 
     def joined(cells: Sequence[str]) -> str:
         return f"| {' | '.join(cells)} |"

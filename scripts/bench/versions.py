@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 class UnmeasurableError(Exception):
-    """A version cannot be measured; the message is one line."""
+    """Error: a version cannot be measured; the message is one line."""
 
 
 def commit_of(ref: str) -> str:
@@ -34,7 +34,7 @@ def commit_of(ref: str) -> str:
 
 
 def current() -> str:
-    """Return the current version in words: changes that are not committed count."""
+    """Return the current commit, and in words whether there are changes that are not committed."""
     commit = commit_of("HEAD")
     changes = _git("status", "--porcelain", "--untracked-files=no", "--", "catch_arena").stdout
     return commit[:12] + (" with changes that are not committed" if changes else "")
@@ -42,10 +42,10 @@ def current() -> str:
 
 @contextmanager
 def checked_out(commit: str, folder: Path) -> Iterator[None]:
-    """Have the files of a commit in a folder, until the block is left.
+    """Check out the files of a commit into a folder; remove them when the block is left.
 
     Raises:
-        UnmeasurableError: the commit cannot be checked out.
+        UnmeasurableError: the commit cannot be checked out, or has no package catch_arena.
     """
     try:
         made = _git("worktree", "add", "--detach", "--quiet", str(folder), commit)
@@ -59,7 +59,7 @@ def checked_out(commit: str, folder: Path) -> Iterator[None]:
 
 
 def _git(*arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run git without hooks; in a session of its own, so that Ctrl-C does not end it half way."""
+    """Run git without hooks, in its own session, so that Ctrl-C does not interrupt it."""
     command = ["git", "-C", str(ROOT), "-c", "core.hooksPath=/dev/null", *arguments]
     return subprocess.run(command, check=False, capture_output=True, text=True, start_new_session=True)
 
@@ -69,12 +69,12 @@ def _last_line(text: str) -> str:
 
 
 class Version:
-    """One version, or the peers: its process, and what was measured of it."""
+    """Version of the package, or the peers: its process and its results."""
 
     def __init__(self, title: str, root: Path | None, work: Path) -> None:
         self.title = title
         self.rows: dict[str, dict[str, Any]] = {}
-        """By name: agents, envs and floats of a row, and "cpu" and "wall", seconds of a step by round."""
+        """Rows by name: agents, envs and floats; "cpu" and "wall" have the times of a step [s], one for each round."""
         self._root = root
         self._words = work / "stderr"
         self._cache = work / "cache"
@@ -83,9 +83,9 @@ class Version:
 
     @contextmanager
     def running(self, *, quick: bool, pufferlib: Path | None) -> Iterator[None]:
-        """Have its process at hand, in a session of its own: Ctrl-C is for this one alone.
+        """Start its process, and end it when the block is left; Ctrl-C does not reach it, since it has its own session.
 
-        Its own package comes first on the path. Bytecode is kept, as it is for users, and so is its compiled code.
+        The version's package comes first on the path. Bytecode and compiled code are kept, as they are for users.
         """
         threads = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
         xla = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
@@ -130,7 +130,7 @@ class Version:
         raise UnmeasurableError(f"{self.title} cannot be measured: {reason}")
 
     def play(self, name: str, seconds: float) -> None:
-        """Play one turn of a row."""
+        """Play one turn of a row, and keep its times."""
         self.ask("turn", name, seconds)
         cpu, wall = self.answer()
         self.rows[name]["cpu"].append(cpu)

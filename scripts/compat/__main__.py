@@ -1,7 +1,7 @@
-"""Trains for a short while with each library that others use, each in an environment of its own: `make compat`.
+"""Train for a short time with each supported library, each in its own environment: `make compat`.
 
-A client is a program in examples/. torch is large, so one environment has it, with Catch Arena, and the others stand on
-that one and add their library. docs/compatibility.md gets the table of what ran, with versions.
+A client is a program in examples/. torch is large, so a base environment has it, with Catch Arena; the others use that
+one and add their library. docs/compatibility.md gets the table of results, with versions.
 """
 
 import argparse
@@ -19,18 +19,18 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "examples"
 PAGE = ROOT / "docs" / "compatibility.md"
 LIMIT_S = 900
-"""For one client's program, on a machine that is busy."""
+"""Time limit of one client's program on a busy machine [s]."""
 
 
 class Client(NamedTuple):
-    """A program, and what it needs beside torch and Catch Arena."""
+    """Program of one library, and its requirements besides torch and Catch Arena."""
 
     program: str
     requirements: tuple[str, ...]
     told: tuple[str, ...]
-    """The packages whose versions are told."""
+    """Packages whose versions are in the table."""
     without_dependencies: tuple[str, ...] = ()
-    """What is installed last, and alone."""
+    """Requirements that are installed last, without their dependencies."""
     arguments: tuple[str, ...] = ()
 
 
@@ -42,7 +42,7 @@ CLIENTS = {
     "BenchMARL": Client("train_benchmarl", ("benchmarl",), ("benchmarl", "torch", "torchrl", "tensordict")),
     "RLlib": Client("train_rllib", ("ray[rllib]",), ("ray", "gymnasium")),
     "Tianshou": Client("train_tianshou", ("tianshou",), ("tianshou",)),
-    # It asks for an older PettingZoo and imports peft unasked; it runs beside ours.
+    # AgileRL requires an older PettingZoo, but works with ours; it imports peft without requiring it.
     "AgileRL": Client("train_agilerl", ("agilerl", "peft"), ("agilerl", "pettingzoo"), ("pettingzoo>=1.27",)),
     "single file": Client("train_single_file", (), ("torch",)),
     "Gymnasium": Client("train_gymnasium", ("array-api-compat", "packaging"), ("gymnasium",)),  # for its NumpyToTorch
@@ -63,17 +63,17 @@ def run(command: list[object], log: Path, limit_s: float = 3600, folder: str | N
 
 
 def folder_of(name: str) -> str:
-    """A client's environment."""
+    """Return the folder name of a client's environment."""
     return re.sub(r"\W+", "_", name.lower())
 
 
 def packages_of(environment: Path) -> Path:
-    """Where its packages lie."""
+    """Return the folder of an environment's packages."""
     return environment / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
 
 
 def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None, log: Path) -> bool:
-    """Make an environment, unless it is there with the same packages."""
+    """Make an environment, unless it exists with the same packages; return whether it is ready."""
     wanted, ready = json.dumps(packages), environment / "ready"
     if ready.exists() and ready.read_text() == wanted:
         return True
@@ -90,7 +90,7 @@ def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None
 
 
 def versions(environment: Path, names: tuple[str, ...]) -> dict[str, str]:
-    """What is installed there."""
+    """Return the installed versions of packages by name; empty if one is missing."""
     program = "import importlib.metadata as m, json, sys; print(json.dumps({n: m.version(n) for n in sys.argv[1:]}))"
     command = [environment / "bin" / "python", "-c", program, *names]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
@@ -98,7 +98,7 @@ def versions(environment: Path, names: tuple[str, ...]) -> dict[str, str]:
 
 
 def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
-    """Set up and train."""
+    """Set up a client's environment and train; return its name, result, log, and if it ran, time [s] and versions."""
     client, environment = CLIENTS[name], environments / folder_of(name)
     log = environments / f"{folder_of(name)}.log"
     log.write_bytes(b"")
@@ -107,7 +107,7 @@ def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
         return {"name": name, "result": "could not be installed", "log": str(log)}
     began = time.monotonic()
     command = [environment / "bin" / "python", PROGRAMS / f"{client.program}.py", *client.arguments]
-    with tempfile.TemporaryDirectory() as folder:  # what some of them write is not kept
+    with tempfile.TemporaryDirectory() as folder:  # files that clients write are not kept
         failed = run(command, log, LIMIT_S, folder)
     return {
         "name": name,
@@ -119,7 +119,7 @@ def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
 
 
 def page_with(page: str, results: list[dict[str, Any]], common: dict[str, str]) -> str:
-    """The page, with the rows of these clients anew."""
+    """Return the page with new rows for these clients."""
     begin, end = "<!-- made by `make compat` -->", "<!-- end -->"
     head, _, rest = page.partition(begin)
     table, _, tail = rest.partition(end)
@@ -142,7 +142,7 @@ def page_with(page: str, results: list[dict[str, Any]], common: dict[str, str]) 
 
 
 def main() -> int:
-    """0 where all that were asked for train."""
+    """Try the clients; return 0 if all of them train, else 1."""
     parser = argparse.ArgumentParser(prog="python scripts/compat", description=__doc__)
     parser.add_argument("clients", nargs="*", metavar="CLIENT", help=f"of {', '.join(CLIENTS)}; all without one")
     parser.add_argument("--environments", type=Path, default=ROOT / "out" / "compat", help="where they are made")
