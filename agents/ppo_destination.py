@@ -1,7 +1,7 @@
 """Chooses where to go by a trained network, and drives there as `patrol` does.
 
 Trained by PPO in `standard`, against patrol, contested_by_time and contested, and for a part against its own past
-(scripts/train_ppo.py): 11 million decisions on two cores. It has not met the held-out opponents of the suite.
+(examples/train_ppo.py): 11 million decisions on two cores. It has not met the held-out opponents of the suite.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Its weights lie beside it; scripts/train_ppo.py made them (docs/training.md)."""
+    """Its weights lie beside it; examples/train_ppo.py made them (docs/training.md)."""
 
     control = "velocity"
 

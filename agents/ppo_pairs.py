@@ -1,7 +1,7 @@
 """Chooses where to go beside a team-mate, by a trained network.
 
 It began as a network that had learned in `standard`, and went on by PPO in `pairs`, with and against patrol,
-contested_by_time, contested, triage and its own past (scripts/train_ppo.py). It has not met the held-out opponents.
+contested_by_time, contested, triage and its own past (examples/train_ppo.py). It has not met the held-out opponents.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Its weights lie beside it; scripts/train_ppo.py made them (docs/training.md)."""
+    """Its weights lie beside it; examples/train_ppo.py made them (docs/training.md)."""
 
     control = "velocity"
 

@@ -1,4 +1,4 @@
-"""Networks that choose where to go: the trained agents that ship, and those that scripts/train_ppo.py makes.
+"""Networks that choose where to go: the trained agents that ship, and those that examples/train_ppo.py makes.
 
 A network looks at each candidate of `destinations`, and at all of them together, and gives each a logit (a pointer
 network; Vinyals, Fortunato and Jaitly, Pointer Networks, 2015; all of them are pooled by attention with learned
