@@ -119,7 +119,7 @@ def settings_from(arguments: list[str]) -> tuple[Settings, dict[str, Any] | None
     """Return the settings of a command line, and with --resume the saved state, whose settings are the defaults."""
     parser = argparse.ArgumentParser(usage="%(prog)s [options]", description=(__doc__ or "").partition("\n\n")[0])
     for field in dataclasses.fields(Settings):
-        meaning = f"{field.metadata['help']} Default: {field.default or 'none'}"
+        meaning = f"{field.metadata['help']} Default: {'none' if field.default == '' else field.default}"
         metavar = {Path: "FOLDER", int: "N", float: "X", str: "TEXT"}[field.type]
         parser.add_argument(flag(field.name), type=field.type, default=argparse.SUPPRESS, metavar=metavar, help=meaning)
     parser.add_argument("--resume", action="store_true", help="Continue the run in --out.")
@@ -470,12 +470,8 @@ def evaluate(network: PointerNetwork, decisions: int, seconds: float, settings: 
     command += ["--rounds", str(settings.evaluate_rounds), "--seed", str(1_000_000 + settings.seed)]
     command += ["--trusted", "--force", "--out", str(folder / "results")]
     print(f"playing a tournament after {decisions:,} decisions", flush=True)
-    with (folder / "log.txt").open("wb") as log, subprocess.Popen(command, stdout=log, stderr=log) as process:
-        try:
-            failed = process.wait()
-        except KeyboardInterrupt:
-            process.terminate()  # it ends its own processes
-            raise
+    with (folder / "log.txt").open("wb") as log:
+        failed = subprocess.Popen(command, stdout=log, stderr=log).wait()  # after Ctrl-C `interrupts` ends it
     if failed:
         print(f"train_ppo: the tournament after {decisions:,} decisions failed; see {folder / 'log.txt'}", flush=True)
         return

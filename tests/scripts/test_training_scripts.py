@@ -300,7 +300,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         (f"--seed {10**30}", "--seed must be in [0, "),
         ("--evaluate -5", "--evaluate must be in [0, inf], got -5"),
         ("--evaluate-against patrol,nobody", "unknown agent 'nobody'"),
-        ("--opponents nearest,", "unknown agent ''"),
+        ("--opponents nearest,", "is a folder without agent.py"),
         ("--horizon 1", "--horizon must be in [2, inf], got 1"),
     ],
 )
