@@ -1,7 +1,7 @@
 """Chooses a destination by a trained network, and drives there as `patrol` does.
 
 Trained by PPO in `standard`, against patrol, contested_by_time and contested, and partly against its earlier
-versions (scripts/train_ppo.py): 11 million decisions on two cores. It has not met the held-out opponents of the suite.
+versions (examples/train_ppo.py): 11 million decisions on two cores. It has not met the held-out opponents of the suite.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Agent with weights in the .npz file next to this one, made by scripts/train_ppo.py (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by examples/train_ppo.py (docs/training.md)."""
 
     control = "velocity"
 

@@ -1,7 +1,7 @@
 """Chooses a destination by a trained network that learned to play with a team-mate.
 
 It began with weights from training in `standard`. PPO continued in `pairs`, with and against patrol,
-contested_by_time, contested, triage and its earlier versions (scripts/train_ppo.py). It has not met the
+contested_by_time, contested, triage and its earlier versions (examples/train_ppo.py). It has not met the
 held-out opponents.
 """
 
@@ -11,7 +11,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Agent with weights in the .npz file next to this one, made by scripts/train_ppo.py (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by examples/train_ppo.py (docs/training.md)."""
 
     control = "velocity"
 

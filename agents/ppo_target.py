@@ -1,7 +1,7 @@
 """Chooses a target by a trained network; the arena's controller chases it.
 
 It began with the weights of `ppo_destination`. PPO continued in `standard`, against patrol, contested_by_time,
-contested, nearest and triage (scripts/train_ppo.py --head rank). It has not met the held-out opponents of the suite.
+contested, nearest and triage (examples/train_ppo.py --head rank). It has not met the held-out opponents of the suite.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Agent with weights in the .npz file next to this one, made by scripts/train_ppo.py (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by examples/train_ppo.py (docs/training.md)."""
 
     control = "target"
 

@@ -1,7 +1,7 @@
 """Drives with velocities that come directly from a trained network, end to end.
 
 It began as a copy of a network that chooses a destination (imitation, DAgger). PPO continued in `standard`, against
-patrol, contested_by_time and contested (scripts/train_ppo.py --head velocity). It has not met the held-out opponents.
+patrol, contested_by_time and contested (examples/train_ppo.py --head velocity). It has not met the held-out opponents.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Agent with weights in the .npz file next to this one, made by scripts/train_ppo.py (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by examples/train_ppo.py (docs/training.md)."""
 
     control = "velocity"
 

@@ -1,4 +1,4 @@
-"""Networks that choose a destination: the trained agents that ship, and those of scripts/train_ppo.py.
+"""Networks that choose a destination: the trained agents that ship, and those of examples/train_ppo.py.
 
 A network computes a logit for each candidate of `destinations`, from its features and from a summary of all candidates.
 This is a pointer network (Vinyals, Fortunato and Jaitly, Pointer Networks, 2015). The summary is attention pooling with

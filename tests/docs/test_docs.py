@@ -122,10 +122,11 @@ def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
 
 
 def test_whatever_is_said_to_be_installed_is_an_extra():
-    """In the pages, and in the errors of the package and the scripts."""
+    """In the pages, and in the errors of the package, the scripts and the examples."""
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     pages = "".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")))
-    code = "".join(file.read_text() for part in ("catch_arena", "scripts") for file in (ROOT / part).rglob("*.py"))
+    folders = ("catch_arena", "scripts", "examples")
+    code = "".join(file.read_text() for part in folders for file in (ROOT / part).rglob("*.py"))
     in_pages = {name for names in re.findall(r"'\.\[([a-z0-9,]+)\]'", pages) for name in names.split(",")}
     in_errors = set(re.findall(r"""install_hint\(["']([a-z0-9]+)["']\)""", code))
 

@@ -1,4 +1,4 @@
-"""scripts/train_ppo.py and examples/train_sb3.py: short runs, what they leave, and what goes wrong."""
+"""examples/train_ppo.py and examples/train_sb3.py: short runs, what they leave, and what goes wrong."""
 
 import csv
 import importlib.util
@@ -37,9 +37,9 @@ def table(path):
 def refused(*arguments):
     """The one line that says why."""
     said = [
-        line for line in run("scripts/train_ppo.py", *arguments, fails=True).splitlines() if "compiling" not in line
+        line for line in run("examples/train_ppo.py", *arguments, fails=True).splitlines() if "compiling" not in line
     ]
-    said = [line for line in said if "TensorBoard" not in line and "decisions," not in line]
+    said = [line for line in said if " decisions, " not in line]
     assert len(said) == 1, said
     assert said[0].startswith("train_ppo: ")
     return said[0]
@@ -47,15 +47,15 @@ def refused(*arguments):
 
 @pytest.fixture(scope="module")
 def module():
-    """scripts/train_ppo.py."""
-    spec = importlib.util.spec_from_file_location("train_ppo", ROOT / "scripts/train_ppo.py")
+    """examples/train_ppo.py."""
+    spec = importlib.util.spec_from_file_location("train_ppo", ROOT / "examples/train_ppo.py")
     made = importlib.util.module_from_spec(spec)
     sys.modules["train_ppo"] = made
     spec.loader.exec_module(made)
     return made
 
 
-@pytest.mark.parametrize("script", ["scripts/train_ppo.py", "examples/train_sb3.py"])
+@pytest.mark.parametrize("script", ["examples/train_ppo.py", "examples/train_sb3.py"])
 def test_without_torch_a_line_says_what_to_install(script):
     code = (
         "import runpy, sys; sys.modules['torch'] = sys.modules['sb3_contrib'] = None; "
@@ -79,18 +79,18 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
     for name, rating, share in (("a", 190, 0.5), ("b", 100, 0.4), ("c", 220, 0.75)):
         (tmp_path / name).mkdir()
         (tmp_path / name / "curve.csv").write_text(CURVE.format(first=507904, rating=rating, share=share))
-    *_, row = run("scripts/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
+    *_, row = run("examples/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
     assert row == "| 0.5 million | 60 | 55 % | 40 to 75 % | +40 (-30 to +90) |"
     later = CURVE.format(first=1015808, rating=0, share=0.1).partition("\n")[2]
     with (tmp_path / "a" / "curve.csv").open("a") as file:
         file.write(later)  # the others have not got so far
-    assert run("scripts/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()[-1] == row
+    assert run("examples/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()[-1] == row
     (tmp_path / "c" / "curve.csv").write_text(CURVE.partition("\n")[0] + "\n" + later)
     assert "no tournament after the same number" in run(
-        "scripts/training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
+        "examples/training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
     )
     (tmp_path / "c" / "curve.csv").write_text("decisions,agent\n1,ppo\n")
-    said = run("scripts/training_curves.py", tmp_path / "c", fails=True)
+    said = run("examples/training_curves.py", tmp_path / "c", fails=True)
     assert "must be a curve that train_ppo.py has written" in said
     assert len(said.splitlines()) == 1
 
@@ -103,7 +103,7 @@ def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
     out = tmp_path / "run"
     copy = ["--imitate", opponents, "--imitate-decisions", 400] if head != "destination" else []
     said = run(
-        "scripts/train_ppo.py", "--out", out, "--head", head, "--opponents", opponents, "--decisions", 400,
+        "examples/train_ppo.py", "--out", out, "--head", head, "--opponents", opponents, "--decisions", 400,
         *copy, *SHORT, "--evaluate", 256, "--evaluate-rounds", 1,
     )  # fmt: skip
     assert "agent.py" in said
@@ -123,13 +123,13 @@ def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
 @pytest.mark.torch
 def test_the_same_seed_learns_the_same_and_a_run_goes_on_where_it_was(tmp_path):
     for name in ("one", "other"):
-        run("scripts/train_ppo.py", "--out", tmp_path / name, "--opponents", "nearest", "--decisions", 256, *SHORT)
+        run("examples/train_ppo.py", "--out", tmp_path / name, "--opponents", "nearest", "--decisions", 256, *SHORT)
     one, other = (PointerNetwork.load(tmp_path / name / "agent.npz").weights for name in ("one", "other"))
     for name, weights in one.items():
         np.testing.assert_array_equal(weights, other[name])
     again = ["--out", tmp_path / "one", "--opponents", "nearest", *SHORT]
     assert "or give --resume" in refused(*again)
-    run("scripts/train_ppo.py", *again, "--decisions", 512, "--resume")
+    run("examples/train_ppo.py", *again, "--decisions", 512, "--resume")
     decisions = [int(row["decisions"]) for row in table(tmp_path / "one" / "progress.csv")]
     assert decisions == [128, 256, 384, 512]
     later = PointerNetwork.load(tmp_path / "one" / "agent.npz").weights
@@ -156,39 +156,27 @@ def test_a_state_that_is_damaged_or_of_another_kind_is_refused_and_runs_no_code(
     import torch
 
     out = tmp_path / "run"
-    run("scripts/train_ppo.py", "--out", out, "--opponents", "nearest", "--decisions", 256, *SHORT)
+    run("examples/train_ppo.py", "--out", out, "--opponents", "nearest", "--decisions", 256, *SHORT)
     state = torch.load(out / "state.pt", weights_only=True)
     whole, mark = (out / "state.pt").read_bytes(), tmp_path / "mark"
-    wider = state["parts"] | {"actor": state["parts"]["actor"] | {"weights.encode": torch.zeros(3, 8)}}
-    lost = {name: value for name, value in state["settings"].items() if name != "gamma"}
-    for changed, said in (
-        (b"nothing", "must be what a run has written"),
-        (whole[: len(whole) // 2], "must be what a run has written"),
-        ({name: value for name, value in state.items() if name != "ruleset"}, "must be what a run has written"),
-        ({name: value for name, value in state.items() if name != "parts"}, "must be what a run has written"),
-        (state | {"parts": wider}, "must be what a run has written"),
-        (state | {"ruleset": "catch_arena_v0"}, "ruleset must be catch_arena_v1, got catch_arena_v0: begin a new run"),
-        (state | {"features": 0}, "features must be 1, got 0: begin a new run"),
-        (state | {"settings": lost}, "settings must be"),
-        (state | {"more": RunsCode(mark)}, "must be what a run has written"),
-        (state | {"settings": state["settings"] | {"rate": "fast"}}, "state.pt must be what a run has written"),
-        (state | {"settings": state["settings"] | {"opponents": 3}}, "state.pt must be what a run has written"),
-        (state | {"decisions": "many"}, "decisions must be a whole number of at least 0, got many"),
-        (state | {"decisions": -5}, "decisions must be a whole number of at least 0, got -5"),
-        (state | {"prior": float("nan")}, "its weights must be finite numbers"),
-        (state | {"alive": [True]}, "state.pt must be what a run has written"),
+    for changed in (
+        b"nothing",
+        whole[: len(whole) // 2],
+        {name: value for name, value in state.items() if name != "version"},
+        state | {"version": ["catch_arena_v0", *state["version"][1:]]},
+        state | {"version": state["version"][:-1]},
+        state | {"more": RunsCode(mark)},
     ):
         if isinstance(changed, bytes):
             (out / "state.pt").write_bytes(changed)
         else:
             torch.save(changed, out / "state.pt")
-        assert said in refused("--out", out, "--resume", "--decisions", 512)
+        said = refused("--out", out, "--resume", "--decisions", 512)
+        assert "must be the state of a run of this version, and complete: begin a new run" in said
     assert not mark.exists()
     (out / "state.pt").write_bytes(whole)
-    (out / "progress.csv").write_text("decisions\nabc\n")
-    assert "progress.csv must be what a run has written" in refused("--out", out, "--resume", "--decisions", 512)
     (out / "progress.csv").write_text("")  # what a full disk leaves
-    run("scripts/train_ppo.py", "--out", out, "--resume", "--decisions", 384)
+    run("examples/train_ppo.py", "--out", out, "--resume", "--decisions", 384)
     assert [int(row["decisions"]) for row in table(out / "progress.csv")] == [384]
 
 
@@ -197,17 +185,17 @@ def test_a_run_goes_on_with_the_settings_that_it_began_with(tmp_path):
     """The prior is that of the network it started from, whose file need not be there any more."""
     first, second = tmp_path / "first", tmp_path / "second"
     short = ["--opponents", "nearest", *SHORT]
-    run("scripts/train_ppo.py", "--out", first, "--decisions", 128, "--prior", 1.5, *short)
-    run("scripts/train_ppo.py", "--out", second, "--decisions", 128, "--start", first / "agent.npz", *short)
+    run("examples/train_ppo.py", "--out", first, "--decisions", 128, "--prior", 1.5, *short)
+    run("examples/train_ppo.py", "--out", second, "--decisions", 128, "--start", first / "agent.npz", *short)
     (first / "agent.npz").unlink()
-    run("scripts/train_ppo.py", "--out", second, "--decisions", 256, "--resume")
+    run("examples/train_ppo.py", "--out", second, "--decisions", 256, "--resume")
     assert [int(row["decisions"]) for row in table(second / "progress.csv")] == [128, 256]
     assert PointerNetwork.load(second / "agent.npz").weights["prior"] == 1.5
 
 
 def begun(*arguments):
     """train_ppo.py as a process of its own, whose lines can be read."""
-    command = [sys.executable, ROOT / "scripts" / "train_ppo.py", *arguments]
+    command = [sys.executable, ROOT / "examples" / "train_ppo.py", *arguments]
     return subprocess.Popen(
         list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
@@ -224,7 +212,7 @@ def interrupted(process):
 
 
 @pytest.mark.torch
-@pytest.mark.parametrize("when", ["decisions, ", "waiting for the tournament"])
+@pytest.mark.parametrize("when", ["decisions, ", "playing a tournament"])
 def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     """In the loop, and in the last tournament."""
     out = tmp_path / "run"
@@ -244,11 +232,11 @@ def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     assert made == int(table(out / "progress.csv")[-1]["decisions"])
     assert PointerNetwork.load(out / "agent.npz").head == "destination"
     shorter = ["--evaluate", every, "--evaluate-rounds", 1, "--evaluate-against", "nearest,first,idle"]
-    said = run("scripts/train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, *shorter)
+    said = run("examples/train_ppo.py", "--out", out, "--resume", "--decisions", made + 128, *shorter)
     assert int(table(out / "progress.csv")[-1]["decisions"]) == made + 128
     if every:  # the tournament that was broken off is played again
         assert [row["decisions"] for row in table(out / "curve.csv")] == 4 * ["512"]
-        assert re.search(r"tournament after 512 decisions: rating .*, wins .* % \[\?\]", said)
+        assert re.search(r"tournament after 512 decisions\nrating .*, wins .* %\n", said)
 
 
 @pytest.mark.torch
@@ -261,29 +249,8 @@ def test_ctrl_c_before_anything_is_learned_is_one_line(tmp_path):
 
 
 @pytest.mark.torch
-def test_an_error_leaves_no_tournament_behind(tmp_path):
-    (tmp_path / "dies.py").write_text(
-        "import numpy as np\n\n\nclass Agent:\n    steps = 0\n\n    def reset(self, seed):\n        pass\n\n"
-        "    def act(self, view):\n        return 0\n\n"
-        "    def act_batch(self, view):\n        Agent.steps += 1\n        if Agent.steps > 700:\n"
-        "            raise RuntimeError('no more')\n        return np.zeros(len(view.observations), np.int64)\n"
-    )
-    few = [one for one in SHORT if "--evaluate" not in one]
-    process = begun(
-        "--out", tmp_path / "run", "--opponents", tmp_path / "dies.py", *few, "--decisions", 10**6,
-        "--evaluate", 300, "--evaluate-rounds", 500,
-    )  # fmt: skip
-    said = process.communicate(timeout=300)[0]
-    assert process.returncode == 1
-    assert (tmp_path / "run" / "evaluation" / "384" / "log.txt").exists()
-    assert "act_batch raised RuntimeError: no more" in said
-    with pytest.raises(ProcessLookupError):
-        os.killpg(process.pid, 0)
-
-
-@pytest.mark.torch
 def test_the_help_says_what_each_setting_means():
-    said = " ".join(run("scripts/train_ppo.py", "--help").split())
+    said = " ".join(run("examples/train_ppo.py", "--help").split())
     assert "--hold N Steps for which a decision holds. Default: 2" in said
     assert "--start TEXT An .npz file to begin from. Default: none" in said
 
@@ -292,7 +259,7 @@ def test_the_help_says_what_each_setting_means():
 def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
     out = tmp_path / "run"
     more = ["--out", out, "--opponents", "nearest", *SHORT]
-    command = [sys.executable, ROOT / "scripts" / "train_ppo.py", *more, "--decisions", 10**9]
+    command = [sys.executable, ROOT / "examples" / "train_ppo.py", *more, "--decisions", 10**9]
     with subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT) as process:
         late = time.monotonic() + 300
         while not (out / "agent.py").exists() and process.poll() is None and time.monotonic() < late:
@@ -304,7 +271,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
     _, _, rest = progress.read_text().splitlines()[-1].partition(",")
     with progress.open("a") as file:  # as if it had been killed long after its last snapshot
         file.write(f"{128 * (before + 1)},{rest}\n")
-    run("scripts/train_ppo.py", *more, "--decisions", 128 * (before + 1), "--resume")
+    run("examples/train_ppo.py", *more, "--decisions", 128 * (before + 1), "--resume")
     made = [int(row["decisions"]) for row in table(progress)]
     assert made == [128 * (place + 1) for place in range(before + 1)]
 
@@ -314,9 +281,9 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
     ("arguments", "said"),
     [
         ("--head tail", "--head must be one of destination, rank, velocity, got 'tail'"),
-        ("--arenas 0", "--arenas must be at least 1, got 0"),
-        ("--gamma nan", "--gamma must be from 0 to 1, got nan"),
-        ("--rate inf", "--rate must be a finite number of at least 0, got inf"),
+        ("--arenas 0", "--arenas must be in [1, inf], got 0"),
+        ("--gamma nan", "--gamma must be in [0, 1], got nan"),
+        ("--rate inf", "not finite: a lower --rate may help"),
         ("--scenarios unequal", "--scenarios must be such that all hunters are alike"),
         ("--scenarios tag", "--scenarios must be such that all hunters are alike and no prey is played"),
         ("--scenarios moon", "moon"),
@@ -324,18 +291,17 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         ("--imitate patrol", "--imitate needs the head rank or velocity"),
         ("--start gone.npz", "gone.npz"),
         ("--start other.npz --hidden 16", "--hidden must be 8, as in --start, got 16"),
-        ("--rate 1e30", "is nan: a lower --rate may help"),
-        ("--rate 1e20 --head velocity", "is nan: a lower --rate may help"),
-        ("--head rank --imitate patrol", "--imitate must name an agent under target control for the head rank"),
-        ("--head velocity --imitate contested", "got contested, which is under target control"),
-        ("--most-selves 0", "--most-selves must be at least 1, got 0"),
-        ("--seed -1", "--seed must be from 0 to 4611686018427387904, got -1"),
-        (f"--seed {10**30}", "--seed must be from 0 to"),
-        ("--evaluate -5", "--evaluate must be from 0 to 4611686018427387904, got -5"),
+        ("--rate 1e30", "not finite: a lower --rate may help"),
+        ("--rate 1e20 --head velocity", "not finite: a lower --rate may help"),
+        ("--head rank --imitate patrol", "--imitate must name an agent with act_batch and target control, got patrol"),
+        ("--head velocity --imitate contested", "with act_batch and velocity control, got contested"),
+        ("--most-selves 0", "--most-selves must be in [1, inf], got 0"),
+        ("--seed -1", "--seed must be in [0, 4611686018427387904], got -1"),
+        (f"--seed {10**30}", "--seed must be in [0, "),
+        ("--evaluate -5", "--evaluate must be in [0, inf], got -5"),
         ("--evaluate-against patrol,nobody", "unknown agent 'nobody'"),
-        ("--opponents nearest,", "--opponents must be different names with commas between them, got 'nearest,'"),
-        ("--opponents first,first", "--opponents must be different names with commas between them, got 'first,first'"),
-        ("--arenas 1 --horizon 1", "--arenas times --horizon must be at least 2"),
+        ("--opponents nearest,", "is a folder without agent.py"),
+        ("--horizon 1", "--horizon must be in [2, inf], got 1"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(tmp_path, arguments, said):
@@ -353,14 +319,14 @@ def test_the_network_decides_the_same_in_torch_and_in_numpy(module, head):
     import torch
 
     torch.manual_seed(1)
-    actor = module.Actor(module.Settings(head=head, hidden=16))
+    trained = module.Network(module.Settings(head=head, hidden=16))
     with torch.no_grad():
-        for weights in actor.weights.values():
+        for weights in trained.weights.values():
             weights.normal_(0, 0.3)
     arenas = module.Arenas("standard", module.Settings(head=head, arenas=8, opponents="nearest"), seed=2)
-    looked = arenas.look()
-    chances, mean, _ = actor(module.Seen.of(looked))
-    network = actor.exported(head)
+    looked = module.destinations(arenas.view)
+    chances, mean, _ = trained(*module.tensors(looked))
+    network = trained.exported()
     logits, mixed = network(looked)
     ours = logits - np.log(np.exp(logits.astype(np.float64)).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(chances.detach().numpy()[looked.legal], ours[looked.legal], atol=1e-4)
@@ -398,9 +364,9 @@ def test_past_selves_that_win_are_met_more_often(module, tmp_path):
     settings = module.Settings(out=tmp_path, arenas=4, opponents="nearest,idle", self_play=0.5, most_selves=2, hidden=8)
     arenas = module.Arenas("duel", settings, seed=1)
     pool = module.Pool([arenas], settings)
-    actor = module.Actor(settings)
+    network = module.Network(settings)
     for _ in range(3):
-        pool.grow(actor.exported("destination"))
+        pool.grow(network.exported())
     assert pool.alive.sum() == 2 + 2
     pool.beaten[:] = (0.1, 0.9, 0.5, 0.2, 0.9)
     pool.alive[:] = True
