@@ -172,10 +172,10 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     say(f"time: {measures.move_ms:.2f} ms a move")
     for name, scores in known.items():
         parts = (("training", False), ("held out", True))
-        told = ", ".join(
+        figures = ", ".join(
             f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in parts
         )
-        say(f"probability of improvement over {name}: {told}")
+        say(f"probability of improvement over {name}: {figures}")
 
 
 def _show_runs(measured: "Sequence[AgentMeasures]") -> None:

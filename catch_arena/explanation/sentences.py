@@ -62,8 +62,8 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
     lost = (
         f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     )
-    told = f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}"
-    return f"{told}{_lost_to_mate(losers, names)}."
+    sentence = f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}"
+    return f"{sentence}{_lost_to_mate(losers, names)}."
 
 
 def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
@@ -193,31 +193,31 @@ def action_sentences(one: HunterAction, step: "StepExplanation") -> str:
 def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
     """Return one prey's action in a step in words, with its capture and return."""
     if one.withdrawn:
-        told = ["withdrawn (R12.5)."]
+        parts = ["withdrawn (R12.5)."]
     elif one.target is None:
-        told = ["out (R12.3)."]
+        parts = ["out (R12.3)."]
     else:
-        told = [f"{one.action}, as {one.target}."]
+        parts = [f"{one.action}, as {one.target}."]
     if one.caught_by is not None:
-        told.append(f"It was caught by {names[one.caught_by]} (R12.3).")
+        parts.append(f"It was caught by {names[one.caught_by]} (R12.3).")
     if one.returned_as is not None:
-        told.append(f"It returned as {one.returned_as}.")
-    return f"{one.name}: {' '.join(told)}"
+        parts.append(f"It returned as {one.returned_as}.")
+    return f"{one.name}: {' '.join(parts)}"
 
 
 def _requested(one: HunterAction, step: "StepExplanation") -> str:
-    told, reach_um = [], step.reaches_um[one.seat]
+    parts, reach_um = [], step.reaches_um[one.seat]
     if one.verdict is not None:
         winner = ""
         if one.verdict is Verdict.LOST_CONTEST and one.winner is not None:
             mate = ", its own team-mate (R11.3)" if one.mate else ""
             winner = f"; the winner is {step.names[one.winner]}{mate}"
-        told.append(f"{_answered(one.target or _EMPTY_RANK, _from(one.distance_um), one.verdict, reach_um)}{winner}")
-    told += [
+        parts.append(f"{_answered(one.target or _EMPTY_RANK, _from(one.distance_um), one.verdict, reach_um)}{winner}")
+    parts += [
         _answered(name_in_words(other.target), _from(other.distance_um), other.verdict, reach_um)
         for other in one.by_name
     ]
-    return f"It requested {'; then '.join(told) or 'nothing'}."
+    return f"It requested {'; then '.join(parts) or 'nothing'}."
 
 
 def _sight(one: HunterAction, step: "StepExplanation") -> str:

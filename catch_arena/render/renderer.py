@@ -225,11 +225,11 @@ class MatchRenderer:
         self._update(plan.feed, self._feed.items, lambda: feed_shapes(plan.feed, info, self._feed.items, unit))
         area, history = plan.timeline, self._timeline
         card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
-        anew = self._update(area, history.catches, lambda: timeline.timeline_shapes(area, info, history, unit))
-        if anew:
+        redrawn = self._update(area, history.catches, lambda: timeline.timeline_shapes(area, info, history, unit))
+        if redrawn:
             self._history = card.copy()
         cursor = round(timeline.cursor_x(area, history, time_ms, unit))
-        if anew or cursor != self._cursor:
+        if redrawn or cursor != self._cursor:
             self._cursor = cursor
             card[:] = self._history
             self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))

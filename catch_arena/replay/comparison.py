@@ -40,9 +40,9 @@ def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("i
         ours, theirs = (scores(each.states[-1], each.config) for each in (one, other))
         for what, *results in zip(("final scores", "times that prey was caught"), ours, theirs, strict=True):
             if results[0]:
-                told = [", ".join(map(str, result)) for result in results]
-                same = "the same in both" if told[0] == told[1] else f"{labels[0]}, {told[1]} {labels[1]}"
-                found.append(f"{what}: {told[0]} {same}")
+                shown = [", ".join(map(str, result)) for result in results]
+                same = "the same in both" if shown[0] == shown[1] else f"{labels[0]}, {shown[1]} {labels[1]}"
+                found.append(f"{what}: {shown[0]} {same}")
     return found
 
 

@@ -163,11 +163,11 @@ def comes_first(outcomes: Outcomes, score: Estimate) -> bool | None:
     """
     ratings = rate(outcomes)
     others = np.arange(outcomes.entrants) != AGENT
-    told = holm(p_values(ratings)[AGENT, others]) < LEVEL
+    differs = holm(p_values(ratings)[AGENT, others]) < LEVEL
     above = ratings.points[AGENT] > ratings.points[others]
-    if (told & above).all():
+    if (differs & above).all():
         return True
-    return False if (told & ~above).any() or score.high < 0.5 else None
+    return False if (differs & ~above).any() or score.high < 0.5 else None
 
 
 def _normalised(block: Sequence[PlayedMatch]) -> float:

@@ -111,8 +111,8 @@ class AgentProcess:
             (into, self._into), (self.answers, out), (self.printed, log) = pipes
             self._folder = None if self._namespaced else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
             folder = str(TEMPORARY) if self._folder is None else self._folder.name
-            told = {"spec": spec, "limits": limits.numbers(), "folder": folder, "into": into, "out": out}
-            words = [sys.executable, "-c", _MAIN, json.dumps(told | {"namespaced": self._namespaced}), _package()]
+            settings = {"spec": spec, "limits": limits.numbers(), "folder": folder, "into": into, "out": out}
+            words = [sys.executable, "-c", _MAIN, json.dumps(settings | {"namespaced": self._namespaced}), _package()]
             words += module_folders()
             if self._namespaced:
                 words = [*bubblewrap_words(visible_paths(spec), limits.file_mib << 20), *words]
