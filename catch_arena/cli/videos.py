@@ -24,7 +24,7 @@ _VIDEO: Final = "The file to write, which ends in .mp4, .webm, .gif or .webp."
 Speed = Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")]
 ViewOf = Annotated[
     str | None,
-    typer.Option(metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="nobody's"),
+    typer.Option(metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="no view"),
 ]
 
 

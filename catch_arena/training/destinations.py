@@ -198,9 +198,9 @@ class _Block:
         preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])
         legal = np.concatenate((np.ones((len(self.alive), self.places), np.bool_), self.alive), axis=1)
         features = np.zeros((*legal.shape, len(FEATURES)), np.float32)
-        told = {**self._candidates(), **self._what_comes_next()}
-        told["preferred"] = np.arange(legal.shape[1]) == preferred[:, None]
-        for name, values in told.items():
+        by_name = {**self._candidates(), **self._what_comes_next()}
+        by_name["preferred"] = np.arange(legal.shape[1]) == preferred[:, None]
+        for name, values in by_name.items():
             features[..., _OF_CANDIDATE.index(name)] = values
         features[..., len(_OF_CANDIDATE) :] = self._first_rivals()
         features[~legal] = 0.0
@@ -213,7 +213,7 @@ class _Block:
         east = own.x + own.heading_cos * x - own.heading_sin * y
         north = own.y + own.heading_sin * x + own.heading_cos * y
         from_ground = np.sqrt((self.ground[0] - x) ** 2 + (self.ground[1] - y) ** 2)
-        told = {
+        by_name = {
             "forward": x / LENGTH_M,
             "left": y / LENGTH_M,
             "distance": distance / LENGTH_M,
@@ -241,7 +241,7 @@ class _Block:
                 "moving_aside": speed * self.targets.heading_sin,
             }
         no_target = np.zeros((len(x), self.places))
-        return told | {name: np.concatenate((no_target, column), axis=1) for name, column in targets.items()}
+        return by_name | {name: np.concatenate((no_target, column), axis=1) for name, column in targets.items()}
 
     def _what_comes_next(self) -> dict[str, Any]:
         """Return the features of the targets after a candidate, by name.
@@ -281,13 +281,13 @@ class _Block:
             self.rivals.linear_velocity[..., None] / 2.0,
             self.rivals.mate[..., None] if self.limits.teams else 0.0,
         )
-        told = np.stack(np.broadcast_arrays(*features), axis=3)
-        nobody = FARTHEST_S, 0.0, 0.0, 0.0, 0.0, 0.0
-        told[self.theirs >= NEVER_S] = nobody
+        table = np.stack(np.broadcast_arrays(*features), axis=3)
+        no_rival = FARTHEST_S, 0.0, 0.0, 0.0, 0.0, 0.0
+        table[self.theirs >= NEVER_S] = no_rival
         order = np.argsort(self.theirs, axis=1, kind="stable")[:, :RIVALS]
-        first = np.full((len(told), RIVALS, *told.shape[2:]), nobody)
-        first[:, : order.shape[1]] = told[np.arange(len(told))[:, None, None], order, np.arange(told.shape[2])]
-        return first.swapaxes(1, 2).reshape(len(told), -1, RIVALS * len(_OF_RIVAL))
+        first = np.full((len(table), RIVALS, *table.shape[2:]), no_rival)
+        first[:, : order.shape[1]] = table[np.arange(len(table))[:, None, None], order, np.arange(table.shape[2])]
+        return first.swapaxes(1, 2).reshape(len(table), -1, RIVALS * len(_OF_RIVAL))
 
 
 def _two_least(tables: Floats, most: float) -> tuple[Floats, Floats]:

@@ -66,6 +66,7 @@ UNITS = {
     "us a reset": 1e6,
     "ms a frame": 1e3,
     "CPU-s": 1.0,
+    "s": 1.0,
     "bytes an arena": 1.0,
 }
 """Factor from seconds, or bytes, to each unit."""
