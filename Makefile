@@ -28,7 +28,7 @@ unexport PYTHONDONTWRITEBYTECODE
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
 
-compat: $(VENV)/ready ## train with each library that others use, in an environment of its own (gigabytes; docs/compatibility.md)
+compat: $(VENV)/ready ## train with each library that others use, in an environment of its own (gigabytes; docs/reference/compatibility.md)
 	$(BIN)/python scripts/compat --page $(CLIENTS)
 
 demo: $(VENV)/ready ## a tournament of seven agents: the report, a video of the final, and the best moments (out/demo)
@@ -110,10 +110,10 @@ format: $(VENV)/ready-dev ## put the sources into form
 	$(DENO) fmt
 	$(DENO) lint --fix
 
-bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/performance.md)
-	$(BIN)/python scripts/bench $(if $(PUFFERLIB),--pufferlib '$(PUFFERLIB)') --json out/bench.json --page docs/performance.md
+bench: $(VENV)/ready-bench ## measure the speed, side by side with others' (docs/explanation/performance.md)
+	$(BIN)/python scripts/bench $(if $(PUFFERLIB),--pufferlib '$(PUFFERLIB)') --json out/bench.json --page docs/explanation/performance.md
 
-card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/card.md; goes on where it was (out/card)
+card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/reference/card.md; goes on where it was (out/card)
 	$(BIN)/python scripts/card.py
 
 pictures: $(VENV)/ready ## draw the README's picture and its animation

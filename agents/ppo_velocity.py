@@ -10,7 +10,7 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
-    """Agent with weights in the .npz file next to this one, made by examples/train_ppo.py (docs/training.md)."""
+    """Agent with weights in the .npz file next to this one, made by examples/train_ppo.py."""
 
     control = "velocity"
 

@@ -1,8 +1,8 @@
 """Catch Arena: several hunters chase spawned targets in turtlesim's arena, and a central arbiter judges their catch
 requests.
 
-The names listed here are loaded on first use, so that `import catch_arena` is fast. docs/architecture.md says what is
-in each folder and module.
+The names listed here are loaded on first use, so that `import catch_arena` is fast. docs/explanation/architecture.md
+describes each folder and module.
 """
 
 from catch_arena.envs.registration import register_scenarios

@@ -1,8 +1,8 @@
 """Rulebook R7.1: tables of the columns of observations.
 
-The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and docs/observation.md
-are all made from them. Each field of a table is a column, annotated with its description. The core makes tuples of
-these fields.
+The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and
+docs/reference/observation.md are all made from them. Each field of a table is a column, annotated with its
+description. The core makes tuples of these fields.
 """
 
 import math

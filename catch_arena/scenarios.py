@@ -1,4 +1,4 @@
-"""Named scenarios: the arenas for play, teaching and publications. docs/scenarios.md has measurements of each."""
+"""Named scenarios: the arenas for play, teaching and publications; docs/reference/scenarios.md measures each."""
 
 import math
 from collections.abc import Mapping

@@ -1,5 +1,5 @@
 """Conformance checks for other implementations: `run_conformance` tests an arbiter, or a whole arena, with the cases
-of the conformance suite. docs/conformance.md has examples.
+of the conformance suite. docs/howto/conformance.md has examples.
 """
 
 import time

@@ -1,4 +1,6 @@
-"""Play the suite with every shipped agent, and write docs/card.md: each agent's description, results and weaknesses.
+"""Play the suite with every shipped agent, and write docs/reference/card.md.
+
+The page has each agent's description, results and weaknesses.
 The results of the references go to catch_arena/suite/references.json.
 
 Matches are kept in --out, and a second run continues from there: it plays only matches of changed agents again. If
@@ -38,14 +40,14 @@ from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
-PAGE: Final = Path(__file__).parent.parent / "docs" / "card.md"
+PAGE: Final = Path(__file__).parent.parent / "docs" / "reference" / "card.md"
 TRAINED: Final = ("ppo_", "trained_", "learned_")
 """Prefixes of the names of trained agents."""
 WEAK: Final = 0.45
 """Normalised score below which a scenario is listed as a weakness."""
 
-HEAD: Final = """Their results in `{suite}` (digest {digest}); [the protocol](suite.md) says what the figures are. Best
-in the held-out scenarios first. 0.5 is level with the mean opponent."""
+HEAD: Final = """Their results in `{suite}` (digest {digest}). [The protocol](../howto/suite.md) explains the figures.
+Best in the held-out scenarios first. 0.5 is level with the mean opponent."""
 METHOD: Final = """Measured by `{command}` on {machine}. The protocol has {blocks} blocks of each scenario; where the
 table says fewer, the numbers are a first look. `?` stands where too few blocks were played to tell. The time of a move
 is that of the clock on the wall, in our own processes, while the machine did other things too."""
@@ -118,7 +120,7 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
 
 
 def page(measured: Sequence[AgentMeasures], most: int) -> str:
-    """Return the text of docs/card.md; `most` is that of `play`."""
+    """Return the text of docs/reference/card.md; `most` is that of `play`."""
     command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
     lines = (
         "# The agents that come with the package",

@@ -21,7 +21,7 @@ from catch_arena.policy import Limits, PreyLimits
 from catch_arena.scenarios import scenario
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = ("agents.md", "observation.md", "settings.md")
+PAGES = ("reference/agents.md", "reference/observation.md", "reference/settings.md")
 TABLE = re.compile(r"(<!-- made by `make docs`: (.+?) -->\n\n).*?(?=\n\n<!-- end -->)", re.DOTALL)
 UNITS = {"m": "m", "mps": "m/s", "radps": "rad/s", "hz": "1/s", "ms": "ms", "s": "s", "deg": "degrees"}
 """Unit by the last part of a setting's name."""
@@ -68,7 +68,7 @@ def limits_table(kind: type[Limits | PreyLimits]) -> str:
 
 
 class Setting(NamedTuple):
-    """One setting as a row of docs/settings.md."""
+    """One setting as a row of docs/reference/settings.md."""
 
     chapter: int
     """Chapter of the rulebook."""
@@ -86,7 +86,7 @@ def words_for(owner: type, name: str) -> str:
     """
     words = words_below(owner)
     if name not in words:
-        raise SystemExit(f"{owner.__name__}.{name} has no docstring, which docs/settings.md needs")
+        raise SystemExit(f"{owner.__name__}.{name} has no docstring, which docs/reference/settings.md needs")
     return words[name]
 
 
@@ -139,7 +139,9 @@ def shown(default: object) -> str:
 
 def settings_tables() -> str:
     """Return a heading and a table for each chapter of the rulebook that has settings."""
-    titles = dict(re.findall(r"^## Chapter (\d+): (.+)$", (DOCS / "rulebook.md").read_text(), re.MULTILINE))
+    titles = dict(
+        re.findall(r"^## Chapter (\d+): (.+)$", (DOCS / "reference" / "rulebook.md").read_text(), re.MULTILINE)
+    )
     rows = list(settings())
     parts = []
     for chapter in sorted({row.chapter for row in rows}):

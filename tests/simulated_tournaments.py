@@ -1,5 +1,5 @@
 """Simulated tournaments of agents of known strength: how often intervals hold the truth, equals are told apart, an
-order is wrongly called clear, and the sequential test errs. docs/ratings.md has the results of long runs.
+order is wrongly called clear, and the sequential test errs. docs/explanation/ratings.md has the results of long runs.
 """
 
 import math

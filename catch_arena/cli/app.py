@@ -36,7 +36,7 @@ GROUPS: Final = {
 
 
 class _Commands(TyperGroup):
-    """Group of all commands, which prints errors as one line with a hint, and exits as in docs/command_line.md."""
+    """Group of all commands. It prints errors as one line with a hint; see docs/reference/command_line.md for codes."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands in their groups."""

@@ -49,14 +49,14 @@ def docs(
     package = Path(__file__).parents[1]
     inside = package / "docs"  # the place in a wheel
     folder = inside if inside.is_dir() else package.parent / "docs"
-    pages = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md"))}
+    pages = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.rglob("*.md"))}
     if page is None:
         listing = plain_table("page", "title", text="title")
         for name, text in pages.items():
             listing.add_row(name, text.partition("\n")[0].removeprefix("# "))
         own_console().print(listing)
         return
-    name = page.lower().removeprefix("docs/").removesuffix(".md")
+    name = page.lower().rpartition("/")[2].removesuffix(".md")
     if name not in pages:
         raise ConfigError(f"unknown page {page!r}: {suggest(name, pages)}")
     say(pages[name].rstrip("\n"))

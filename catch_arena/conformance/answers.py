@@ -46,7 +46,7 @@ class UnreadableAnswer(Difference):
 
     looks_like: str
     rule: str
-    """The rule that the answer breaks, as in docs/conformance.md."""
+    """The rule that the answer breaks, as in docs/howto/conformance.md."""
 
 
 @dataclass(frozen=True, slots=True)

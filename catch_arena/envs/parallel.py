@@ -84,11 +84,13 @@ def parallel_env(
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
-    """PettingZoo environment in which hunters chase targets and an arbiter decides who catches them (docs/rulebook.md).
+    """PettingZoo environment in which hunters chase targets and an arbiter decides who catches them.
+
+    The rules are in docs/reference/rulebook.md.
 
     Agents are `hunter_0`, `hunter_1`, ..., and then `prey_0`, ... if there is prey, unless `agent_names` gives other
-    names. Observations are float32 vectors (docs/observation.md). Under target control an action is 0 (hold) or a
-    target's rank in view. Under velocity control it is two numbers in [-1, 1]. Under full control it is
+    names. Observations are float32 vectors (docs/reference/observation.md). Under target control an action is 0 (hold)
+    or a target's rank in view. Under velocity control it is two numbers in [-1, 1]. Under full control it is
     {"cmd_vel": two such numbers, "catch": a rank or 0}. A whole number is anything that `operator.index` accepts, or an
     array or tensor with one such element. Finite velocities out of bounds are clipped. `infos[agent]` holds numbers and
     arrays, of one type in every step:

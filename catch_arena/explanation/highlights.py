@@ -1,7 +1,7 @@
 """Highlights: moments of recorded matches that are worth seeing, each with its reason and a score.
 
 Each match is played once to extract its events, which give its highlights. `SCORES` has the rule of each kind, and
-docs/videos.md has the rules in words.
+docs/howto/videos.md has the rules in words.
 """
 
 import math

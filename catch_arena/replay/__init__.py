@@ -1,4 +1,4 @@
-"""Replays: matches that are recorded, saved, loaded, played again, checked and compared (docs/replays.md).
+"""Replays: matches that are recorded, saved, loaded, played again, checked and compared (docs/reference/replays.md).
 
 - recording: `Replay`, a recorded match. fileformat: its file, with states (numbers in whole millionths) and codec
   (columns of whole numbers as bytes). named_requests: requests by name, which are judged again.

@@ -1,4 +1,4 @@
-"""Conversion of a replay to the bytes of a file, and back (docs/replays.md).
+"""Conversion of a replay to the bytes of a file, and back (docs/reference/replays.md).
 
 Files are untrusted: every size is checked before memory is allocated for it, and a file that is not a whole replay of
 this ruleset is refused.

@@ -1,4 +1,4 @@
-"""Report of a tournament as one page, DIR/report.html; see docs/report.md.
+"""Report of a tournament as one page, DIR/report.html; see docs/howto/report.md.
 
 - data: the contents of a tournament's folder. selection: the replays in the page. charts: figures.
 - page: the page itself. watch: the page of a tournament that is under way, served on this machine.

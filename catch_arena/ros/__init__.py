@@ -1,4 +1,4 @@
-"""The arena on a ROS 2 bus (docs/ros2.md, docs/ros2_bags.md).
+"""The arena on a ROS 2 bus (docs/howto/ros2.md, docs/howto/ros2_bags.md).
 
 - middleware: messages and services, and the back-ends that carry them: DDS, rosbridge or rclpy; no code of the arena.
 - nodes: the arena as a node, and the exercise's two nodes.

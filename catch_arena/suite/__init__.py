@@ -1,4 +1,4 @@
-"""A benchmark suite: arenas and opponents, some for training and some held out (docs/suite.md).
+"""A benchmark suite: arenas and opponents, some for training and some held out (docs/howto/suite.md).
 
 The cases of the conformance suite are in conformance/.
 

@@ -1,4 +1,4 @@
-"""Figures of an agent in a suite; docs/suite.md explains how each one is computed, and why."""
+"""Figures of an agent in a suite; docs/howto/suite.md explains how each one is computed, and why."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -45,7 +45,7 @@ class ScenarioMeasures:
     win_share: Estimate
     """Share of the matches won, in [0, 1]; parties that share the first rank share the win."""
     place: int
-    """Place among the agent and its opponents by rating (docs/ratings.md), from 1, the best."""
+    """Place among the agent and its opponents by rating (docs/explanation/ratings.md), from 1, the best."""
     of: int
     """Number of entrants, of which `place` is one: the agent and its opponents."""
     first: bool | None

@@ -1,6 +1,6 @@
 """Grading specs: TOML files with matches that an agent plays, thresholds that it must reach, and points.
 
-docs/grading.md has the spec's fields and an example.
+docs/howto/grading.md has the spec's fields and an example.
 """
 
 import re

@@ -33,7 +33,7 @@ class Match:
 
 
 Block = tuple[Match, ...]
-"""Matches with one seed, in every rotation of their players through the parties (docs/tournaments.md)."""
+"""Matches with one seed, in every rotation of their players through the parties (docs/howto/tournaments.md)."""
 
 
 class MoveTimes(Struct, frozen=True, array_like=True):

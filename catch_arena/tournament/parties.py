@@ -50,8 +50,8 @@ class Parties:
 
     @property
     def group(self) -> int:
-        """Number of entrants in a block (docs/tournaments.md): one for each party; with prey, two for a side with one
-        party; three in all if both sides have one.
+        """Number of entrants in a block (docs/howto/tournaments.md): one for each party; with prey, two for a side with
+        one party; three in all if both sides have one.
         """
         return 3 if self._one_against_one else sum(self._players)
 

@@ -1,4 +1,6 @@
-"""Environments for training: batches of arenas with opponents, and adapters for training libraries (docs/training.md).
+"""Environments for training: batches of arenas with opponents, and adapters for training libraries.
+
+docs/howto/training.md shows their use.
 
 - batch: many arenas in which some seats learn. opponents: the agents in the other seats. prey_players: the agents that
   play prey. compiled: a decision function for one hunter, compiled for many hunters.

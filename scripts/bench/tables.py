@@ -1,4 +1,4 @@
-"""Results as Markdown tables, for the screen and for docs/performance.md."""
+"""Results as Markdown tables, for the screen and for docs/explanation/performance.md."""
 
 import statistics
 from collections.abc import Mapping, Sequence

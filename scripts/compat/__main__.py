@@ -1,7 +1,7 @@
 """Train for a short time with each supported library, each in its own environment: `make compat`.
 
 A client is a program in examples/. torch is large, so a base environment has it, with Catch Arena; the others use that
-one and add their library. docs/compatibility.md gets the table of results, with versions.
+one and add their library. docs/reference/compatibility.md gets the table of results, with versions.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "examples"
-PAGE = ROOT / "docs" / "compatibility.md"
+PAGE = ROOT / "docs" / "reference" / "compatibility.md"
 LIMIT_S = 900
 """Time limit of one client's program on a busy machine [s]."""
 
@@ -147,7 +147,7 @@ def main() -> int:
     parser.add_argument("clients", nargs="*", metavar="CLIENT", help=f"of {', '.join(CLIENTS)}; all without one")
     parser.add_argument("--environments", type=Path, default=ROOT / "out" / "compat", help="where they are made")
     parser.add_argument("--torch", default="torch", help="what pip installs as torch, such as torch==2.13.0")
-    parser.add_argument("--page", action="store_true", help="write the results into docs/compatibility.md")
+    parser.add_argument("--page", action="store_true", help="write the results into docs/reference/compatibility.md")
     given = parser.parse_args()
     unknown = set(given.clients) - set(CLIENTS)
     if unknown:

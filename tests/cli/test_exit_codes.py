@@ -1,4 +1,4 @@
-"""Errors of usage have one style, and docs/command_line.md lists every exit code once."""
+"""Errors of usage have one style, and docs/reference/command_line.md lists every exit code once."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ from catch_arena.cli import main
 from catch_arena.cli.app import GROUPS
 from catch_arena.cli.ros import ros
 
-PAGE = Path(__file__).parents[2] / "docs" / "command_line.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "command_line.md"
 COMMANDS = [
     *([name] for names in GROUPS.values() for name in names),
     *(["ros", one.name or one.callback.__name__] for one in ros.registered_commands),

@@ -16,7 +16,7 @@ from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase
 from catch_arena.errors import ConfigError
 from catch_arena.verdicts import Verdict
 
-BOOK = (Path(__file__).parents[2] / "docs" / "rulebook.md").read_text(encoding="utf-8")
+BOOK = (Path(__file__).parents[2] / "docs" / "reference" / "rulebook.md").read_text(encoding="utf-8")
 CASES = load_cases()
 ARBITER_CASES = [case for case in CASES if isinstance(case, ArbiterCase)]
 

@@ -12,7 +12,7 @@ from catch_arena.cli import main
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.testing import run_conformance
 
-PAGE = (Path(__file__).parents[2] / "docs" / "conformance.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "conformance.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture

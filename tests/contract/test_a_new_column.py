@@ -1,6 +1,7 @@
-"""What docs/architecture.md says a column costs, tried in a copy of the package: moving targets have a ninth column
-there, the bodies that prey sees too, and rivals in teams a tenth, which is more than one copy takes. All others are
-as they were.
+"""A new column costs as many files as docs/explanation/architecture.md says, tried in a copy of the package.
+
+Moving targets have a ninth column there, the bodies that prey sees too, and rivals in teams a tenth, which is more than
+one copy takes. All others are as they were.
 """
 
 import os

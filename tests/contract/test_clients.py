@@ -1,6 +1,6 @@
 """What other libraries ask of the interfaces, each of it found wanting once by a client that did not run.
 
-`make compat` trains with the libraries themselves (docs/compatibility.md).
+`make compat` trains with the libraries themselves (docs/reference/compatibility.md).
 """
 
 import re

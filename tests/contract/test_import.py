@@ -54,4 +54,6 @@ def test_every_package_is_in_a_wheel():
     told = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
     files = [path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     here = {".".join(path.parent.relative_to(root.parent).parts) for path in files}
-    assert told == sorted([*here, "catch_arena.docs"])  # which stands at the top of the repository
+    docs = root.parent / "docs"  # at the top of the repository
+    pages = {".".join(("catch_arena", *path.parent.relative_to(root.parent).parts)) for path in docs.rglob("*.md")}
+    assert told == sorted({*here, "catch_arena.docs", *pages})

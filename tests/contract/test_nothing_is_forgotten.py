@@ -1,6 +1,6 @@
 """A setting, a column, a verdict or a rule of motion that is declared, and that nobody reads or plays, fails here.
 
-docs/architecture.md ("How to extend") lists the files that each of them takes.
+docs/explanation/architecture.md ("How to extend") lists the files that each of them takes.
 """
 
 import dataclasses

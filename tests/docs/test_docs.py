@@ -34,7 +34,9 @@ def test_the_readmes_python_runs(code, tmp_path, monkeypatch):
     exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
 
 
-TRAINING = re.findall(r"```python(?: file=(\S+))?\n(.*?)```", (ROOT / "docs" / "training.md").read_text(), re.DOTALL)
+TRAINING = re.findall(
+    r"```python(?: file=(\S+))?\n(.*?)```", (ROOT / "docs" / "howto" / "training.md").read_text(), re.DOTALL
+)
 """(file, code): what the page has the reader save, and what he runs."""
 (SEARCH,) = (code for _, code in TRAINING if "def searched" in code)
 LIBRARIES = ("sb3_contrib", "stable_baselines3")
@@ -110,8 +112,8 @@ def test_the_readmes_commands_run_as_they_stand(tmp_path):
 def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
     """The page about agents and the page about grading are read together."""
     monkeypatch.chdir(tmp_path)
-    agent = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "agents.md").read_text(), re.DOTALL)[1]
-    spec = re.search(r"```toml\n(.*?)```", (ROOT / "docs" / "grading.md").read_text(), re.DOTALL)[1]
+    agent = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "reference" / "agents.md").read_text(), re.DOTALL)[1]
+    spec = re.search(r"```toml\n(.*?)```", (ROOT / "docs" / "howto" / "grading.md").read_text(), re.DOTALL)[1]
     Path("mine.py").write_text(agent)
     Path("exercise.toml").write_text(spec)
     Path("hidden_seed.txt").write_text("c0ffee00" * 4)
@@ -124,7 +126,7 @@ def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
 def test_whatever_is_said_to_be_installed_is_an_extra():
     """In the pages, and in the errors of the package, the scripts and the examples."""
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
-    pages = "".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")))
+    pages = "".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")))
     folders = ("catch_arena", "scripts", "examples")
     code = "".join(file.read_text() for part in folders for file in (ROOT / part).rglob("*.py"))
     in_pages = {name for names in re.findall(r"'\.\[([a-z0-9,]+)\]'", pages) for name in names.split(",")}
@@ -147,7 +149,7 @@ def test_the_page_about_the_architecture_lists_every_package_lowest_layer_first(
     linter = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
     layers = next(one["layers"] for one in linter["contracts"] if one.get("containers") == ["catch_arena"])
     height = {name: number for number, layer in enumerate(reversed(layers)) for name in layer.split(" : ")}
-    page = (ROOT / "docs" / "architecture.md").read_text()
+    page = (ROOT / "docs" / "explanation" / "architecture.md").read_text()
     table = page.partition("## The packages")[2].partition("## ")[0]
     names = re.findall(r"`(\w+)/?`", "".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)))
 
@@ -170,7 +172,7 @@ def test_the_made_pages_are_up_to_date():
 
 def test_the_page_about_agents_lists_every_limit_with_its_meaning_and_the_units_of_its_name():
     """The names end in their units: metres, seconds, and parts of them."""
-    page = (ROOT / "docs" / "agents.md").read_text()
+    page = (ROOT / "docs" / "reference" / "agents.md").read_text()
     tables = re.findall(r"<!-- made by `make docs`: view.limits.*? -->(.*?)<!-- end -->", page, re.DOTALL)
     units = {"m": "m", "mps": "m/s", "radps": "rad/s", "ms": "ms", "s": "s", "deg": "degrees"}
     for table, kind in zip(tables, (Limits, PreyLimits), strict=True):
@@ -183,7 +185,7 @@ def test_the_page_about_agents_lists_every_limit_with_its_meaning_and_the_units_
 def test_git_ignores_what_the_examples_write(tmp_path):
     shutil.copy(ROOT / ".gitignore", tmp_path)
     subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
-    text = "\n".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")))
+    text = "\n".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")))
     written = set(re.findall(r"^catch-arena .* (?:-o|--out) ([a-z]\S*)", text, re.MULTILINE))
     assert {"match.mp4", "results", "best.mp4"} <= written
     written.add("first.replay")

@@ -1,4 +1,4 @@
-"""The oracle's arbiter: chapter 5, written from docs/rulebook.md alone."""
+"""The oracle's arbiter: chapter 5, written from docs/reference/rulebook.md alone."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final

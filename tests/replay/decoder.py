@@ -1,4 +1,4 @@
-"""A decoder of replay files, written from docs/replays.md and the rulebook's appendix alone; slow and plain."""
+"""A plain decoder of replay files, written from docs/reference/replays.md and the rulebook's appendix alone."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""The file: as docs/replays.md says, small, and proof against whatever else it may hold."""
+"""The file: as docs/reference/replays.md says, small, and proof against whatever else it may hold."""
 
 import copy
 import hashlib

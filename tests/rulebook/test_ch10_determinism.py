@@ -154,7 +154,7 @@ def test_r10_2_a_saved_state_that_is_restored_goes_on_identically() -> None:
 def test_r10_3_the_ruleset_has_a_number_and_the_book_and_the_env_bear_it() -> None:
     """One number everywhere."""
     assert re.fullmatch(r"catch_arena_v\d+", RULESET)
-    assert f"Ruleset `{RULESET}`" in (ROOT / "docs" / "rulebook.md").read_text(encoding="utf-8")
+    assert f"Ruleset `{RULESET}`" in (ROOT / "docs" / "reference" / "rulebook.md").read_text(encoding="utf-8")
     assert str(parallel_env("duel")) == RULESET
 
 

@@ -186,7 +186,7 @@ def test_r5_2_a_hunters_first_request_stands_whatever_its_verdict(arbiter: Arbit
     assert rulings[2].distance_um is rulings[2].winner is None
 
 
-BOOK = (Path(__file__).parents[2] / "docs" / "rulebook.md").read_text(encoding="utf-8")
+BOOK = (Path(__file__).parents[2] / "docs" / "reference" / "rulebook.md").read_text(encoding="utf-8")
 ORDER = [Verdict[name] for name in re.findall(r"^\| ([A-Z_]+) \|", BOOK, flags=re.MULTILINE)]
 """R5.2's table."""
 

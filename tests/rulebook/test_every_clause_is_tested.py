@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-BOOK = ROOT / "docs" / "rulebook.md"
+BOOK = ROOT / "docs" / "reference" / "rulebook.md"
 PACKAGE = ROOT / "catch_arena"
 
 

@@ -38,7 +38,7 @@ def module(name, monkeypatch):
 def run(tmp_path_factory):
     """One quick run, without the rows that start processes: the folder that it wrote into."""
     folder = tmp_path_factory.mktemp("bench")
-    (folder / "page.md").write_bytes((ROOT / "docs" / "performance.md").read_bytes())
+    (folder / "page.md").write_bytes((ROOT / "docs" / "explanation" / "performance.md").read_bytes())
     rows = ("peers", "batch", "threads", "hunters", "targets", "one-arena", "learners", "resets", "memory")
     done = bench("--quick", "--only", *rows, "--json", folder / "bench.json", "--page", folder / "page.md")
     assert done.returncode == 0, done.stderr
@@ -81,7 +81,7 @@ def test_the_table_has_every_row_with_its_sizes_and_its_rate(run):
 
 def test_the_page_keeps_what_is_written_by_hand(run):
     """Only what stands between the marks changes."""
-    old = (ROOT / "docs" / "performance.md").read_text()
+    old = (ROOT / "docs" / "explanation" / "performance.md").read_text()
 
     assert (run / "page.md").read_text().startswith(old.partition("<!-- made by make bench -->")[0])
 
@@ -186,7 +186,7 @@ def repository(tmp_path_factory):
 @pytest.mark.nightly
 def test_an_older_commit_and_the_current_version_are_measured_in_turn(repository, tmp_path):
     """Rows that need no compiler; with uncommitted changes, which the tables name."""
-    shutil.copy(ROOT / "docs" / "performance.md", tmp_path / "page.md")
+    shutil.copy(ROOT / "docs" / "explanation" / "performance.md", tmp_path / "page.md")
     rows = ("batch", "threads", "hunters", "controls", "one-arena", "learners", "memory")
     done = repository.bench("HEAD", "--only", *rows, "--json", tmp_path / "bench.json", "--page", tmp_path / "page.md")
     assert done.returncode == 0, done.stderr
@@ -202,7 +202,9 @@ def test_an_older_commit_and_the_current_version_are_measured_in_turn(repository
         assert f"| {what}" in page
     for what in ("two threads", "cost of an agent-step with 64 hunters", "velocity control", "full control"):
         assert re.search(rf"\n\| {what}, times[^|]+\| +[\d.]+ \| +[\d.]+ \|", page)
-    assert page.startswith((ROOT / "docs" / "performance.md").read_text().partition("<!-- made by scripts/bench")[0])
+    assert page.startswith(
+        (ROOT / "docs" / "explanation" / "performance.md").read_text().partition("<!-- made by scripts/bench")[0]
+    )
     assert repository.left() == []
 
 

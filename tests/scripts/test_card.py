@@ -147,7 +147,7 @@ def test_references_that_are_not_played_anew_stay():
 
 
 def test_the_card_in_the_docs_is_of_this_suite_and_has_every_shipped_agent():
-    page = (ROOT / "docs" / "card.md").read_text()
+    page = (ROOT / "docs" / "reference" / "card.md").read_text()
     assert SUITE.digest in page, "make card"
     told = set(re.findall(r"^### (\w+)$", page, re.MULTILINE))
     missing = sorted(set(shipped()) - told)

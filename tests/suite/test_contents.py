@@ -18,7 +18,7 @@ from catch_arena.suite.contents import (
 from catch_arena.suite.references import references, references_text
 
 FROZEN = json.loads(FILE.read_text())
-PAGE = (Path(__file__).parents[2] / "docs" / "suite.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "suite.md").read_text()
 each_scenario = pytest.mark.parametrize("scenario", SUITE.scenarios, ids=lambda one: one.name)
 
 

@@ -1,6 +1,7 @@
 """Hostile agents in namespaces: each tries to see, harm or outlive others, in a real tournament or a real match.
 
-docs/isolation.md has the same attacks in its table. An attacker touches only what it finds from inside its namespaces.
+docs/howto/isolation.md has the same attacks in its table. An attacker touches only what it finds from inside
+its namespaces.
 """
 
 import os

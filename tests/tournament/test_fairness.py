@@ -1,4 +1,4 @@
-"""Fairness of seats, names, labels and the order of requests: proven every night, as docs/ratings.md says."""
+"""Fairness of seats, names, labels and the order of requests, as docs/explanation/ratings.md says."""
 
 from dataclasses import replace
 from itertools import cycle, islice

@@ -15,7 +15,7 @@ from catch_arena.tournament.grading import _HINTS
 from catch_arena.tournament.grading_spec import read_spec
 
 BAD = Path(__file__).parent / "isolation" / "bad"
-DOCS = Path(__file__).parents[2] / "docs" / "grading.md"
+DOCS = Path(__file__).parents[2] / "docs" / "howto" / "grading.md"
 SEED = "seed = 'c0ffee00c0ffee00c0ffee00c0ffee00'"
 SPEC = f"""
 title = "Exercise 1"
@@ -184,7 +184,7 @@ def test_what_hints_point_at_is_there():
     pointers = re.findall(r"`catch-arena docs (\w+)`(?:, ([^:]+):)?", " ".join(_HINTS.values()))
     assert ("isolation", "Limits") in pointers
     for page, heading in pointers:
-        assert f"# {heading}" in (DOCS.parent / f"{page}.md").read_text()
+        assert f"# {heading}" in next(DOCS.parents[1].rglob(f"{page}.md")).read_text()
 
 
 def test_it_is_prey_in_one_match_and_what_catches_it_counts(grade):

@@ -22,7 +22,7 @@ from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.secret import Purpose, Secret, agent_seed
 from catch_arena.tournament.store import STORE, Store, Tournament
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tournaments.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "tournaments.md").read_text()
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
 SMALL_NUMBERS = 40
 PURPOSES = get_args(Purpose)

@@ -13,7 +13,7 @@ _MOST: Final = 10**6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentLimits:
-    """Limits of one agent in one match (docs/isolation.md). Times are wall-clock times, except `cpu_s`."""
+    """Limits of one agent in one match (docs/howto/isolation.md). Times are wall-clock times, except `cpu_s`."""
 
     init_s: float = 10.0
     """Time before the first view [s]: for start, import, construction and `reset`."""

@@ -1,4 +1,4 @@
-"""Messages between a match and an isolated agent: lines of JSON (docs/isolation.md).
+"""Messages between a match and an isolated agent: lines of JSON (docs/howto/isolation.md).
 
 Our own program speaks for Python agents. To it a view is written as a record of bytes, which is as exact, and takes
 both sides a tenth of the time.

@@ -1,4 +1,4 @@
-"""Processes of isolated agents, from the tournament's side. docs/isolation.md lists the attacks that this stops."""
+"""Processes of isolated agents, from the tournament's side. docs/howto/isolation.md lists what this stops."""
 
 import json
 import os

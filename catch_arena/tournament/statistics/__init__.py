@@ -1,4 +1,4 @@
-"""Figures about the entrants with their uncertainty, from the results of matches (docs/ratings.md).
+"""Figures about the entrants with their uncertainty, from the results of matches (docs/explanation/ratings.md).
 
 - outcomes: the matches as arrays; sides: the matches of hunters and of prey separately.
 - standings: the table. ratings: the strength of each entrant. head_to_head: each entrant against each other.

@@ -1,5 +1,5 @@
 """Confidence intervals of figures, by resampling blocks: the matches of a block share their targets, so they are not
-independent. docs/ratings.md has the formulas, their sources, and the measured coverage of the intervals.
+independent. docs/explanation/ratings.md has the formulas, their sources, and the measured coverage of the intervals.
 """
 
 import math

@@ -3,7 +3,7 @@
 The model is Davidson's (1970). If entrants of strengths a and b meet, the first ranks above the second with probability
 a / (a + b + v sqrt(a b)), and they tie with probability v sqrt(a b) / (a + b + v sqrt(a b)). A match of more than two
 counts as all its pairs (a composite likelihood: Varin, Reid and Firth 2011). Pairs are not independent, so errors are
-computed from whole blocks. docs/ratings.md has the rest.
+computed from whole blocks. docs/explanation/ratings.md has the rest.
 """
 
 import math
@@ -92,7 +92,9 @@ def rate(outcomes: Outcomes) -> Ratings:
     gradients[:, size] = np.bincount(pairs.block, (pairs.result == 0) - tied, outcomes.blocks)
     win = _logistic(strengths)
     imagined = np.zeros((2 * size, size + 1))
-    imagined[:size, :size] = np.diag(1.0 - win)  # for the errors, added games are whole games: see docs/ratings.md
+    imagined[:size, :size] = np.diag(
+        1.0 - win
+    )  # for the errors, added games are whole games: see docs/explanation/ratings.md
     imagined[size:, :size] = np.diag(-win)
 
     played = blocks_played > 0

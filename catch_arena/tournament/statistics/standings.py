@@ -24,7 +24,7 @@ _DIGITS = 6
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """Line of one entrant in the table; docs/ratings.md defines each figure."""
+    """Line of one entrant in the table; docs/explanation/ratings.md defines each figure."""
 
     place: int
     """Place by rating: 1 is best, and equal ratings share a place."""

@@ -159,7 +159,7 @@ def test_all_are_asked_at_the_same_time(tmp_path):
 
 
 def test_the_docs_have_every_limit():
-    page = (Path(__file__).parents[3] / "docs" / "isolation.md").read_text()
+    page = (Path(__file__).parents[3] / "docs" / "howto" / "isolation.md").read_text()
     for limit in fields(AgentLimits):
         if limit.name in AgentLimits().numbers():
             assert f"| `{limit.name}` | {limit.default:g} |" in page

@@ -19,7 +19,7 @@ from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play
 
-DOCS = Path(__file__).parents[3] / "docs" / "isolation.md"
+DOCS = Path(__file__).parents[3] / "docs" / "howto" / "isolation.md"
 SHORT = scenario("duel", time_limit_s=1)
 FREE = {"init_s": 60, "step_ms": 60_000}
 ASKS = """
@@ -126,7 +126,7 @@ def test_it_reaches_nobody_over_a_network(sandbox, ask):
         assert "Connection refused" in reached[0]
         assert "Connection refused" in reached[1]
         assert reached[2] == ["lo"]
-    else:  # docs/isolation.md says so
+    else:  # docs/howto/isolation.md says so
         assert reached[:2] == ["reached", "reached"]
 
 
@@ -240,7 +240,7 @@ public class Bot {
 
 @pytest.mark.parametrize("runtime", ["sh", *RUNTIMES])
 def test_any_runtime_plays_as_pythons_nearest_does(sandbox, tmp_path, runtime):
-    """In POSIX shell it is the example of docs/isolation.md."""
+    """In POSIX shell it is the example of docs/howto/isolation.md."""
     if runtime == "node":
         (tmp_path / "bot").mkdir()
         (tmp_path / "bot" / "index.js").write_text(NODE)

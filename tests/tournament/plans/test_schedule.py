@@ -73,7 +73,7 @@ def test_this_plan_stays_what_it_is_whatever_the_python_or_the_machine():
 @settings(deadline=None, max_examples=60)
 @given(st.integers(2, 6).flatmap(lambda seats: st.tuples(st.integers(seats, 24), st.just(seats), st.integers(1, 4))))
 def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
-    """No pair has more than five blocks more than another, however many rounds there are; docs/tournaments.md."""
+    """No pair has more than five blocks more than another, however many rounds there are; docs/howto/tournaments.md."""
     entrants, seats, rounds = sizes
     plan = plan_of("round-robin", entrants, hunters(seats), rounds, seed=3, most=1)
     (least, most), (seldom, often) = match_counts(plan, entrants)

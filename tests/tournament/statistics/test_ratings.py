@@ -37,7 +37,7 @@ def test_a_match_counts_as_all_its_pairs():
 
 
 def test_the_fit_is_the_most_likely_one():
-    """Of three, of whom one never lost to another; these numbers are those of SciPy's minimiser on docs/ratings.md."""
+    """One of three never lost to another; SciPy's minimiser gives these numbers (docs/explanation/ratings.md)."""
     wins, ties = np.array([[0, 7, 12], [3, 0, 9], [0, 4, 0]]), np.array([[0, 2, 0], [2, 0, 5], [0, 5, 0]])
     strengths, log_tie, _ = fit(wins.astype(float), ties.astype(float))
     assert [*strengths, log_tie] == pytest.approx([1.407047, -0.112547, -1.237868, -0.547447], abs=1e-5)

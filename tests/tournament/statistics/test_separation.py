@@ -1,4 +1,4 @@
-"""Groups of agents that cannot be told apart, and when an order is clear: errors as rare as docs/ratings.md says."""
+"""Groups of equal agents, and the end of a clear order: errors are as rare as docs/explanation/ratings.md says."""
 
 import re
 from pathlib import Path
@@ -16,7 +16,7 @@ from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
 
 ROOT = Path(__file__).parents[3]
-DOCS = ROOT / "docs" / "ratings.md"
+DOCS = ROOT / "docs" / "explanation" / "ratings.md"
 THREE = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abc"]
 
 
