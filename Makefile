@@ -22,7 +22,7 @@ PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted numba boundscheck coverage mutate browser ros window check format bench pictures golden docs \
+.PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted numba boundscheck coverage mutate browser ros window check format bench pictures golden docs site \
 	clean setup pythons
 
 help: ## list the targets
@@ -124,6 +124,9 @@ golden: $(VENV)/ready-dev ## make anew what tests compare with: frames, golden m
 	PYTHONPATH=tests $(BIN)/python tests/golden/matches.py
 	PYTHONPATH=tests $(BIN)/python tests/rulebook/census/enumeration.py
 
+site: $(VENV)/ready-site ## build the documentation as a site (out/site/index.html)
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs out/site
+
 docs: $(VENV)/ready ## write the tables in docs/ that are made from code
 	$(BIN)/python scripts/write_docs.py
 
@@ -162,6 +165,10 @@ $(VENV)/ready-torch: $(VENV)/ready-dev
 $(VENV)/ready-bench: $(VENV)/ready
 	@echo "installing the peers (gigabytes)"
 	@$(PIP) --editable '.[bench]' || echo "not all peers could be installed: the run names those that are missing"
+	@touch $@
+
+$(VENV)/ready-site: $(VENV)/ready
+	@$(UV) --group site
 	@touch $@
 
 $(VENV)/ready-browser: $(VENV)/ready-dev

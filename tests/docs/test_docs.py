@@ -3,10 +3,8 @@
 import dataclasses
 import re
 import runpy
-import shlex
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -26,31 +24,11 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
-@pytest.mark.large
-@pytest.mark.parametrize("code", blocks("python"))
-def test_the_readmes_python_runs(code, tmp_path, monkeypatch):
-    """As it stands, and without a warning."""
-    monkeypatch.chdir(tmp_path)
-    exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
-
-
 TRAINING = re.findall(
     r"```python(?: file=(\S+))?\n(.*?)```", (ROOT / "docs" / "howto" / "training.md").read_text(), re.DOTALL
 )
 """(file, code): what the page has the reader save, and what he runs."""
 (SEARCH,) = (code for _, code in TRAINING if "def searched" in code)
-LIBRARIES = ("sb3_contrib", "stable_baselines3")
-
-
-@pytest.mark.large
-@pytest.mark.parametrize(
-    "code",
-    [code for file, code in TRAINING if not file and code != SEARCH and not any(x in code for x in LIBRARIES)],
-)
-def test_the_code_on_the_page_about_training_runs(code, tmp_path, monkeypatch):
-    """What needs a library of others runs in `make compat`."""
-    monkeypatch.chdir(tmp_path)
-    exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
 
 
 @pytest.mark.large
@@ -79,34 +57,6 @@ def test_the_page_about_training_makes_an_agent_that_plays(tmp_path, monkeypatch
     batch.reset(seed=1)
     for _ in range(5):
         batch.step(np.ones(3, dtype=int))
-
-
-def commands(text):
-    """The arguments of every line that calls catch-arena."""
-    found = [shlex.split(line, comments=True) for line in text.splitlines() if line.startswith("catch-arena")]
-    assert found
-    return [arguments for _, *arguments in found]
-
-
-def test_the_readmes_commands_run_with_small_videos(tmp_path, monkeypatch):
-    """One after the other, in an empty folder, and in this process."""
-    monkeypatch.chdir(tmp_path)
-    text, videos = re.subn(r"--size \S+ --fps \S+", "--size 320x320 --fps 2", "".join(blocks("sh")))
-    assert videos
-    for arguments in commands(text):
-        done = CliRunner().invoke(main, arguments)
-        assert done.exit_code == 0, (arguments, done.output)
-        assert "--at" not in arguments or "R5.4" in done.output  # the example shows a contest
-        if arguments[0] == "tournament":
-            assert "± ?" not in done.output
-
-
-@pytest.mark.nightly
-def test_the_readmes_commands_run_as_they_stand(tmp_path):
-    """In processes of their own."""
-    program = shutil.which("catch-arena", path=str(Path(sys.executable).parent))
-    for arguments in commands("".join(blocks("sh"))):
-        subprocess.run([program, *arguments], check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
 
 
 def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
