@@ -62,7 +62,9 @@ def test_the_page_about_training_makes_an_agent_that_plays(tmp_path, monkeypatch
 def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
     """The page about agents and the page about grading are read together."""
     monkeypatch.chdir(tmp_path)
-    agent = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "reference" / "agents.md").read_text(), re.DOTALL)[1]
+    agent = re.search(
+        r"```python file=mine.py\n(.*?)```", (ROOT / "docs" / "reference" / "agents.md").read_text(), re.DOTALL
+    )[1]
     spec = re.search(r"```toml\n(.*?)```", (ROOT / "docs" / "howto" / "grading.md").read_text(), re.DOTALL)[1]
     Path("mine.py").write_text(agent)
     Path("exercise.toml").write_text(spec)

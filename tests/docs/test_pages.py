@@ -36,6 +36,9 @@ ANSWERS_NO = {"compare": (0, 1, 3), "diff": (0, 1), "grade": (0, 1), "check-agen
 """Exit codes of commands whose answer may be no (docs/reference/command_line.md)."""
 
 
+AGENT = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 1 if view.targets else 0\n"
+
+
 class Block(NamedTuple):
     mark: str
     kind: str
@@ -79,8 +82,11 @@ def run_page(page, *, nightly):
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory):
-    """A folder with match.replay and recorded/, a small recorded tournament."""
+    """A folder with three agents, match.replay, and recorded/, a small tournament."""
     folder = tmp_path_factory.mktemp("recorded")
+    for file in ("mine.py", "ann/agent.py", "bob/agent.py"):
+        (folder / file).parent.mkdir(exist_ok=True)
+        (folder / file).write_text(AGENT)
     for words in (
         ("match", "nearest", "contested", "patrol", "first", "--seed", "3", "-o", folder / "match.replay"),
         (
