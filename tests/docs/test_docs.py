@@ -65,7 +65,9 @@ def test_the_sample_agent_passes_the_sample_spec(tmp_path, monkeypatch):
     agent = re.search(
         r"```python file=mine.py\n(.*?)```", (ROOT / "docs" / "reference" / "agents.md").read_text(), re.DOTALL
     )[1]
-    spec = re.search(r"```toml\n(.*?)```", (ROOT / "docs" / "howto" / "grading.md").read_text(), re.DOTALL)[1]
+    spec = re.search(
+        r"```toml file=exercise.toml\n(.*?)```", (ROOT / "docs" / "howto" / "grading.md").read_text(), re.DOTALL
+    )[1]
     Path("mine.py").write_text(agent)
     Path("exercise.toml").write_text(spec)
     Path("hidden_seed.txt").write_text("c0ffee00" * 4)

@@ -68,7 +68,11 @@ def run_command(words):
 
 def run_page(page, *, nightly):
     """Run the blocks of a page; those of the night only if `nightly`."""
-    for block in blocks_of(page):
+    blocks = blocks_of(page)
+    for block in reversed(blocks):
+        if block.file:
+            Path(block.file).write_text(block.text)
+    for block in blocks:
         if block.file:
             Path(block.file).write_text(block.text)
         elif block.mark.startswith("not run") or (block.mark == "nightly" and not nightly):
@@ -87,6 +91,7 @@ def recorded(tmp_path_factory):
     for file in ("mine.py", "ann/agent.py", "bob/agent.py"):
         (folder / file).parent.mkdir(exist_ok=True)
         (folder / file).write_text(AGENT)
+    (folder / "hidden_seed.txt").write_text("c0ffee00" * 4)
     for words in (
         ("match", "nearest", "contested", "patrol", "first", "--seed", "3", "-o", folder / "match.replay"),
         (
