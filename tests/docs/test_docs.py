@@ -24,36 +24,34 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
-TRAINING = re.findall(
-    r"```python(?: file=(\S+))?\n(.*?)```", (ROOT / "docs" / "howto" / "training.md").read_text(), re.DOTALL
-)
-"""(file, code): what the page has the reader save, and what he runs."""
-(SEARCH,) = (code for _, code in TRAINING if "def searched" in code)
+PYTHON = re.compile(r"```python(?: file=\S+)?\n(.*?)```", re.DOTALL)
 
 
 @pytest.mark.large
-def test_the_search_on_the_page_about_training_gains_what_the_page_says(capsys):
+def test_the_search_on_its_page_gains_what_the_page_says(capsys):
     """Without it that hunter loses; with it, it wins."""
-    exec(SEARCH, {"__name__": "__main__"})  # noqa: S102 - ours
+    (code,) = PYTHON.findall((ROOT / "docs" / "howto" / "save_and_search.md").read_text())
+    exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
     printed = capsys.readouterr().out.strip()
     own, rivals, own_searching, rivals_then = map(int, re.findall(r"\d+", printed))
 
-    assert SEARCH.rstrip().endswith(f"  # {printed}")
+    assert code.rstrip().endswith(f"  # {printed}")
     assert own < rivals
     assert own_searching > rivals_then
 
 
 def test_the_page_about_training_makes_an_agent_that_plays(tmp_path, monkeypatch):
     """In its scenario and in another, alone and in batches, with a network that knows nothing."""
-    ((name, code),) = [(file, code) for file, code in TRAINING if file]
+    page = (ROOT / "docs" / "tutorials" / "train_an_agent.md").read_text()
+    (code,) = [code for code in PYTHON.findall(page) if "class Agent" in code]
     monkeypatch.chdir(tmp_path)
-    Path(name).write_text(code)
+    Path("mine.py").write_text(code)
     rng = np.random.default_rng(1)
     Mlp([(rng.normal(size=(8, 71)), np.zeros(8)), (rng.normal(size=(9, 8)), np.zeros(9))]).save("mine.npz")
     for scenario in ("standard", "duel"):
-        done = CliRunner().invoke(main, ["check-agent", name, "--scenario", scenario, "--trusted"])
+        done = CliRunner().invoke(main, ["check-agent", "mine.py", "--scenario", scenario, "--trusted"])
         assert done.exit_code == 0, done.output
-    batch = LearnerBatch("standard", 3, opponents=name)
+    batch = LearnerBatch("standard", 3, opponents="mine.py")
     batch.reset(seed=1)
     for _ in range(5):
         batch.step(np.ones(3, dtype=int))
