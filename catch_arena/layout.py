@@ -103,50 +103,56 @@ class SelfFeatures(NamedTuple):
     heading_sin: Annotated[float, _Said("1", _any_part, "sine of the heading")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "forward velocity")]
     angular_velocity: Annotated[float, _Said("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
-    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "until the time limit")]
+    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
     score: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "granted catches so far")]
     distance_integral: Annotated[
-        float, _Said("m s", lambda a: (0.0, a.diagonal * a.duration), "R4.3's linear integral")
+        float, _Said("m s", lambda a: (0.0, a.diagonal * a.duration), "linear integral of R4.3")
     ]
     bearing_integral: Annotated[
-        float, _Said("rad s", lambda a: _either_side(3.15 * a.duration), "R4.3's angular integral")
+        float, _Said("rad s", lambda a: _either_side(3.15 * a.duration), "angular integral of R4.3")
     ]
 
 
 class TargetFeatures(NamedTuple):
     """Columns of a hunter's observation for each target, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
-    left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
-    present: Annotated[float, _Said("flag", _flag, "1 where this rank has a target")]
-    age: Annotated[float, _Said("s", lambda a: (0.0, a.duration), "since it appeared")]
-    active: Annotated[float, _Said("flag", _flag, "1 where it is the hunter's active target")]
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
+    left: Annotated[
+        float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
+    ]
+    present: Annotated[float, _Said("flag", _flag, "1 if this rank has a target")]
+    age: Annotated[float, _Said("s", lambda a: (0.0, a.duration), "time since it appeared")]
+    active: Annotated[float, _Said("flag", _flag, "1 if it is the hunter's active target")]
 
 
 class MotionFeatures(NamedTuple):
     """R7.4: further columns for each target if targets move."""
 
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "its forward velocity")]
 
 
 class RivalFeatures(NamedTuple):
     """Columns of a hunter's observation for each rival, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
-    left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
-    present: Annotated[float, _Said("flag", _flag, "1 where this rank has a rival")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
+    left: Annotated[
+        float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
+    ]
+    present: Annotated[float, _Said("flag", _flag, "1 if this rank has a rival")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
-    score_difference: Annotated[float, _Said("catches", lambda a: _either_side(a.catches), "its score less one's own")]
+    score_difference: Annotated[
+        float, _Said("catches", lambda a: _either_side(a.catches), "its score minus the agent's own")
+    ]
 
 
 class TeamFeatures(NamedTuple):
     """R7.4: further column for each rival if there are teams."""
 
-    mate: Annotated[float, _Said("flag", _flag, "1 where it is a team-mate")]
+    mate: Annotated[float, _Said("flag", _flag, "1 if it is a team-mate")]
 
 
 class PreySelfFeatures(NamedTuple):
@@ -160,19 +166,21 @@ class PreySelfFeatures(NamedTuple):
     angular_velocity: Annotated[
         float, _Said("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
     ]
-    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "until the time limit")]
-    times_caught: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "how often it was caught so far")]
-    alive: Annotated[float, _Said("flag", _flag, "0 while it is out")]
+    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
+    times_caught: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "number of times it was caught so far")]
+    alive: Annotated[float, _Said("flag", _flag, "0 between a catch and its return")]
 
 
 class BodyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each hunter and for each other prey, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far ahead it is")]
-    left: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far to the left it is")]
-    present: Annotated[float, _Said("flag", _flag, "1 where this rank has {body}")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "distance ahead; negative is behind")]
+    left: Annotated[
+        float, _Said("m", lambda a: _either_side(a.diagonal), "distance to the left; negative is to the right")
+    ]
+    present: Annotated[float, _Said("flag", _flag, "1 if this rank has {body}")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
 
 
@@ -323,10 +331,10 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
         {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}
         for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
     )
-    withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 where the hunter takes no further part")
+    withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 if the hunter takes no further part")
     hunter["withdrawn"] = withdrawn
-    target["present"] = target["present"]._replace(meaning="1 where this place has a target")
-    prey["withdrawn"] = withdrawn._replace(meaning="1 where the prey takes no further part")
+    target["present"] = target["present"]._replace(meaning="1 if this place has a target")
+    prey["withdrawn"] = withdrawn._replace(meaning="1 if the prey takes no further part")
     of_target = STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS
     return (
         hunter["time_left"],
