@@ -24,10 +24,10 @@ FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", 
 """Agents that play; a fixed list, so that new agents do not change the demo."""
 SEED: Final = 7
 PICTURE: Final = ("--size", "1280x720", "--fps", "30")
-BEGAN: Final = "demo.began"
+MARK: Final = "demo.began"
 """File that marks a folder as made by the demo, which may therefore remove its contents."""
 NOT_OURS: Final = """\
-{folder} was not made by the demo, and is left as it is.
+{folder} was not made by the demo, and stays as it is.
 Remove it, or name another folder:  --out FOLDER"""
 COMMAND: Final = str(Path(sys.executable).with_name("catch-arena"))
 
@@ -36,13 +36,16 @@ def parse() -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "--out", type=Path, default=Path("out/demo"), help="the folder to write to; one that the demo made is made anew"
+        "--out",
+        type=Path,
+        default=Path("out/demo"),
+        help="folder to write to; the files of an earlier demo in it are removed",
     )
     parser.add_argument(
         "--open",
         action=argparse.BooleanOptionalAction,
         default=has_desktop(),
-        help="open what was made; the default where there is a desktop",
+        help="open the results; the default if there is a desktop",
     )
     return parser.parse_args()
 
@@ -77,7 +80,7 @@ def wait_for(process: subprocess.Popen[str]) -> None:
         sys.exit(process.returncode)
 
 
-def tell(process: subprocess.Popen[str]) -> None:
+def show(process: subprocess.Popen[str]) -> None:
     """Wait for a quiet command; print its progress, and its output at the end.
 
     Raises:
@@ -89,7 +92,7 @@ def tell(process: subprocess.Popen[str]) -> None:
     wait_for(process)
 
 
-def make_anew(out: Path) -> None:
+def make_folder(out: Path) -> None:
     """Make the folder, and remove the files of an earlier demo from it.
 
     Raises:
@@ -98,13 +101,13 @@ def make_anew(out: Path) -> None:
     try:
         out.mkdir(parents=True, exist_ok=True)
         left = list(out.iterdir())
-        if left and not (out / BEGAN).exists():
+        if left and not (out / MARK).exists():
             sys.exit(NOT_OURS.format(folder=out))
-        (out / BEGAN).touch()
+        (out / MARK).touch()
         for path in left:
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
-            elif path.name != BEGAN:  # the mark stays, so that an interrupted removal can be repeated
+            elif path.name != MARK:  # the mark stays, so that an interrupted removal can be repeated
                 path.unlink()
     except FileExistsError:
         sys.exit(NOT_OURS.format(folder=out))
@@ -120,7 +123,7 @@ def demo(out: Path) -> dict[str, Path]:
         started.append(begin(*words, quietly=quietly))
         return started[-1]
 
-    make_anew(out)
+    make_folder(out)
     replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
     try:
         wait_for(run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out))
@@ -130,7 +133,7 @@ def demo(out: Path) -> dict[str, Path]:
         wait_for(run("match", *best, "--seed", SEED, "-o", replay))
         wait_for(run("render", replay, *PICTURE, "-o", video))
         print("\nthe best moments of all matches:", flush=True)
-        tell(filming)
+        show(filming)
     except BaseException:
         for process in started:
             process.kill()  # a command's own processes end with it
@@ -143,7 +146,7 @@ def main() -> int:
     args = parse()
     began = time.monotonic()
     made = demo(args.out)
-    print(f"\nAll of it took {time.monotonic() - began:.0f} s. Look at:")
+    print(f"\nThe demo took {time.monotonic() - began:.0f} s. Look at:")
     for name, path in made.items():
         print(f"  {name + ':':<14}{path}")
         if args.open:

@@ -37,16 +37,16 @@ class Driver:
 
     def __init__(self, bus: Bus, hunters: int) -> None:
         self.poses: dict[str, Pose] = {}
-        self.heard: Counter[str] = Counter()
+        self.received: Counter[str] = Counter()
         self.turtles: TurtleArray = TurtleArray(())
         self.times: list[int] = []
         self.drive = {}
         types = bus.interfaces(Interfaces())
         for hunter in (f"hunter_{seat}" for seat in range(hunters)):
             self.drive[hunter] = bus.publisher(f"/{hunter}/cmd_vel", TWIST)
-            bus.subscribe(f"/{hunter}/pose", types.pose, lambda pose, hunter=hunter: self._hear(hunter, pose))
+            bus.subscribe(f"/{hunter}/pose", types.pose, lambda pose, hunter=hunter: self._receive(hunter, pose))
         bus.subscribe("/alive_turtles", types.turtle_array, lambda turtles: setattr(self, "turtles", turtles))
-        bus.subscribe("/clock", CLOCK, lambda told: self._tick(told.clock.sec * 1000 + told.clock.nanosec // 10**6))
+        bus.subscribe("/clock", CLOCK, lambda time: self._tick(time.clock.sec * 1000 + time.clock.nanosec // 10**6))
         self.ask = bus.client("/hunter_0/catch_turtle", types.catch_turtle)
 
     def act(self) -> str:
@@ -63,10 +63,10 @@ class Driver:
                 wanted = near.name
         return wanted
 
-    def _hear(self, hunter: str, pose: Pose) -> None:
+    def _receive(self, hunter: str, pose: Pose) -> None:
         self.poses[hunter] = pose
         if self.times and self.times[-1] > 0:
-            self.heard[hunter] += 1
+            self.received[hunter] += 1
 
     def _tick(self, time_ms: int) -> None:
         if not self.times or time_ms > self.times[-1]:
@@ -76,10 +76,10 @@ class Driver:
 def main() -> None:
     """Measure, and print the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bus", choices=BACKENDS, help="the first that works here if it is left out")
-    parser.add_argument("--seconds", type=int, default=60)
-    parser.add_argument("--hunters", type=int, default=4)
-    parser.add_argument("--targets", type=int, default=16)
+    parser.add_argument("--bus", choices=BACKENDS, help="middleware; without it, the first that works")
+    parser.add_argument("--seconds", type=int, default=60, help="length of the match")
+    parser.add_argument("--hunters", type=int, default=4, help="number of hunters")
+    parser.add_argument("--targets", type=int, default=16, help="number of targets")
     parser.add_argument("--answer", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     os.environ |= {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", "77")}
@@ -92,11 +92,8 @@ def main() -> None:
 def answer(backend: Backend) -> None:
     """Answer calls immediately, until the process is ended."""
     bus = open_bus(backend)
-    bus.serve(
-        "/at_once",
-        bus.interfaces(Interfaces()).catch_turtle,
-        lambda one: one.answer(CatchTurtleResponse(success=False)),
-    )
+    kind, refusal = bus.interfaces(Interfaces()).catch_turtle, CatchTurtleResponse(success=False)
+    bus.serve("/immediate", kind, lambda call: call.answer(refusal))
     while True:
         bus.spin(1.0)
 
@@ -118,17 +115,17 @@ def play(given: argparse.Namespace) -> None:
         calls, busy = round_trips(bus, driver, arena, given.seconds)
         out = arena.communicate()[0]
     with subprocess.Popen([sys.executable, __file__, "--answer", "--bus", bus.backend]) as answering:
-        at_once = bus_trips(bus)
+        immediate = bus_trips(bus)
         answering.kill()
     steps = len(driver.times) - 1
     lost = sum(late - early != TICK_MS for early, late in zip(driver.times[1:], driver.times[2:], strict=False))
     print(re.search(r".* ticks were late .*", out)[0])
-    print(f"{steps} steps on /clock, {lost} gaps; poses heard: {dict(driver.heard)}")
-    tell("catch_turtle, round trip", calls)
-    tell("a call that is answered at once", at_once)
+    print(f"{steps} steps on /clock, {lost} gaps; poses received: {dict(driver.received)}")
+    report("catch_turtle, round trip", calls)
+    report("a call that is answered immediately", immediate)
     judged = judging_steps(settings)
-    tell("a step that judges a request, processor time", judged)
-    waited_s = median(calls) - median(at_once) - median(judged)
+    report("processor time of a step that judges a request", judged)
+    waited_s = median(calls) - median(immediate) - median(judged)
     print(f"the rest is the wait for the next step: {1e3 * waited_s:.2f} ms")
     print(f"processor time of the arena: {100 * busy:.0f} % of one core")
 
@@ -163,7 +160,7 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
 
 def bus_trips(bus: Bus) -> list[float]:
     """Return the round trips [s] of calls to the process that answers immediately."""
-    client = bus.client("/at_once", bus.interfaces(Interfaces()).catch_turtle)
+    client = bus.client("/immediate", bus.interfaces(Interfaces()).catch_turtle)
     while not client.ready:
         bus.spin(0.05)
     found = []
@@ -197,7 +194,7 @@ def processor_time(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def tell(what: str, seconds: list[float]) -> None:
+def report(what: str, seconds: list[float]) -> None:
     """Print the median and the 99th percentile."""
     late = quantiles(seconds, n=100)[98]
     print(f"{what}: {len(seconds)}, median {1e3 * median(seconds):.2f} ms, p99 {1e3 * late:.2f} ms")

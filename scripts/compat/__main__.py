@@ -27,7 +27,7 @@ class Client(NamedTuple):
 
     program: str
     requirements: tuple[str, ...]
-    told: tuple[str, ...]
+    reported: tuple[str, ...]
     """Packages whose versions are in the table."""
     without_dependencies: tuple[str, ...] = ()
     """Requirements that are installed last, without their dependencies."""
@@ -52,19 +52,14 @@ CLIENTS = {
 def run(command: list[object], log: Path, limit_s: float = 3600, folder: str | None = None) -> int:
     """Run a command with its output in a file; return its exit code."""
     environment = {**os.environ, "PYTHONWARNINGS": "ignore", "RAY_DEDUP_LOGS": "0"}
-    with log.open("ab") as said:
+    with log.open("ab") as output:
         try:
             words = [str(word) for word in command]
-            options = {"stdout": said, "stderr": said, "env": environment, "cwd": folder, "timeout": limit_s}
+            options = {"stdout": output, "stderr": output, "env": environment, "cwd": folder, "timeout": limit_s}
             return subprocess.run(words, check=False, **options).returncode
         except subprocess.TimeoutExpired:
-            said.write(f"\nnot done after {limit_s:.0f} s\n".encode())
+            output.write(f"\nended after {limit_s:.0f} s, the time limit\n".encode())
             return 1
-
-
-def folder_of(name: str) -> str:
-    """Return the folder name of a client's environment."""
-    return re.sub(r"\W+", "_", name.lower())
 
 
 def packages_of(environment: Path) -> Path:
@@ -99,8 +94,8 @@ def versions(environment: Path, names: tuple[str, ...]) -> dict[str, str]:
 
 def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
     """Set up a client's environment and train; return its name, result, log, and if it ran, time [s] and versions."""
-    client, environment = CLIENTS[name], environments / folder_of(name)
-    log = environments / f"{folder_of(name)}.log"
+    client, environment = CLIENTS[name], environments / re.sub(r"\W+", "_", name.lower())
+    log = environment.with_suffix(".log")
     log.write_bytes(b"")
     alone = ("--no-deps", *client.without_dependencies) if client.without_dependencies else ()
     if not set_up(environment, [client.requirements, alone], base, log):
@@ -113,7 +108,7 @@ def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
         "name": name,
         "result": "fails" if failed else "trains",
         "seconds": round(time.monotonic() - began),
-        "versions": versions(environment, client.told),
+        "versions": versions(environment, client.reported),
         "log": str(log),
     }
 
@@ -125,47 +120,43 @@ def page_with(page: str, results: list[dict[str, Any]], common: dict[str, str]) 
     table, _, tail = rest.partition(end)
     rows = {row.split("|")[1].strip(): row for row in table.splitlines() if row.startswith("| ")}
     for result in results:
-        told = ", ".join(f"{name} {version}" for name, version in result.get("versions", {}).items())
-        rows[result["name"]] = f"| {result['name']} | {result['result']} | {told} |"
-    known = [rows[name] for name in CLIENTS if name in rows]
+        found = ", ".join(f"{name} {version}" for name, version in result.get("versions", {}).items())
+        rows[result["name"]] = f"| {result['name']} | {result['result']} | {found} |"
+    known = "\n".join(rows[name] for name in CLIENTS if name in rows)
     both = ", ".join(f"{name} {version}" for name, version in common.items())
-    lines = [
-        "",
-        f"Each with {both}, where its row names no other.",
-        "",
-        "| client | result | versions |",
-        "|---|---|---|",
-        *known,
-        "",
-    ]
-    return head + begin + "\n" + "\n".join(lines) + "\n" + end + tail
+    text = f"Each with {both}, unless its row names another.\n\n| client | result | versions |\n|---|---|---|\n{known}"
+    return f"{head}{begin}\n\n{text}\n\n{end}{tail}"
 
 
 def main() -> int:
     """Try the clients; return 0 if all of them train, else 1."""
     parser = argparse.ArgumentParser(prog="python scripts/compat", description=__doc__)
-    parser.add_argument("clients", nargs="*", metavar="CLIENT", help=f"of {', '.join(CLIENTS)}; all without one")
-    parser.add_argument("--environments", type=Path, default=ROOT / "out" / "compat", help="where they are made")
-    parser.add_argument("--torch", default="torch", help="what pip installs as torch, such as torch==2.13.0")
+    parser.add_argument(
+        "clients", nargs="*", metavar="CLIENT", help=f"clients to try, of {', '.join(CLIENTS)}; without names, all"
+    )
+    parser.add_argument(
+        "--environments", type=Path, default=ROOT / "out" / "compat", help="folder for the environments"
+    )
+    parser.add_argument("--torch", default="torch", help="requirement for torch, such as torch==2.13.0")
     parser.add_argument("--page", action="store_true", help="write the results into docs/compatibility.md")
     given = parser.parse_args()
     unknown = set(given.clients) - set(CLIENTS)
     if unknown:
-        parser.error(f"no client is called {', '.join(sorted(unknown))}; there are {', '.join(CLIENTS)}")
+        parser.error(f"unknown client {', '.join(sorted(unknown))}; the clients are {', '.join(CLIENTS)}")
     environments = given.environments.resolve()
     environments.mkdir(parents=True, exist_ok=True)
     base, log = environments / "base", environments / "base.log"
-    print(f"the environment that all stand on: {base}", flush=True)
+    print(f"base environment: {base}", flush=True)
     if not set_up(base, [(given.torch,), ("--editable", str(ROOT))], None, log):
-        print(f"it could not be made: {log}")
+        print(f"the base environment could not be made; see {log}")
         return 1
     results = []
     for name in given.clients or CLIENTS:
         print(f"{name} ...", flush=True)
         result = try_client(name, environments, base / "bin" / "python")
         results.append(result)
-        told = ", ".join(f"{package} {version}" for package, version in result.get("versions", {}).items())
-        print(f"  {result['result']} ({result.get('seconds', 0)} s): {told or result['log']}", flush=True)
+        found = ", ".join(f"{package} {version}" for package, version in result.get("versions", {}).items())
+        print(f"  {result['result']} ({result.get('seconds', 0)} s): {found or result['log']}", flush=True)
         if result["result"] != "trains":
             print("  " + "\n  ".join(Path(result["log"]).read_text(errors="replace").splitlines()[-12:]), flush=True)
     common = versions(base, ("pettingzoo", "numpy", "numba", "torch"))
