@@ -297,8 +297,9 @@ def learn(played: tuple[Tensor, ...], network: Network, optimiser: torch.optim.A
     return figures | {"explained": explained, "reward": float(rewards.sum()) / rewards.numel()}
 
 
-def imitate(arenas: Arenas, network: Network, agent: str, seed: int) -> None:
-    """Copy an agent in the states that the network itself reaches (DAgger: Ross, Gordon and Bagnell, 2011)."""
+def imitate(arenas: Arenas, network: Network, agent: str, seed: int) -> float:
+    """Copy an agent in states that the network reaches (DAgger: Ross, Gordon and Bagnell, 2011); return the time [s]."""
+    begun = time.perf_counter()
     teacher = create_policy(resolve_spec(agent))
     if not hasattr(teacher, "act_batch") or control_of(teacher) != "velocity":
         raise ValueError(f"--imitate must name an agent with act_batch and velocity control, got {agent}")
@@ -322,6 +323,7 @@ def imitate(arenas: Arenas, network: Network, agent: str, seed: int) -> None:
             optimiser.step()
         if moment % 100 == 0:
             print(f"imitating {agent}: round {moment} of {rounds}, loss {loss.item():.4f}", flush=True)
+    return time.perf_counter() - begun
 
 
 class Pool:
@@ -386,6 +388,8 @@ COLUMNS = ("agent", "matches", "rating", "rating_low", "rating_high", "win_share
 class Learner:
     """Side that learns: its network, its opponents, and the number of decisions so far."""
 
+    KEPT = ("decisions", "seconds", "progress", "curve")
+
     def __init__(self, arenas: Arenas, settings: argparse.Namespace) -> None:
         self.arenas, self.settings, self.out = arenas, settings, settings.out
         self.network, self.pool = Network(settings), Pool(arenas, settings)
@@ -393,16 +397,6 @@ class Learner:
         self.decisions, self.seconds = 0, 0.0
         self.progress: list[dict[str, Any]] = []
         self.curve: list[dict[str, Any]] = []
-
-    def begin(self) -> None:
-        """Take the weights of --start, and copy the agent of --imitate."""
-        begun = time.perf_counter()
-        if self.settings.start:
-            self.network.load_actor(PointerNetwork.load(self.settings.start))
-        if self.settings.imitate:
-            imitate(self.arenas, self.network, self.settings.imitate, self.settings.seed)
-            self.seconds = time.perf_counter() - begun
-            self.save()
 
     def update(self) -> None:
         """Play, learn, report, and grow the pool and save the run if it is time."""
@@ -449,13 +443,9 @@ class Learner:
     def save(self) -> None:
         """Write the agent and state.pt; each file is complete or stays as it was."""
         export(self.network.actor(), self.out, "agent")
-        state = {
+        state = {name: getattr(self, name) for name in self.KEPT} | {
             "version": STATE_VERSION,
             "settings": vars(self.settings) | {"out": str(self.out)},
-            "decisions": self.decisions,
-            "seconds": self.seconds,
-            "progress": self.progress,
-            "curve": self.curve,
             "network": self.network.state_dict(),
             "optimiser": self.optimiser.state_dict(),
             "selves": [{name: torch.tensor(w) for name, w in one.weights.items()} for one in self.pool.selves],
@@ -468,7 +458,7 @@ class Learner:
 
     def restore(self, state: dict[str, Any]) -> None:
         """Continue from the state that `save` wrote."""
-        for name in ("decisions", "seconds", "progress", "curve"):
+        for name in self.KEPT:
             setattr(self, name, state[name])
         if self.decisions >= self.settings.decisions:
             raise ValueError(f"--decisions must be above {self.decisions:,}, which the run has reached")
@@ -505,10 +495,14 @@ def train() -> None:
     learner = Learner(Arenas(settings), settings)
     prepare_folder(settings.out)
     interrupts.also_say(lambda: f"after {learner.decisions:,} decisions; --resume continues")
-    if state is None:
-        learner.begin()
-    else:
+    if state is not None:
         learner.restore(state)
+    else:
+        if settings.start:
+            learner.network.load_actor(PointerNetwork.load(settings.start))
+        if settings.imitate:
+            learner.seconds = imitate(learner.arenas, learner.network, settings.imitate, settings.seed)
+            learner.save()
     try:
         while True:
             evaluated, every = learner.curve[-1]["decisions"] if learner.curve else 0, settings.evaluate
