@@ -298,7 +298,7 @@ def learn(played: tuple[Tensor, ...], network: Network, optimiser: torch.optim.A
 
 
 def imitate(arenas: Arenas, network: Network, agent: str, seed: int) -> float:
-    """Copy an agent in states that the network reaches (DAgger: Ross, Gordon and Bagnell, 2011); return the time [s]."""
+    """Copy an agent in the states that the network itself reaches (DAgger: Ross et al., 2011); return the time [s]."""
     begun = time.perf_counter()
     teacher = create_policy(resolve_spec(agent))
     if not hasattr(teacher, "act_batch") or control_of(teacher) != "velocity":
