@@ -422,6 +422,7 @@ class Learner:
 
     def evaluate(self) -> None:
         """Play a tournament against fixed agents, and add it to curve.csv."""
+        self.save()  # in case that the tournament fails
         folder, rounds = self.out / "evaluation" / str(self.decisions), str(self.settings.evaluate_rounds)
         export(self.network.actor(), folder, "ppo")
         command = [sys.executable, "-m", "catch_arena", "tournament", str(folder / "ppo.py"), *AGAINST]

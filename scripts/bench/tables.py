@@ -38,7 +38,7 @@ def _beside(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
             (
                 f"{name}, {row['unit']}",
                 *(f"{_in_unit(row, statistics.median(one))} ({_in_unit(row, min(one))})" for one in pair),
-                times(statistics.median(pair[0]) / statistics.median(pair[1])),
+                f"{rounded(statistics.median(pair[0]) / statistics.median(pair[1]))}x",
                 f"{by_round[aside]:.3g} to {by_round[-1 - aside]:.3g}",
             )
         )
@@ -52,9 +52,7 @@ def _alone(rows: Mapping[str, Mapping[str, Any]]) -> str:
     for name, row in rows.items():
         cost = f"{_in_unit(row, statistics.median(row['cpu']))} ({_in_unit(row, min(row['cpu']))})"
         stepped = row["unit"] in {"ns an agent-step", "us a step"}
-        rates = [
-            f"{row['agents'] / statistics.median(row[clock]):,.0f}" if stepped else "" for clock in ("cpu", "wall")
-        ]
+        rates = [rounded(row["agents"] / statistics.median(row[clock])) if stepped else "" for clock in ("cpu", "wall")]
         sizes = [row["agents"] if stepped else "", row["floats"] or ""]
         lines.append((name, *sizes, cost, row["unit"], *rates))
     return table(head, lines)
@@ -69,16 +67,17 @@ def _peers(ours: Mapping[str, Any], peers: Mapping[str, Any]) -> str:
         if row["envs"] == 1 and peer["envs"] > 1:
             return ""
         agents = 1.0 if row["envs"] == 1 else row["agents"] / peer["agents"]
-        return times(agents * statistics.median(b / a for a, b in zip(row["cpu"], peer["cpu"], strict=True)))
+        faster = agents * statistics.median(b / a for a, b in zip(row["cpu"], peer["cpu"], strict=True))
+        return f"{rounded(faster)}x"
 
     units = ["env-steps" if name == ONE_ARENA else "agent-steps" for name in references]
     head = ("peer", *(f"our {name}, in {unit}" for name, unit in zip(references, units, strict=True)))
     return table(head, [(name, *(ratio(one, peer) for one in references)) for name, peer in peers.items()])
 
 
-def times(value: float) -> str:
-    """Return a ratio as text, such as «11.8x»."""
-    return f"{float(f'{value:.3g}'):,g}x"
+def rounded(value: float) -> str:
+    """Return a number as text with three digits, the precision of a run."""
+    return f"{float(f'{value:.3g}'):,.12g}"
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
