@@ -5,7 +5,7 @@ and the best moments of all matches. Each step is a command of `catch-arena`, wh
 from catch_arena import interrupts
 
 if __name__ == "__main__":
-    interrupts.listen()  # before the imports below, which take a second
+    interrupts.listen()  # before the imports below
 
 import argparse
 import json
@@ -29,25 +29,6 @@ MARK: Final = "demo.began"
 NOT_OURS: Final = """\
 {folder} was not made by the demo, and stays as it is.
 Remove it, or name another folder:  --out FOLDER"""
-COMMAND: Final = str(Path(sys.executable).with_name("catch-arena"))
-
-
-def parse() -> argparse.Namespace:
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        "--out",
-        type=Path,
-        default=Path("out/demo"),
-        help="folder to write to; the files of an earlier demo in it are removed",
-    )
-    parser.add_argument(
-        "--open",
-        action=argparse.BooleanOptionalAction,
-        default=has_desktop(),
-        help="open the results; the default if there is a desktop",
-    )
-    return parser.parse_args()
 
 
 def has_desktop() -> bool:
@@ -59,37 +40,17 @@ def has_desktop() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def begin(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
-    """Show a command and start it; `quietly` keeps its output in pipes, since two progress bars need two terminals.
+def run(*words: object) -> None:
+    """Show a command and run it, in its own session, so that Ctrl-C reaches only this process.
 
-    The command has its own session, so that Ctrl-C reaches only this process.
+    Raises:
+        SystemExit: the command failed; the code is the command's.
     """
     line = [str(word) for word in words]
     print(f"\n$ catch-arena {shlex.join(line)}", flush=True)
-    pipe = subprocess.PIPE if quietly else None
-    return subprocess.Popen([COMMAND, *line], text=True, stdout=pipe, stderr=pipe, start_new_session=True)
-
-
-def wait_for(process: subprocess.Popen[str]) -> None:
-    """Wait for a command.
-
-    Raises:
-        SystemExit: the command failed; the code is the command's.
-    """
-    if process.wait():
-        sys.exit(process.returncode)
-
-
-def show(process: subprocess.Popen[str]) -> None:
-    """Wait for a quiet command; print its progress, and its output at the end.
-
-    Raises:
-        SystemExit: the command failed; the code is the command's.
-    """
-    for line in process.stderr or ():
-        print(line, end="", file=sys.stderr, flush=True)
-    print(process.stdout.read() if process.stdout else "", end="", flush=True)
-    wait_for(process)
+    command = str(Path(sys.executable).with_name("catch-arena"))
+    if code := subprocess.Popen([command, *line], start_new_session=True).wait():  # after Ctrl-C `interrupts` ends it
+        sys.exit(code)
 
 
 def make_folder(out: Path) -> None:
@@ -117,33 +78,24 @@ def make_folder(out: Path) -> None:
 
 def demo(out: Path) -> dict[str, Path]:
     """Play the matches, and make the videos and the report; return the path of each result by its title."""
-    started: list[subprocess.Popen[str]] = []
-
-    def run(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
-        started.append(begin(*words, quietly=quietly))
-        return started[-1]
-
     make_folder(out)
     replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
-    try:
-        wait_for(run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out))
-        # at the same time as the final, so that two cores are busy
-        filming = run("highlights", out / "replays", "--count", 3, *PICTURE, "-o", moments, quietly=True)
-        best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
-        wait_for(run("match", *best, "--seed", SEED, "-o", replay))
-        wait_for(run("render", replay, *PICTURE, "-o", video))
-        print("\nthe best moments of all matches:", flush=True)
-        show(filming)
-    except BaseException:
-        for process in started:
-            process.kill()  # a command's own processes end with it
-        raise
+    run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out)
+    best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
+    run("match", *best, "--seed", SEED, "-o", replay)
+    run("render", replay, *PICTURE, "-o", video)
+    run("highlights", out / "replays", "--count", 3, *PICTURE, "-o", moments)
     return {"report": out / "report.html", "final": video, "best moments": moments}
 
 
-def main() -> int:
-    """Run the demo; return the exit code."""
-    args = parse()
+def main() -> None:
+    """Run the demo."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    about = "folder to write to; the files of an earlier demo in it are removed"
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), help=about)
+    about = "open the results; the default if there is a desktop"
+    parser.add_argument("--open", action=argparse.BooleanOptionalAction, default=has_desktop(), help=about)
+    args = parser.parse_args()
     began = time.monotonic()
     made = demo(args.out)
     print(f"\nThe demo took {time.monotonic() - began:.0f} s. Look at:")
@@ -151,7 +103,6 @@ def main() -> int:
         print(f"  {name + ':':<14}{path}")
         if args.open:
             typer.launch(str(path))
-    return 0
 
 
 if __name__ == "__main__":

@@ -2,9 +2,8 @@
 
 python scripts/measure_ros.py [--bus rclpy] [--seconds 60] [--hunters 4] [--targets 16]
 
-Three processes use the loopback interface: `catch-arena ros serve`; a node that drives all hunters ten times a second,
-receives all poses, and calls /hunter_0/catch_turtle; and a process that answers calls immediately, whose round trip is
-the bus's part. The arbiter's part is measured in this process. Use the machine for nothing else meanwhile.
+`catch-arena ros serve` plays a match. A node in this process drives all hunters ten times a second, receives all poses,
+and calls /hunter_0/catch_turtle, all on the loopback interface. Use the machine for nothing else meanwhile.
 `make ros` runs it over rclpy with ROS's default middleware.
 """
 
@@ -18,15 +17,13 @@ import time
 from collections import Counter
 from random import uniform
 from statistics import median, quantiles
-from typing import Any
 
 from catch_arena.core.physics import TICK_MS
-from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
+from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
 from catch_arena.ros.middleware.bus import Bus, Call
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
-from catch_arena.ros.middleware.names import BACKENDS, Backend
+from catch_arena.ros.middleware.names import BACKENDS
 from catch_arena.ros.middleware.opening import open_bus
-from catch_arena.service import ArenaService
 
 JUST_NOT_ONE = "1.000001"
 """Simulation speed: a millionth above real time, so that /clock is published; a gap in it is a lost message."""
@@ -80,26 +77,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=int, default=60, help="length of the match")
     parser.add_argument("--hunters", type=int, default=4, help="number of hunters")
     parser.add_argument("--targets", type=int, default=16, help="number of targets")
-    parser.add_argument("--answer", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     os.environ |= {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", "77")}
-    if given.answer:
-        answer(given.bus)
-    else:
-        play(given)
-
-
-def answer(backend: Backend) -> None:
-    """Answer calls immediately, until the process is ended."""
-    bus = open_bus(backend)
-    kind, refusal = bus.interfaces(Interfaces()).catch_turtle, CatchTurtleResponse(success=False)
-    bus.serve("/immediate", kind, lambda call: call.answer(refusal))
-    while True:
-        bus.spin(1.0)
-
-
-def play(given: argparse.Namespace) -> None:
-    """Play one match, and then make calls that are answered immediately."""
     settings = {
         "hunters": given.hunters,
         "initial_targets": given.targets,
@@ -114,19 +93,12 @@ def play(given: argparse.Namespace) -> None:
         driver = Driver(bus, given.hunters)
         calls, busy = round_trips(bus, driver, arena, given.seconds)
         out = arena.communicate()[0]
-    with subprocess.Popen([sys.executable, __file__, "--answer", "--bus", bus.backend]) as answering:
-        immediate = bus_trips(bus)
-        answering.kill()
     steps = len(driver.times) - 1
     lost = sum(late - early != TICK_MS for early, late in zip(driver.times[1:], driver.times[2:], strict=False))
     print(re.search(r".* ticks were late .*", out)[0])
     print(f"{steps} steps on /clock, {lost} gaps; poses received: {dict(driver.received)}")
-    report("catch_turtle, round trip", calls)
-    report("a call that is answered immediately", immediate)
-    judged = judging_steps(settings)
-    report("processor time of a step that judges a request", judged)
-    waited_s = median(calls) - median(immediate) - median(judged)
-    print(f"the rest is the wait for the next step: {1e3 * waited_s:.2f} ms")
+    late = quantiles(calls, n=100)[98]
+    print(f"catch_turtle, round trip: {len(calls)}, median {1e3 * median(calls):.2f} ms, p99 {1e3 * late:.2f} ms")
     print(f"processor time of the arena: {100 * busy:.0f} % of one core")
 
 
@@ -158,46 +130,11 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
     return calls, busy
 
 
-def bus_trips(bus: Bus) -> list[float]:
-    """Return the round trips [s] of calls to the process that answers immediately."""
-    client = bus.client("/immediate", bus.interfaces(Interfaces()).catch_turtle)
-    while not client.ready:
-        bus.spin(0.05)
-    found = []
-    for _ in range(500):
-        asked = time.perf_counter()
-        call = client.call(CatchTurtleRequest("nothing"))
-        while call.response is None:
-            bus.spin(0.01)
-        found.append(time.perf_counter() - asked)
-        time.sleep(0.005)
-    return found
-
-
-def judging_steps(settings: dict[str, Any]) -> list[float]:
-    """Return the processor times [s] of steps of the same arena, each with one request; no step waits for a process."""
-    service = ArenaService(**settings, control_period_ms=TICK_MS)
-    service.reset(1)
-    found = []
-    for _ in range(500):
-        (first, *_) = service.alive_turtles().turtles
-        begin = time.thread_time()
-        service.step({}, [("hunter_0", CatchTurtleRequest(first.name))])
-        found.append(time.thread_time() - begin)
-    return found
-
-
 def processor_time(pid: int) -> float:
     """Return the processor time of all threads of a process [s]."""
     with open(f"/proc/{pid}/stat", encoding="utf-8") as file:  # noqa: PTH123 - two hundred times a second
         fields = file.read().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def report(what: str, seconds: list[float]) -> None:
-    """Print the median and the 99th percentile."""
-    late = quantiles(seconds, n=100)[98]
-    print(f"{what}: {len(seconds)}, median {1e3 * median(seconds):.2f} ms, p99 {1e3 * late:.2f} ms")
 
 
 if __name__ == "__main__":

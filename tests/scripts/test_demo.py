@@ -1,8 +1,6 @@
 """The demo: its output, and the files that it leaves alone."""
 
 import runpy
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,22 +8,13 @@ import pytest
 DEMO = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "demo.py"), run_name="loaded")
 
 
-def quiet(code):
-    pipe = subprocess.PIPE
-    return subprocess.Popen([sys.executable, "-c", f"import sys; {code}"], text=True, stdout=pipe, stderr=pipe)
-
-
-def test_a_quiet_command_prints_its_progress_and_then_its_output(capfd):
-    with quiet("print('video: m.mp4'); print('rendering: 10 of 90, 11 s', file=sys.stderr)") as process:
-        DEMO["show"](process)
-    assert capfd.readouterr() == ("video: m.mp4\n", "rendering: 10 of 90, 11 s\n")
-
-
-def test_a_quiet_command_that_fails_ends_the_demo(capfd):
-    with quiet("sys.exit('catch-arena: no moments')") as process, pytest.raises(SystemExit) as ended:
-        DEMO["show"](process)
-    assert ended.value.code == 1
-    assert capfd.readouterr().err == "catch-arena: no moments\n"
+def test_a_command_that_fails_ends_the_demo(capfd):
+    with pytest.raises(SystemExit) as ended:
+        DEMO["run"]("match", "nobody")
+    assert ended.value.code != 0
+    printed = capfd.readouterr()
+    assert printed.out == "\n$ catch-arena match nobody\n"
+    assert "nobody" in printed.err
 
 
 def test_files_of_an_earlier_demo_are_removed(tmp_path):
