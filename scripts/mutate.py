@@ -27,8 +27,6 @@ from catch_arena.files import tomllib
 
 ROOT = Path(__file__).parent.parent
 SETTINGS = tomllib.loads((ROOT / "tests" / "mutation" / "equivalent.toml").read_text(encoding="utf-8"))
-TIMES_SLOWER, SPARE_S = 5, 5
-"""Limit of a test's processor time: a multiple of the unchanged core's, plus seconds; some mutants never end."""
 OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     ast.Lt: (ast.LtE, ast.NotEq, ast.Eq, ast.GtE, ast.Gt),
     ast.LtE: (ast.Lt, ast.Eq, ast.NotEq, ast.Gt, ast.GtE),
@@ -147,36 +145,31 @@ class Trial:
     def __init__(self, codes: dict[Mutant, CodeType]) -> None:
         self.codes = codes
         self.survivors: list[Mutant] = []
-        self.noticed: Counter[tuple[str, int]] = Counter()
-        """Number of noticed mutants by function and test; tests with more per second run first."""
 
     def pytest_runtestloop(self, session: Any) -> bool:
         """Run all tests once on the core as it is, then on each mutant those that call its function."""
         global trial
-        trial, self.items = self, session.items
+        trial, self.items, total = self, session.items, len(self.codes)
         fork = multiprocessing.get_context("fork")
         with fork.Pool(1) as pool:
             self.known = pool.apply(run_all)
-        total = len(self.codes)
         with progress_bar("mutants", total) as show, fork.Pool(maxtasksperchild=1) as pool:
-            for done, (mutant, place) in enumerate(zip(self.codes, pool.imap(try_out, self.codes), strict=True)):
+            for done, (mutant, noticed) in enumerate(zip(self.codes, pool.imap(is_noticed, self.codes), strict=True)):
                 show(done + 1, total)
-                if place is None:
+                if not noticed:
                     print(f"no test notices: {shown(mutant)}", file=sys.stderr)
                     self.survivors.append(mutant)
-                else:
-                    self.noticed[mutant[0], place] += 1
         return True
-
-    def passes(self, place: int) -> bool:
-        """Run one test, and return whether it passes; no fixture is kept for the next test."""
-        item = self.items[place]
-        item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
-        return not item.session.testsfailed
 
 
 trial: Trial
 """Trial of this process; the processes of its pools are forked, and have it too."""
+
+
+def passes(item: Any) -> bool:
+    """Run one test, and return whether it passes; no fixture is kept for the next test."""
+    item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
+    return not item.session.testsfailed
 
 
 def run_all() -> list[tuple[set[str], float]]:
@@ -189,30 +182,29 @@ def run_all() -> list[tuple[set[str], float]]:
             function_of(name).__code__ = compiled(function)
             function_of(name).__globals__["_called"] = called
     found = []
-    for place, item in enumerate(trial.items):
+    for item in trial.items:
         called.clear()
         begun = time.process_time()
-        if not trial.passes(place):
+        if not passes(item):
             raise RuntimeError(f"the core as it is fails {item.nodeid}; mend that first")
         found.append((set(called), time.process_time() - begun))
     return found
 
 
-def try_out(mutant: Mutant) -> int | None:
-    """Make a mutant, and return the index of the test that notices it, or None."""
+def is_noticed(mutant: Mutant) -> bool:
+    """Make a mutant, and return whether a test notices it; tests that take less time run first."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     signal.signal(signal.SIGVTALRM, signal.default_int_handler)  # KeyboardInterrupt: no test catches it
-    name = mutant[0]
-    function_of(name).__code__ = trial.codes[mutant]
-    callers = [(place, seconds) for place, (called, seconds) in enumerate(trial.known) if name in called]
-    for place, seconds in sorted(callers, key=lambda one: (-trial.noticed[name, one[0]] / one[1], one[1])):
-        signal.setitimer(signal.ITIMER_VIRTUAL, SPARE_S + TIMES_SLOWER * seconds)
+    function_of(mutant[0]).__code__ = trial.codes[mutant]
+    callers = [(s, place) for place, (called, s) in enumerate(trial.known) if mutant[0] in called]
+    for seconds, place in sorted(callers):
+        signal.setitimer(signal.ITIMER_VIRTUAL, 5 + 5 * seconds)  # of processor time, since some mutants never end
         try:
-            if not trial.passes(place):
-                return place
+            if not passes(trial.items[place]):
+                return True
         except KeyboardInterrupt:
-            return place
-    return None
+            return True
+    return False
 
 
 def main() -> None:
