@@ -230,7 +230,7 @@ def test_without_git_or_history_it_says_so(repository, tmp_path):
     unpacked = bench("--against", "HEAD", "--quick", folder=tmp_path / "unpacked", environment=environment)
     without = bench("--against", "HEAD", "--quick", folder=repository.folder, environment={**environment, "PATH": ""})
 
-    assert re.fullmatch(r"bench: --against needs .*, and \S*unpacked is no git checkout\n", unpacked.stderr)
+    assert re.fullmatch(r"bench: --against needs .*, and \S*unpacked is not a git checkout\n", unpacked.stderr)
     assert without.stderr == "bench: --against needs git, which is not installed here\n"
     assert unpacked.returncode == without.returncode == 1
 
