@@ -3,6 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
+# uv installs several times as fast as pip. It reads no pip.conf, so a package index that is set there is passed on.
+UV = index=$$($(BIN)/python -m pip config get global.index-url 2>/dev/null || echo "$$PIP_INDEX_URL"); \
+	$${index:+env UV_DEFAULT_INDEX="$$index"} $(BIN)/uv pip install --python $(BIN)/python
 DENO := DENO_DIR=$(VENV)/deno DENO_NO_UPDATE_CHECK=1 $(BIN)/deno
 # Tests of one file share fixtures that are slow to make. SPREAD is for targets in which a single file is most of the work.
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
@@ -131,23 +134,28 @@ setup: $(VENV)/ready-dev ## make .venv with the tools for development
 clean: ## remove .venv, caches and out/
 	rm -rf $(VENV) .venv-ros out build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 
-$(BIN)/python:
+$(BIN)/uv:
 	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' || \
 		{ echo "Catch Arena needs Python 3.10 to 3.13; name one: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
-	@$(PYTHON) -m venv $(VENV) || \
+	@$(PYTHON) -m venv $(VENV) > /dev/null || \
 		{ rm -rf $(VENV); echo "cannot make $(VENV); on Debian and Ubuntu: apt-get install python3-venv"; exit 1; }
-	@$(PIP) --upgrade pip
+	@$(PIP) --upgrade pip uv
 
-$(VENV)/ready: pyproject.toml | $(BIN)/python
-	@echo "installing into $(VENV)"
-	@$(PIP) --editable '.[video]'
+$(VENV)/ready: pyproject.toml | $(BIN)/uv
+	@$(UV) --editable '.[video]'
 	@touch $@
 
 $(VENV)/ready-bench: $(VENV)/ready
 	@$(PIP) --editable '.[bench]' || echo "not all peers could be installed; the run names those that are missing"
 	@touch $@
 
-# Each group of pyproject.toml: dev, extras, torch, browser.
+# Only pip finds a build of torch without CUDA on a machine that has one.
+$(VENV)/ready-torch: $(VENV)/ready
+	@echo "installing torch (3 GB)"
+	@$(PIP) --group torch
+	@touch $@
+
+# Each other group of pyproject.toml: dev, extras, browser, site.
 $(VENV)/ready-%: $(VENV)/ready
-	@$(PIP) --group $*
+	@$(UV) --group $*
 	@touch $@
