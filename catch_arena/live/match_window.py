@@ -47,7 +47,7 @@ class MatchWindow:
         info: names, colours and settings of the match.
         seed: the match's seed, which the window shows.
         size: (width, height) of the window [pixels].
-        inputs: state of the keys of the person in `seat`; None without a person.
+        inputs: state of the keys of the person in `seat`.
         seat: the person's seat, None without a person.
         save: called with the replay so far; returns a text that says where it is.
     """
@@ -57,10 +57,9 @@ class MatchWindow:
         info: MatchInfo,
         seed: int,
         size: tuple[int, int],
-        *,
-        inputs: InputState | None = None,
-        seat: int | None = None,
-        save: Callable[[Replay], str] | None = None,
+        inputs: InputState,
+        seat: int | None,
+        save: Callable[[Replay], str],
     ) -> None:
         self._info, self._seed = info, seed
         self._inputs, self._seat, self._save = inputs, seat, save
@@ -75,7 +74,7 @@ class MatchWindow:
         self._resized_s: float | None = None
         self._resizing = size
         self._stopped = self._paused = self._helping = False
-        self._helped = inputs is None
+        self._helped = seat is None
         self._speed = SPEEDS.index(1.0)
         self._note, self._note_until_s = "", 0.0
         self.notify("H shows the keys")
@@ -162,8 +161,7 @@ class MatchWindow:
         """Handle the events since the last call and return them."""
         events = list(pygame.event.get())
         for event in events:
-            if self._inputs is not None:
-                self._inputs.handle(event)
+            self._inputs.handle(event)
             if event.type == pygame.JOYDEVICEADDED:
                 self._pads.append(pygame.joystick.Joystick(event.device_index))
             command = user_command(event)
@@ -209,8 +207,6 @@ class MatchWindow:
         self.notify("nobody's view" if self._view_of is None else f"what {self._info.names[self._view_of]} sees")
 
     def _save_replay(self) -> None:
-        if self._save is None:
-            return
         try:
             self.notify(f"saved: {self._save(self.replay)}")
         except OutputError as error:
@@ -258,7 +254,7 @@ class MatchWindow:
         return overlays.seat_pointer(viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
-        rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
+        rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)
         return overlays.card_overlay(self._area, "Keys", rows, below)
 
     def _note_shapes(self) -> list[Shape]:

@@ -98,9 +98,7 @@ def show_match(
     """
     inputs = InputState()
     info = MatchInfo.of(config, lineup.names, title)
-    window = MatchWindow(
-        info, seed, size, inputs=None if lineup.person is None else inputs, seat=lineup.person, save=save
-    )
+    window = MatchWindow(info, seed, size, inputs, lineup.person, save)
     try:
         with sandbox_for(limits) as sandbox:
             while True:

@@ -98,7 +98,11 @@ def _pictures(highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int]
             frame.clear(caption, hud.CARD)
             frame.draw(caption_shapes(caption, highlight, where, slow=slow))
             seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
-            yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
+            yield (
+                frame.pixels
+                if seen == 1.0
+                else np.asarray(cv2.convertScaleAbs(frame.pixels, alpha=seen), dtype=np.uint8)
+            )
 
 
 def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bool) -> list[Shape]:
@@ -122,7 +126,3 @@ def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bo
         Label(area.left + pad, lower, highlight.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
         Label(right, lower, about, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
     ]
-
-
-def _dimmed(pixels: Pixels, part: float) -> Pixels:
-    return np.asarray(cv2.convertScaleAbs(pixels, alpha=part), dtype=np.uint8)
