@@ -100,8 +100,8 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
 
     seed = arena_seed(window.seed)
     shown = show_match(config, seed, lineup, limits, title=window.scenario, size=_SIZE, save=save)
-    print_logs(shown.replay.names, shown.logs)
-    print_result(Parties.of(config), shown, shown.names)
+    print_logs(shown.names, shown.result.logs)
+    print_result(Parties.of(config), shown.result, shown.names)
     if record is not None:
         say(f"replay: {save(shown.replay)}")
 
