@@ -21,11 +21,10 @@ _RESERVED: Final[list[Path]] = []
 @contextmanager
 def reservations() -> Iterator[None]:
     """Remove at the end of a command the files that it reserved but did not write."""
-    before = len(_RESERVED)
     try:
         yield
     finally:
-        while len(_RESERVED) > before:
+        while _RESERVED:
             path = _RESERVED.pop()
             with suppress(OSError):
                 if not path.stat().st_size:
@@ -69,7 +68,7 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
         OutputError: if the file cannot be written, or exists already.
     """
     if path is None:
-        return free_file(usual, force=force)
+        return _first_free(Path(usual).absolute(), force=force)
     require_ending(path, *endings)
     prepare_folder(path.parent)
     try:
@@ -81,25 +80,16 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
     return path
 
 
-def free_file(usual: str, *, force: bool) -> Path:
-    """Reserve and return the first free name of «name.end», «name-2.end», «name-3.end» and so on.
-
-    Args:
-        usual: default name, «name.end».
-        force: True to take the default name even if the file exists.
-
-    Raises:
-        OutputError: if the working folder cannot be written to.
-    """
-    prepare_folder(Path.cwd())
-    free, number = Path(usual).absolute(), 1
+def _first_free(usual: Path, *, force: bool) -> Path:
+    prepare_folder(usual.parent)
+    free, number = usual, 1
     while not force:
         try:
             _reserve(free)
             break
         except FileExistsError:
             number += 1
-            free = free.with_stem(f"{Path(usual).stem}-{number}")
+            free = usual.with_stem(f"{usual.stem}-{number}")
     return free
 
 
