@@ -22,9 +22,8 @@ from typing import Any
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Call
+from catch_arena.ros.middleware.bus import BACKENDS, Backend, Bus, Call
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
-from catch_arena.ros.middleware.names import BACKENDS, Backend
 from catch_arena.ros.middleware.opening import open_bus
 from catch_arena.service import ArenaService
 
