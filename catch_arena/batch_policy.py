@@ -1,7 +1,7 @@
-"""Agents that act for many hunters in one call: the named view of a batch, and the protocol of such agents."""
+"""Named view of many hunters, for agents that act for all of them in one call (docs/training.md)."""
 
 from functools import cached_property
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import Any, Final
 
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.layout import SelfFeatures
@@ -66,18 +66,3 @@ class BatchView:
     def of(self, rows: Any) -> "BatchView":
         """Return the view of the hunters that an index or a mask selects."""
         return BatchView(self.observations[rows], self.masks[rows], self.limits)
-
-
-@runtime_checkable
-class BatchPolicy(Protocol):
-    """An agent that can act for many hunters in one call. It must not keep a hunter's data between steps, since the
-    hunters of a call change with every episode.
-    """
-
-    def reset(self, seed: int) -> None:
-        """Prepare to act; called once, for all hunters and episodes."""
-
-    def act_batch(self, view: BatchView) -> Any:
-        """Return the actions of N hunters: (N,) whole numbers under target control, (N, 2) numbers in [-1, 1] under
-        velocity control, {"cmd_vel": (N, 2), "catch": (N,)} under full control.
-        """

@@ -9,9 +9,8 @@ import pytest
 from ros.processes import own_domain
 from typer.testing import CliRunner
 
-from catch_arena.cli import main, ros
+from catch_arena.cli import bus, main, ros
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.middleware import opening
 from catch_arena.ros.nodes import rate as rate_module
 from catch_arena.ros.nodes.rate import Rate
 
@@ -109,7 +108,7 @@ def test_an_error_about_types_is_followed_by_what_to_do(monkeypatch):
     def refuse(*_, **__):
         raise BusError("mine/srv/Catch_Request holds no field", "correct the file")
 
-    monkeypatch.setattr(opening, "open_bus", refuse)
+    monkeypatch.setattr(bus, "open_bus", refuse)
     assert run("doctor") == (2, "error: mine/srv/Catch_Request holds no field\nhint: correct the file\n")
 
 
