@@ -208,7 +208,7 @@ def test_an_agent_that_acts_alone_has_an_instance_for_each_hunter_and_episode():
         batch.step(hold(batch))
 
     assert Fixed.made == 9
-    assert {instance.steps for instance in batch.opponents._instances.values()} == {0}
+    assert {player.policy.steps for player in batch.opponents._instances.values()} == {0}
 
 
 def test_a_run_is_repeated_by_its_seed():
