@@ -31,19 +31,6 @@ def reservations() -> Iterator[None]:
                     path.unlink()
 
 
-def require_ending(path: Path, *endings: str) -> None:
-    """Check that a file's name has one of the endings of its format.
-
-    Raises:
-        ConfigError: for any other ending.
-    """
-    ending = path.suffix.lower()
-    if ending not in endings:
-        *others, last = endings
-        wanted = f"{', '.join(others)} or {last}" if others else last
-        raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
-
-
 def require_free(path: Path, *, force: bool) -> None:
     """Check that no file would be replaced without --force.
 
@@ -69,7 +56,11 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
     """
     if path is None:
         return _first_free(Path(usual).absolute(), force=force)
-    require_ending(path, *endings)
+    ending = path.suffix.lower()
+    if ending not in endings:
+        *others, last = endings
+        wanted = f"{', '.join(others)} or {last}" if others else last
+        raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
     prepare_folder(path.parent)
     try:
         _reserve(regular_file(path))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import Program, main
+from catch_arena.cli.app import EXIT_NO, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
@@ -263,7 +263,7 @@ def doctor(*, bus: Bus) -> None:
     for line in (*facts, *(f"problem: {one}" for one in problems)):
         say(line)
     if problems:
-        raise typer.Exit(1)
+        raise typer.Exit(EXIT_NO)
     say("no problem found")
 
 
