@@ -25,7 +25,7 @@ from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import in_short
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
-from catch_arena.training.players import Place, Player, PreyPlayers, action_arrays, who_plays_prey
+from catch_arena.training.players import Place, Player, PreyPlayers, action_arrays
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -121,7 +121,8 @@ class LearnerBatch:
         normalise, distinct = require_flag("normalise", normalise), require_flag("distinct", distinct)
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
-        prey_agent = who_plays_prey(config, prey_agent)
+        if prey_agent is not None and not config.prey:
+            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {prey_agent}")
         most = config.hunters - (opponents is not None)
         if not most:
             raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
@@ -138,7 +139,7 @@ class LearnerBatch:
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
         """The opponents, or None; `add` and `weigh` change the pool for the episodes that begin after the call."""
-        self._prey = None if prey_agent is None else PreyPlayers(config, self.num_envs, prey_agent)
+        self._prey = PreyPlayers(config, self.num_envs, prey_agent) if config.prey else None
         self._control: Final = config.controls[0]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.actions import checked_action, choice_array, command_array
-from catch_arena.errors import ActionError, AgentError, ConfigError, reason
+from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.policy import PreyLimits
 from catch_arena.text import in_short
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.entrants import SHIPPED_PREY
-from catch_arena.tournament.loading import agent_class, create_policy
+from catch_arena.tournament.loading import create_policy
 
 Place = tuple[int, int]
 """An arena, and the seat of a hunter or the number of a prey in it."""
@@ -66,36 +66,20 @@ class Player:
             raise AgentError(f"{self.name}: copying it raised {reason(error)}") from error
 
 
-def who_plays_prey(config: ArenaConfig, agent: str | None) -> str | None:
-    """Return the agent that plays prey: the given one, or else the shipped one; None for arenas without prey.
-
-    Args:
-        config: the arenas' settings.
-        agent: a shipped name, a file or `package.module:Class`.
-
-    Raises:
-        ConfigError: for an agent in arenas without prey.
-        AgentError: for an agent that is not there, or has no class `Prey`.
-    """
-    if not config.prey:
-        if agent is not None:
-            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {agent}")
-        return None
-    agent = SHIPPED_PREY if agent is None else agent
-    agent_class(resolve_spec(agent), "prey")
-    return agent
-
-
 class PreyPlayers:
     """The prey of a batch of arenas. Each has an instance of its own, which is called for it alone.
 
     Args:
         config: the arenas' settings.
         num_envs: B.
-        agent: who plays, see `who_plays_prey`.
+        agent: the agent that plays: a shipped name, a file or `package.module:Class`; None is the shipped one.
+
+    Raises:
+        AgentError: for an agent that is not there, or has no class `Prey`.
     """
 
-    def __init__(self, config: ArenaConfig, num_envs: int, agent: str) -> None:
+    def __init__(self, config: ArenaConfig, num_envs: int, agent: str | None) -> None:
+        agent = SHIPPED_PREY if agent is None else agent
         spec = resolve_spec(agent)
         self._limits = PreyLimits.of(config)
         self._players = {
