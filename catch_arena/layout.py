@@ -206,20 +206,30 @@ MOST_SEEN_BY_PREY: Final = 8
 """R12.4: largest number of hunters that prey sees, and of other prey."""
 
 
-def target_columns(config: ArenaConfig) -> tuple[str, ...]:
-    """R7.1, R7.4: return the names of a target's columns."""
-    return MOVING_TARGET_COLUMNS if config.targets_move else TARGET_COLUMNS
+def target_features(arena: Any) -> Any:
+    """R7.1, R7.4: return the table with a target's columns in a hunter's observation.
+
+    Args:
+        arena: an `ArenaConfig`, or a hunter's `Limits`; so in the functions below.
+    """
+    return MovingTargetFeatures if arena.targets_move else TargetFeatures
 
 
-def rival_columns(config: ArenaConfig) -> tuple[str, ...]:
-    """R7.1, R7.4: return the names of a rival's columns."""
-    return RIVAL_COLUMNS if config.teams is None else TEAM_RIVAL_COLUMNS
+def rival_features(arena: Any) -> Any:
+    """R7.1, R7.4: return the table with a rival's columns in a hunter's observation."""
+    return TeamRivalFeatures if arena.teams else RivalFeatures
 
 
-def observation_size(config: ArenaConfig) -> int:
-    """Return D, the length of a hunter's observation."""
-    targets = len(target_columns(config)) * config.targets_seen
-    return len(SELF_COLUMNS) + targets + len(rival_columns(config)) * config.hunters_seen
+def first_rival_column(arena: Any) -> int:
+    """Return the index of the first rival column, which follows the hunter's own columns and the targets'."""
+    targets: int = arena.targets_seen
+    return len(SELF_COLUMNS) + targets * len(target_features(arena)._fields)
+
+
+def observation_size(arena: Any) -> int:
+    """R7.1: return D, the length of a hunter's observation."""
+    rivals: int = arena.hunters_seen
+    return first_rival_column(arena) + rivals * len(rival_features(arena)._fields)
 
 
 def hunters_seen_by_prey(config: ArenaConfig) -> int:
@@ -268,12 +278,10 @@ def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaC
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
-    target = _columns_of(MovingTargetFeatures if config.targets_move else TargetFeatures, arena)
-    rival = _columns_of(RivalFeatures if config.teams is None else TeamRivalFeatures, arena)
     return (
         *_columns_of(SelfFeatures, arena),
-        *_numbered("target", range(1, config.targets_seen + 1), target),
-        *_numbered("rival", range(1, config.hunters_seen + 1), rival),
+        *_numbered("target", range(1, config.targets_seen + 1), _columns_of(target_features(config), arena)),
+        *_numbered("rival", range(1, config.hunters_seen + 1), _columns_of(rival_features(config), arena)),
     )
 
 

@@ -20,9 +20,8 @@ from statistics import median, quantiles
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Call
+from catch_arena.ros.middleware.bus import BACKENDS, Bus, Call
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
-from catch_arena.ros.middleware.names import BACKENDS
 from catch_arena.ros.middleware.opening import open_bus
 
 JUST_NOT_ONE = "1.000001"

@@ -276,7 +276,7 @@ def test_files_that_an_editor_of_windows_wrote_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("encoding", "why"),
     [
-        ("utf-32", "is text in UTF-32: save it as UTF-8"),
+        ("utf-16", "is text in UTF-16: save it as UTF-8"),
         ("utf-16-le", "is text in UTF-16: save it as UTF-8"),
         ("latin-1", "must be text in UTF-8, and byte 10 is none"),
     ],
