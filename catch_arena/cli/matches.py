@@ -27,7 +27,7 @@ from catch_arena.cli.options import (
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
 from catch_arena.cli.terminal import own_console, say, shown
-from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
+from catch_arena.errors import ConfigError, MatchFailedError, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.live.session import SessionResult
@@ -127,10 +127,10 @@ def tournament(
         raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
-    config, limits, jobs = arena.config(), trust.limits(), jobs_or_all(jobs)
+    config, quotas, jobs = arena.config(), trust.quotas(), jobs_or_all(jobs)
     parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
-    entrants = enter_agents(agents, limits)
+    entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
 
@@ -145,8 +145,8 @@ def tournament(
         budget = BUDGET if max_matches is None else max_matches
         plan = UntilSeparated(entrants, until_separated, budget, lambda number: rounds_of(number, budget), parties)
         size = f"at most {plan.size}"
-    worker = Worker(config, entrants, record, limits)
-    about = Tournament(config, entrants, plan.parameters, terms_of(limits, max_forfeits, recorded=record), secret.text)
+    worker = Worker(config, entrants, record, quotas)
+    about = Tournament(config, entrants, plan.parameters, terms_of(quotas, max_forfeits, recorded=record), secret.text)
     folder = out / REPLAYS if record else out
     begun: Store | None = None
     if (out / STORE).exists():
@@ -195,7 +195,7 @@ def tournament(
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
-        except (NoContest, OutputError, StoreError) as error:
+        except (MatchFailedError, OutputError, StoreError) as error:
             error.args = (f"{error}; {kept()}",)
             raise
         _say_standings(tables, entrants)
@@ -278,16 +278,16 @@ def match(
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
-    config, limits = arena.config(), trust.limits()
+    config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
     target = output_file(output, *REPLAY, force=force, usual="match.replay")
-    entrants = enter_agents(agents, limits)
+    entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}")
     drawn = arena_seed(seed)
     steps = count()
-    with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         result = play_entrants(
             config,
             drawn,
@@ -327,7 +327,7 @@ def print_result(parties: "Parties", result: "MatchResult | SessionResult", name
         cut = parties.on(side)
         if side == "prey":
             say("prey, by how often it was caught:")
-        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.details[cut])
+        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.forfeits[cut])
 
 
 def print_ranking(

@@ -11,7 +11,7 @@ from catch_arena.cli.app import main
 from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, plain_table, say, shown
-from catch_arena.errors import NoContest, OutputError, StoreError
+from catch_arena.errors import MatchFailedError, OutputError, StoreError
 
 if TYPE_CHECKING:
     from catch_arena.suite.measures import AgentMeasures
@@ -68,10 +68,10 @@ def suite(
 
     out = out or Path("out/suite-quick" if quick else "out/suite")
     workers = jobs_or_all(jobs)
-    limits = trust.limits()
+    quotas = trust.quotas()
     if json is not None:
         output_file(json, ".json", force=force)
-    entered = enter_agents(agents, limits)
+    entered = enter_agents(agents, quotas)
     opponents = enter_opponents(SUITE)
     blocks = QUICK_BLOCKS if quick else SUITE.blocks
     evaluations = [
@@ -81,7 +81,7 @@ def suite(
             opponents,
             folder_of(out, agent),
             blocks,
-            None if is_shipped(agent.spec) else limits,
+            None if is_shipped(agent.spec) else quotas,
             MAX_FORFEITS,
         )
         for agent in entered
@@ -90,7 +90,7 @@ def suite(
     if not resume:
         for one in evaluations:
             one.require_new()
-    with sandbox_for(limits) as sandbox:
+    with sandbox_for(quotas) as sandbox:
         for one in evaluations:
             for scenario, why in one.cannot_play(sandbox):
                 say(f"{one.agent.name} cannot play {scenario}, and forfeits there: {why}", err=True)
@@ -122,7 +122,7 @@ def suite(
                     show(done, total)
 
                 one.play(workers, on_results)
-    except (NoContest, OutputError, StoreError) as error:
+    except (MatchFailedError, OutputError, StoreError) as error:
         error.args = (f"{error}; {kept()}",)
         raise
     known = references(SUITE)

@@ -41,7 +41,7 @@ class RestartRequested(Exception):  # noqa: N818
 
 
 class MatchWindow:
-    """Window for a match at its own pace, which `tournament.match_loop.play` takes as `watch`.
+    """Window for a match at its own pace, which `tournament.match_loop.play_match` takes as `watch`.
 
     Between two steps it draws the way from one to the other, while the person steers the next step. Its calls raise
     QuitRequested and RestartRequested.

@@ -15,11 +15,11 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.text import printable_lines
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import in_seats, sandbox_for, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import Forfeit
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
 
@@ -70,7 +70,7 @@ class SessionResult(NamedTuple):
     names: tuple[str, ...]
     scores: tuple[int, ...]
     ranks: tuple[int, ...]
-    details: tuple[Forfeit | None, ...]
+    forfeits: tuple[Forfeit | None, ...]
     """Forfeit of each party, None without one."""
     catches: tuple[int, ...]
     """Catches by seat, as in `MatchResult`."""
@@ -82,7 +82,7 @@ def show_match(
     config: ArenaConfig,
     seed: int,
     lineup: Lineup,
-    limits: AgentLimits | None,
+    quotas: Quotas | None,
     *,
     title: str,
     size: tuple[int, int],
@@ -94,14 +94,14 @@ def show_match(
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
         lineup: the players by seat.
-        limits: limits of isolated agents, None if all agents are trusted.
+        quotas: quotas of isolated agents, None if all agents are trusted.
         title: title of the replay and of the window.
         size: (width, height) of the window [pixels].
         save: called with the replay when the user asks for it; returns a text that says where the replay is.
 
     Raises:
         OutputError: if there is no display.
-        NoContest: if isolated agents could not be held.
+        MatchFailedError: if isolated agents could not be held.
     """
     inputs = InputState()
     window = MatchWindow(
@@ -113,7 +113,7 @@ def show_match(
         save=save,
     )
     try:
-        with sandbox_for(limits) as sandbox:
+        with sandbox_for(quotas) as sandbox:
             while True:
                 forfeits: dict[int, Forfeit] = {}
 
@@ -123,7 +123,7 @@ def show_match(
 
                 with _players(lineup, inputs, sandbox, window) as players:
                     try:
-                        play(
+                        play_match(
                             config,
                             seed,
                             players,

@@ -25,7 +25,7 @@ _Infos = dict[str, dict[str, Any]]
 """Infos of a step, by agent."""
 
 
-def play(
+def play_match(
     config: ArenaConfig,
     seed: int,
     players: Players | Sequence[Policy | PreyPolicy],
@@ -57,7 +57,7 @@ def play(
 
     Raises:
         OutputError: for a replay that cannot be written.
-        NoContest: if isolated players could not be held.
+        MatchFailedError: if isolated players could not be held.
     """
     if isinstance(players, Sequence):
         players = Players(dict(enumerate(players)))
@@ -168,9 +168,8 @@ class _RunningMatch:
             contests_lost=tuple(self._contests_lost[party] for party in range(len(parties))),
             steps=self.step,
             digest=self._env.digest().hex(),
-            forfeits=tuple(None if one is None else one.code for one in forfeits),
+            forfeits=tuple(forfeits),
             thinking=tuple(map(MoveTimes, self._moves, self._total_s, self._longest_s)),
-            details=tuple(forfeits),
             logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
             lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
             catches=tuple(catches) if teams else (),

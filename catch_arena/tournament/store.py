@@ -24,7 +24,7 @@ from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
@@ -79,7 +79,7 @@ class Tournament:
     plan: Mapping[str, str | int | float]
     """Parameters of the plan."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
-    """Other terms of the tournament: `recorded`, `trusted`, `max_forfeits`, and the limits of isolated agents."""
+    """Other terms of the tournament: `recorded`, `trusted`, `max_forfeits`, and the quotas of isolated agents."""
     seed: str | None = field(default=None, repr=False)
     """Seed as `Secret.text`; None if the plan is not drawn, or need not be repeated by others."""
     ruleset: str = RULESET
@@ -111,16 +111,16 @@ class Tournament:
         return None if self.seed is None else Secret.parse(self.seed)
 
 
-def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
+def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
     """Return the `terms` of a tournament.
 
     Args:
-        limits: limits of isolated agents; None if all are trusted.
+        quotas: quotas of isolated agents; None if all are trusted.
         max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
         recorded: True if replays are kept.
     """
-    numbers = {} if limits is None else limits.numbers()
-    return {"recorded": recorded, "trusted": limits is None, "max_forfeits": max_forfeits} | numbers
+    numbers = {} if quotas is None else quotas.numbers()
+    return {"recorded": recorded, "trusted": quotas is None, "max_forfeits": max_forfeits} | numbers
 
 
 class Store:
@@ -222,18 +222,18 @@ class Store:
                 db.execute("DELETE FROM fact WHERE name = 'ended'")
         return count
 
-    def keep(self, block: Iterable[PlayedMatch]) -> None:
+    def add(self, block: Iterable[PlayedMatch]) -> None:
         """Write played matches, all or none; a match that was stored before is not changed."""
         with self.transaction():
             for one in block:
                 self._keep(one)
 
     def _keep(self, one: PlayedMatch) -> None:
-        parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
+        parts = {column: getattr(one.result, name) for column, name in stored_values.RESULTS.items()}
         parts["thinking"] = [
             (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
         ]
-        parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.details]
+        parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
         self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
-from catch_arena.errors import NoContest
+from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
@@ -58,9 +58,9 @@ def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay |
         max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
     """
     isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
-    if worker.limits is None or not isolated:
+    if worker.quotas is None or not isolated:
         return None
-    init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
+    init_s, step_s, bank_s = worker.quotas.init_s, worker.quotas.step_ms / 1000.0, worker.quotas.bank_s
     in_block = Parties.of(worker.config).block_size
     in_blocks = -(-max_forfeits // in_block) * in_block
     return WorstDelay(
@@ -79,7 +79,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     block = next(iter(plan.stage(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}
-    foreign = worker.limits is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
+    foreign = worker.quotas is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
     # a trusted agent may end the process that it plays in
     with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
         try:
@@ -89,12 +89,12 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
                 ((played, replay),) = executor.result(executor.submit([match], {}))
                 seconds += time.perf_counter() - begin
                 sizes.append(len(replay))
-                for index, forfeit in zip(match.seating, played.result.details, strict=True):
+                for index, forfeit in zip(match.seating, played.result.forfeits, strict=True):
                     if forfeit is not None:
                         forfeits.setdefault(worker.entrants[index].name, str(forfeit))
                 if seconds > _SAMPLE_S:
                     break
-        except NoContest:
+        except MatchFailedError:
             return None
     tried = len(sizes)
     return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried, tried, forfeits)

@@ -38,8 +38,8 @@ class ForfeitStreaks:
         """
         before = len(self._excluded)
         for one in block:
-            for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
-                if code is None:
+            for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
+                if forfeit is None:
                     self._forfeited[index] = 0
                     self._finished.add(index)
                     continue

@@ -47,7 +47,7 @@ def play_plan(
 
     Raises:
         ConfigError: for max_forfeits below 0.
-        NoContest: for a block that failed on our side three times.
+        MatchFailedError: for a block that failed on our side three times.
         AgentError: for an agent that another machine does not have.
         OutputError: for logs and replays that cannot be written.
         StoreError: for results that cannot be written.
@@ -56,14 +56,14 @@ def play_plan(
     parties = Parties.of(tournament.config)
     streaks = ForfeitStreaks(max_forfeits)
 
-    def keep(recorded: Sequence[RecordedMatch]) -> None:
+    def store_block(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that every match in the store has its files
             if folder is not None:
                 if replay:
                     write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
                 add_to_logs(folder / LOGS, tournament.entrants, parties, one)
         played = [one for one, _ in recorded]
-        store.keep(played)
+        store.add(played)
         if on_results is not None:
             on_results(played)
 
@@ -88,7 +88,7 @@ def play_plan(
             store.end()
             return
         planned += stage
-        play_blocks(store.waiting(), executor, streaks, keep)
+        play_blocks(store.waiting(), executor, streaks, store_block)
 
 
 def _remove_replays(store: Store, folder: Path) -> None:

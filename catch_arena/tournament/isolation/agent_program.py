@@ -32,8 +32,8 @@ from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import loading
 from catch_arena.tournament.agent_spec import command_of, folder_of
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.namespaces import SHARED
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import agent_class, create_policy, has_prey, sources_of
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
@@ -55,18 +55,18 @@ def main(words: str) -> None:
     arguments = json.loads(words)
     try:
         serve(**arguments)
-    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of NoContest
+    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of MatchFailedError
         traceback.print_exc()
     finally:
         _leave(None if arguments["namespaced"] else Path(arguments["folder"]))
 
 
-def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
+def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
     """Play matches until the tournament closes the lines.
 
     Args:
         spec: spec of an entrant.
-        limits: limits of the agent, by name.
+        quotas: quotas of the agent, by name.
         folder: folder in which the agent's working folder is made for each match.
         into: descriptor of the pipe with the lines.
         out: descriptor of the pipe for the answers.
@@ -74,7 +74,7 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
     """
     if not namespaced:
         _end_with(os.getppid(), Path(folder))
-    allowed = AgentLimits(**limits)
+    allowed = Quotas(**quotas)
     _confine(allowed, namespaced=namespaced)
     writable = [Path(folder), SHARED] if namespaced else [Path(folder)]
     kept = {path for place in writable for path in _found_in(place)}
@@ -98,7 +98,7 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
                 _set_for_process(_SET_PDEATHSIG, signal.SIGKILL)
                 _limit_cpu(allowed.cpu_s)
                 if os.getppid() == parent:
-                    _play(spec, into, out)
+                    _serve_match(spec, into, out)
             finally:
                 os._exit(1)
         code = _exit_code(child)
@@ -139,8 +139,8 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
         os._exit(_TOLD)
 
 
-def _play(spec: str, into: int, out: int) -> NoReturn:
-    """Play one match in its own process."""
+def _serve_match(spec: str, into: int, out: int) -> NoReturn:
+    """Serve one match in its own process."""
     # an END is still in the pipe if the last match's process ended before it read it
     side = json.loads(_read_line(into).lstrip(protocol.END))["side"]
     try:
@@ -178,17 +178,17 @@ def _import(spec: str, out: int) -> None:
         os._exit(1)
 
 
-def _confine(limits: AgentLimits, *, namespaced: bool) -> None:
+def _confine(quotas: Quotas, *, namespaced: bool) -> None:
     """Limit the memory, files and processes of this process and of those that it starts."""
     with suppress(OSError):  # when the machine has no memory left, agents are ended first
         Path("/proc/self/oom_score_adj").write_text("1000")
     _set_for_process(_SET_CHILD_SUBREAPER, 1)
     if LINUX:  # this limit does not apply to root
-        _limit(resource.RLIMIT_NPROC, limits.processes if namespaced else limits.processes + _tasks())
-    _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
-    _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)
-    _limit(resource.RLIMIT_NOFILE, limits.open_files)
-    _limit(resource.RLIMIT_FSIZE, limits.file_mib * _MIB)
+        _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
+    _limit(resource.RLIMIT_DATA, quotas.memory_mib * _MIB)
+    _limit(resource.RLIMIT_AS, _ADDRESSES * quotas.memory_mib * _MIB)
+    _limit(resource.RLIMIT_NOFILE, quotas.open_files)
+    _limit(resource.RLIMIT_FSIZE, quotas.file_mib * _MIB)
     _limit(resource.RLIMIT_CORE, 0)
 
 

@@ -14,13 +14,13 @@ from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import scenario
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.match import Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.players import Fault
 from catch_arena.tournament.ranks import ranks_of
@@ -39,14 +39,15 @@ class Field:
 
     def play(self, match, out):
         draw = random.Random(f"{match.id} {self.seed} {sorted(out)}")
-        forfeits = [
+        codes = [
             "FORFEIT_OUT" if place in out else "FORFEIT_CRASH" if draw.random() < self.temper[place] else None
             for place in match.seating
         ]
-        scores = tuple(0 if code else draw.randrange(9) for code in forfeits)
-        ranks = ranks_of(scores, [0 if code else None for code in forfeits])
+        scores = tuple(0 if code else draw.randrange(9) for code in codes)
+        ranks = ranks_of(scores, [0 if code else None for code in codes])
         thinking = (MoveTimes(1, 0.0, 0.0),) * SEATS
-        result = MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, (0,) * SEATS, 1, "", tuple(forfeits), thinking)
+        forfeits = tuple(code and Forfeit(code, 0, "") for code in codes)
+        result = MatchResult(scores, ranks, ({},) * SEATS, (0,) * SEATS, (0,) * SEATS, 1, "", forfeits, thinking)
         return PlayedMatch(match, result)
 
 
@@ -75,7 +76,7 @@ class Shuffled:
             block, out = self.begun.pop(future)
             if self.random.random() < self.loses and self.lost[block] < 2:
                 self.lost[block] += 1
-                future.set_exception(NoContest("it is gone"))
+                future.set_exception(MatchFailedError("it is gone"))
             else:
                 future.set_result([(self.field.play(match, out), b"") for match in block])
                 self.played += 1
@@ -177,10 +178,10 @@ def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
     config, entrants = scenario("duel", time_limit_s=6), enter([bad, "nearest", "idle"])
     found = run(config, entrants, round_robin(3, hunters(2), 4, seed=0), jobs=jobs, max_forfeits=3)
     theirs = [(one.result, one.match.seating.index(0)) for one in found if 0 in one.match.seating]
-    codes = [result.forfeits[seat] for result, seat in theirs]
+    codes = [result.forfeit_codes[seat] for result, seat in theirs]
     assert codes == ["FORFEIT_CRASH"] * 4 + ["FORFEIT_OUT"] * 12
     assert (tmp_path / "starts").read_text() == "x" * 4
     result, seat = theirs[-1]
-    assert str(result.details[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
+    assert str(result.forfeits[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
     assert result.ranks[seat] == 2
     assert (result.steps, result.thinking[1 - seat].moves) == (60, 60)

@@ -112,17 +112,17 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.store import Store, Tournament
-limits = AgentLimits(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
+quotas = Quotas(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
 config = scenario("duel")
 plan = round_robin(2, Parties.of(config), 9, 0)
 entrants = enter(["mine.py", "mine.py"])
 with (
     Store.begin(Tournament(config, entrants, plan.parameters)) as store,
-    local_executor(Worker(config, entrants, limits=limits), 2) as executor,
+    local_executor(Worker(config, entrants, quotas=quotas), 2) as executor,
 ):
     play_plan(store, plan, executor)
 """
