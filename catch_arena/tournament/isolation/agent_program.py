@@ -25,6 +25,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, NoReturn
 
+import msgspec
+
 import catch_arena
 from catch_arena.errors import AgentError, CatchArenaError, reason
 from catch_arena.interrupts import LINUX
@@ -42,6 +44,8 @@ _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map memory that they never use."""
 _TOLD: Final = 76
 """Exit code of a match's process that has sent its agent's error; nothing more is sent, and the program ends."""
+_OVER: Final = (b"", protocol.END)
+"""Lines at which a match is over: the end of the pipe, and END."""
 _CLEAN_S: Final = 1.0
 """Time to end the processes that a match has left [s]; then the program ends, and the tournament ends the rest."""
 
@@ -115,14 +119,14 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
 
     Args:
         policy: instance for this match, made after its hello.
-        lines: descriptor of the lines and records for it.
+        lines: descriptor of the lines for it.
         answers: descriptor for its answers.
         known: further facts for the greeting, besides the control.
     """
     doing = "init"
     try:
         _send(answers, protocol.line(control=getattr(policy, "control", "target"), **known))
-        if not (line := _read_line(lines)):
+        if (line := _read_line(lines)) in _OVER:
             return
         doing = "reset"
         message = json.loads(line)["reset"]
@@ -130,8 +134,9 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
         policy.reset(message["seed"])
         _send(answers, protocol.line(ready=True))
         doing = "act"
-        while (seen := protocol.read_record(lines)) is not None:
-            action = policy.act(limits.view(*seen))  # type: ignore[arg-type]  # its limits are of its side
+        while (line := _read_line(lines)) not in _OVER:
+            seen = msgspec.json.decode(line)
+            action = policy.act(limits.view(seen["view"], seen["mask"]))  # type: ignore[arg-type]  # its limits are of its side
             _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
         _print(error, error.__traceback__ and error.__traceback__.tb_next)  # without our own frame
@@ -142,7 +147,8 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
 def _serve_match(spec: str, into: int, out: int) -> NoReturn:
     """Serve one match in its own process."""
     # an END is still in the pipe if the last match's process ended before it read it
-    side = json.loads(_read_line(into).lstrip(protocol.END))["side"]
+    hello = _read_line(into).removeprefix(protocol.END) or _read_line(into)
+    side = json.loads(hello)["side"]
     try:
         policy = create_policy(spec, side)
     except AgentError as error:

@@ -93,7 +93,7 @@ class IsolatedPlayers(Players):
         """Ask these seats for their actions; all processes get their views before the first answer is read."""
         step_s, bank_s = self._allowed.step_ms / 1000.0, self._bank_s
         lines = {
-            seat: (protocol.view_record if self._processes[seat].serves_many else protocol.view_line)(*observation)
+            seat: protocol.view_line(*observation)
             for seat, observation in observations.items()
             if seat in self._processes
         }
