@@ -146,11 +146,11 @@ def jobs_or_all(jobs: int | None) -> int:
     Raises:
         ConfigError: for a number below 1.
     """
-    from catch_arena.tournament.execution.executors import require_jobs, usable_cores
+    from catch_arena.tournament.execution.executors import usable_cores
 
-    found = usable_cores() if jobs is None else jobs
-    require_jobs(found)
-    return found
+    if jobs is not None and jobs < 1:
+        raise ConfigError(f"jobs must be at least 1, got {jobs}")
+    return usable_cores() if jobs is None else jobs
 
 
 def secret_of(seed: str | None) -> Secret:

@@ -59,7 +59,7 @@ CREATE TABLE result (
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """Columns of a result, one for each part, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
+_ADD: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _VERSIONS: Final = "SELECT id, value FROM versions"
 _PLAYED: Final = (
     f"SELECT versions, match.*, replay, {', '.join(stored_values.RESULTS)} "  # noqa: S608
@@ -226,15 +226,15 @@ class Store:
         """Write played matches, all or none; a match that was stored before is not changed."""
         with self.transaction():
             for one in block:
-                self._keep(one)
+                self._add_match(one)
 
-    def _keep(self, one: PlayedMatch) -> None:
+    def _add_match(self, one: PlayedMatch) -> None:
         parts = {column: getattr(one.result, name) for column, name in stored_values.RESULTS.items()}
         parts["thinking"] = [
             (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
         ]
         parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
-        self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
+        self._db.execute(_ADD, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:
         """Yield the blocks that are planned and not played, in the order of the plan."""

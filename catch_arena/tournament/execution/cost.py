@@ -35,42 +35,6 @@ class Cost:
     """First forfeit of each entrant that failed in these matches, by name; `seconds` includes the failed matches."""
 
 
-@dataclass(frozen=True, slots=True)
-class WorstDelay:
-    """Longest time that one isolated agent can take."""
-
-    agents: int
-    """Number of isolated agents."""
-    hanging_s: float
-    """Longest time of a match with an agent that hangs: its start, and the step in which it forfeits [s]."""
-    slow_s: float
-    """Longest time of a match with an agent that is always just in time, and so does not forfeit [s]."""
-    matches: int
-    """Number of matches of an agent that hangs in each, until it is excluded; all its matches if it never is."""
-
-
-def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay | None:
-    """Return the longest time that slow agents can take; None if no agent has a time limit.
-
-    Args:
-        worker: plays the matches.
-        matches: largest number of matches that an entrant plays.
-        max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
-    """
-    isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
-    if worker.quotas is None or not isolated:
-        return None
-    init_s, step_s, bank_s = worker.quotas.init_s, worker.quotas.step_ms / 1000.0, worker.quotas.bank_s
-    in_block = Parties.of(worker.config).block_size
-    in_blocks = -(-max_forfeits // in_block) * in_block
-    return WorstDelay(
-        agents=len(isolated),
-        hanging_s=init_s + step_s + bank_s,
-        slow_s=init_s + worker.config.max_steps * step_s + bank_s,
-        matches=min(in_blocks, matches) if max_forfeits else matches,
-    )
-
-
 def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     """Return the cost of a match of this plan on this machine, or None if its first block fails on our side.
 

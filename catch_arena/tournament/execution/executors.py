@@ -14,7 +14,7 @@ from types import TracebackType
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.errors import ConfigError, MatchFailedError
+from catch_arena.errors import MatchFailedError
 from catch_arena.streams import outlive_readers
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.match import Match
@@ -70,14 +70,10 @@ class ProcessExecutor(Executor):
     Args:
         worker: plays the matches in each process.
         jobs: number of processes.
-
-    Raises:
-        ConfigError: for a number below 1.
     """
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         super().__init__(worker)
-        require_jobs(jobs)
         self.max_pending = 4 * jobs
         self._jobs = jobs
         self._pool = self._new_pool()
@@ -125,16 +121,6 @@ def local_executor(worker: Worker, jobs: int) -> Executor:
 def usable_cores() -> int:
     """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def require_jobs(jobs: int) -> None:
-    """Check that there is at least one process.
-
-    Raises:
-        ConfigError: for a number of processes below 1.
-    """
-    if jobs < 1:
-        raise ConfigError(f"jobs must be at least 1, got {jobs}")
 
 
 @cache

@@ -12,7 +12,7 @@ from typing import Any
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, MatchFailedError, install_hint, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Executor, require_jobs
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.match import Match
@@ -34,7 +34,6 @@ class RayExecutor(Executor):
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
         super().__init__(worker)
-        require_jobs(jobs)
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # the user has not agreed to them
         try:
             import ray

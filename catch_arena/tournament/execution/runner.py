@@ -46,7 +46,6 @@ def play_plan(
         on_planned: called with the number of planned matches, after each block of the plan.
 
     Raises:
-        ConfigError: for max_forfeits below 0.
         MatchFailedError: for a block that failed on our side three times.
         AgentError: for an agent that another machine does not have.
         OutputError: for logs and replays that cannot be written.

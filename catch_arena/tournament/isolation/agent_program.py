@@ -22,13 +22,11 @@ import traceback
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final, NoReturn
 
 import msgspec
 
-import catch_arena
-from catch_arena.errors import AgentError, CatchArenaError, reason
+from catch_arena.errors import AgentError, reason
 from catch_arena.interrupts import LINUX
 from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import loading
@@ -139,7 +137,7 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
             action = policy.act(limits.view(seen["view"], seen["mask"]))  # type: ignore[arg-type]  # its limits are of its side
             _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
-        _print(error, error.__traceback__ and error.__traceback__.tb_next)  # without our own frame
+        _print(error)
         _send(answers, protocol.line(error=f"{doing} raised {reason(error)}"))
         os._exit(_TOLD)
 
@@ -306,30 +304,24 @@ def _remove(folder: Path, kept: Collection[Path]) -> None:
 
 def _report(error: AgentError, answers: int) -> None:
     if error.__cause__ is not None:
-        cause = error.__cause__
-        theirs = cause.__traceback__
-        while theirs is not None and _imports(theirs.tb_frame.f_code.co_filename):
-            theirs = theirs.tb_next
-        _print(cause, theirs)
+        _print(error.__cause__)
     _send(answers, protocol.line(error=str(error)))
 
 
-def _print(error: BaseException, theirs: TracebackType | None) -> None:
-    """Print a traceback to the agent's log; for an error of ours only the agent's own lines, as the error is sent."""
+def _print(error: BaseException) -> None:
+    """Print a traceback to the agent's log, from the agent's own first line on."""
+    theirs = error.__traceback__
+    while theirs is not None and _calls_agents(theirs.tb_frame.f_code.co_filename):
+        theirs = theirs.tb_next
     log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
-    if isinstance(error, CatchArenaError):
-        ours = str(Path(catch_arena.__file__).parent) + os.sep
-        frames = [frame for frame in traceback.extract_tb(theirs) if not frame.filename.startswith(ours)]
-        traceback.print_list(frames, log)
-    else:
-        traceback.print_exception(type(error), error, theirs, file=log)
+    traceback.print_exception(type(error), error, theirs, file=log)
     with suppress(OSError):
         log.flush()
 
 
-def _imports(file: str) -> bool:
-    """Return whether a file belongs to the import of an agent, and not to the agent itself."""
-    return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__}
+def _calls_agents(file: str) -> bool:
+    """Return whether a file imports or calls agents, and so stands above their own lines in a traceback."""
+    return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__, __file__}
 
 
 def _read_line(lines: int) -> bytes:

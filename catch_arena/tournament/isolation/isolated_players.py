@@ -23,8 +23,6 @@ _POLL_S: Final = 0.1
 """Longest single wait [s], so that this process notices if it stood still itself."""
 _STALL_S: Final = 1.0
 """Stall of this process [s] from which on no agent is blamed for being late."""
-_CHOICES: Final = {b'{"action":%d}' % choice: choice for choice in range(64)}
-"""Lines of most agents in most steps, and their choices: a look-up takes a tenth of the time of reading JSON."""
 
 
 class _Reply(NamedTuple):
@@ -213,8 +211,6 @@ def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
     """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
     if isinstance(heard, Fault):
         return _Reply({}, seconds, heard)
-    if heard in _CHOICES:
-        return _Reply({"action": _CHOICES[heard]}, seconds)
     try:
         said = json.loads(heard)
     except (ValueError, RecursionError):

@@ -258,11 +258,6 @@ class Sandbox:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
-    @property
-    def pids(self) -> list[int]:
-        """Ids of the processes that wait or play."""
-        return [process.pid for process in self._processes.values()]
-
     def start(self, entrant: Entrant) -> AgentProcess:
         """Return an entrant's process for the next match: its waiting process, or a new one.
 

@@ -14,7 +14,7 @@ from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import scenario
-from catch_arena.errors import ConfigError, MatchFailedError
+from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
@@ -140,11 +140,6 @@ def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
     played_by(executor, field, plan, 10)
     blocks = {block for block, out in begun if not out}
     assert sum(map(len, blocks)) == 12  # whole blocks of three
-
-
-def test_less_than_no_forfeit_is_refused():
-    with pytest.raises(ConfigError, match="max_forfeits must be at least 1, or 0 for no limit, got -1"):
-        ForfeitStreaks(-1)
 
 
 @pytest.mark.parametrize(

@@ -276,4 +276,4 @@ def test_all_are_killed_though_who_waits_for_one_forgets_it_meanwhile(sandbox, m
     monkeypatch.setattr(AgentProcess, "kill", forgotten)
     sandbox.kill()
     monkeypatch.undo()
-    assert sandbox.pids == []
+    assert sandbox._processes == {}
