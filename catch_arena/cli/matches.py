@@ -27,7 +27,7 @@ from catch_arena.cli.options import (
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
 from catch_arena.cli.terminal import own_console, say, shown
-from catch_arena.errors import ConfigError, MatchFailedError, OutputError, StoreError
+from catch_arena.errors import ConfigError, OutputError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.live.session import SessionResult
@@ -112,6 +112,7 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
+    from catch_arena.cli.progress import keeping
     from catch_arena.files import prepare_folder
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS
@@ -150,18 +151,14 @@ def tournament(
         return shown(f"{played} of {size} matches are kept in {out}; the same command with --resume goes on")
 
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
-        interrupts.also_say(kept)
         say(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
         say_who_needs_prey(entrants, config)
-        try:
+        with keeping(kept):
             with _executor(worker, jobs, executor, address) as ready:
                 _play_tournament(store, plan, ready, max_forfeits, out)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
-        except (MatchFailedError, OutputError, StoreError) as error:
-            error.args = (f"{error}; {kept()}",)
-            raise
         _say_standings(tables, entrants)
         if not isinstance(plan, FixedPlan) and plan.last is not None:
             say(f"after {played} matches, {plan.last}")

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, plain_table, say, shown
-from catch_arena.errors import MatchFailedError, OutputError, StoreError
 
 if TYPE_CHECKING:
     from catch_arena.suite.measures import AgentMeasures
@@ -55,7 +53,7 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
-    from catch_arena.cli.progress import progress_bar
+    from catch_arena.cli.progress import keeping, progress_bar
     from catch_arena.cli.tables import duration
     from catch_arena.files import prepare_folder, write_whole
     from catch_arena.suite.contents import QUICK_BLOCKS, SUITE
@@ -111,20 +109,15 @@ def suite(
     def kept() -> str:
         return shown(f"{done} of {total} matches are kept in {out}; the same command with --resume goes on")
 
-    interrupts.also_say(kept)
-    try:
-        with progress_bar("playing", total) as show:
-            for one in evaluations:
+    with keeping(kept), progress_bar("playing", total) as show:
 
-                def on_results(played: Sequence[object]) -> None:
-                    nonlocal done
-                    done += len(played)
-                    show(done, total)
+        def on_results(played: Sequence[object]) -> None:
+            nonlocal done
+            done += len(played)
+            show(done, total)
 
-                one.play(workers, on_results)
-    except (MatchFailedError, OutputError, StoreError) as error:
-        error.args = (f"{error}; {kept()}",)
-        raise
+        for one in evaluations:
+            one.play(workers, on_results)
     known = references(SUITE)
     measured = [measure(one) for one in evaluations]
     for measures in measured:

@@ -89,7 +89,7 @@ class Evaluation:
         moves = sum(count * _moves(one) for one, count in missing.items())
         return 0.0 if cost is None else cost.seconds * moves / _moves(first)
 
-    def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] | None = None) -> None:
+    def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None) -> None:
         """Play the matches that are not kept yet, scenario by scenario.
 
         Args:
@@ -106,7 +106,7 @@ class Evaluation:
             kept = self.played(one)
             if len(kept) < self._plan(one).size:
                 waiting.append(one)
-            elif on_results is not None:
+            else:
                 on_results(kept)
         if not waiting:
             return

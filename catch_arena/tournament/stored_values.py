@@ -8,20 +8,11 @@ import msgspec
 
 from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 
-RESULTS: Final = {
-    "scores": "scores",
-    "ranks": "ranks",
-    "verdicts": "verdicts",
-    "contests_won": "contests_won",
-    "contests_lost": "contests_lost",
-    "steps": "steps",
-    "digest": "digest",
-    "forfeits": "forfeit_codes",
-    "thinking": "thinking",
-    "details": "forfeits",
-    "lost_to_mates": "lost_to_mates",
-    "catches": "catches",
-}
+_COLUMNS: Final = (
+    *("scores", "ranks", "verdicts", "contests_won", "contests_lost", "steps", "digest"),
+    *("forfeits", "thinking", "details", "lost_to_mates", "catches"),
+)
+RESULTS: Final = {name: name for name in _COLUMNS} | {"forfeits": "forfeit_codes", "details": "forfeits"}
 """Columns of a result in their order, each with JSON, and the attributes of `MatchResult` that they hold."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
 

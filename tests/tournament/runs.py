@@ -1,7 +1,9 @@
-"""Whole plans played without a store on disk."""
+"""Whole plans played, with a store that is not kept."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
@@ -12,6 +14,13 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import Store, Tournament
+
+
+@contextmanager
+def new_store(tournament: Tournament) -> Iterator[Store]:
+    """Return a new store in a temporary folder."""
+    with TemporaryDirectory() as folder, Store.begin(tournament, Path(folder)) as store:
+        yield store
 
 
 def run(
@@ -27,7 +36,7 @@ def run(
     """Return every match of a plan, played, in the plan's order; `record` is the folder for replays and logs."""
     worker = Worker(config, tuple(entrants), record=record is not None, quotas=quotas)
     with (
-        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
+        new_store(Tournament(config, tuple(entrants), plan.parameters)) as store,
         local_executor(worker, jobs) as executor,
     ):
         play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record)

@@ -28,7 +28,7 @@ def play_plan(
     *,
     max_forfeits: int = 0,
     folder: Path | None = None,
-    on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
+    on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None,
     on_planned: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Play the matches of a plan that are not in the store yet, stage by stage, to the end of the plan.
@@ -63,15 +63,13 @@ def play_plan(
                 add_to_logs(folder / LOGS, tournament.entrants, parties, one)
         played = [one for one, _ in recorded]
         store.add(played)
-        if on_results is not None:
-            on_results(played)
+        on_results(played)
 
     if folder is not None:
         _remove_replays(store, folder / REPLAYS)
     before = list(store.played())
     streaks.add(before)
-    if on_results is not None:
-        on_results(before)
+    on_results(before)
     planned = 0
 
     def reported(blocks: Iterable[Block]) -> Iterator[Block]:

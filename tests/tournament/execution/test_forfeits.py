@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tournament.agents import write_agent
-from tournament.runs import run
+from tournament.runs import new_store, run
 from tournament.seats import hunters
 
 from catch_arena import scenario
@@ -24,7 +24,7 @@ from catch_arena.tournament.match import Forfeit, Match, MatchResult, MoveTimes,
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.players import Fault
 from catch_arena.tournament.ranks import ranks_of
-from catch_arena.tournament.store import Store, Tournament
+from catch_arena.tournament.store import Tournament
 
 SEATS = 3
 CONFIG = scenario("standard", hunters=SEATS)
@@ -94,7 +94,7 @@ class Shuffled:
 
 
 def played_by(executor, field, plan, most):
-    with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store, executor.in_charge():
+    with new_store(Tournament(CONFIG, field.entrants, plan.parameters)) as store, executor.in_charge():
         play_plan(store, plan, executor, max_forfeits=most)
         return list(store.played())
 
@@ -114,7 +114,7 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
     field = Field(temper, seed)
     plan = plan_of(form, len(temper), hunters(SEATS), 2, seed, 1 if sampled else 20_000)
     expected = played_by(Shuffled(field, 1, 0, loses=0.0), field, plan, most)
-    with Store.begin(Tournament(CONFIG, field.entrants, plan.parameters)) as store:
+    with new_store(Tournament(CONFIG, field.entrants, plan.parameters)) as store:
         for life in range(100):
             executor = Shuffled(field, max_pending, seed + life, data.draw(st.integers(0, 40)) if life < 3 else None)
             before = list(store.played())

@@ -107,6 +107,7 @@ def test_killed_again_and_again_it_ends_as_if_undisturbed(tmp_path, monkeypatch)
 
 PLAYS = """
 import sys
+from pathlib import Path
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import local_executor
@@ -121,7 +122,7 @@ config = scenario("duel")
 plan = round_robin(2, Parties.of(config), 9, 0)
 entrants = enter(["mine.py", "mine.py"])
 with (
-    Store.begin(Tournament(config, entrants, plan.parameters)) as store,
+    Store.begin(Tournament(config, entrants, plan.parameters), Path()) as store,
     local_executor(Worker(config, entrants, quotas=quotas), 2) as executor,
 ):
     play_plan(store, plan, executor)
