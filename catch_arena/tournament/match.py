@@ -1,7 +1,6 @@
 """Matches of a plan, and their results."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final
 
 from msgspec import Struct
@@ -26,10 +25,6 @@ class Match:
     """Index of the player among the entrants, by party (parties.py)."""
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
     """Seed of the player, by party; if empty, these seeds follow from the match's own."""
-
-    def with_players(self, players: Sequence[int]) -> "Match":
-        """Return the match with its seating replaced: player `players[0]` in place of 0, and so on."""
-        return replace(self, seating=tuple(players[role] for role in self.seating))
 
 
 Block = tuple[Match, ...]

@@ -20,7 +20,7 @@ from catch_arena.tournament.agent_spec import command_of
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.namespaces import TEMPORARY, bubblewrap_words, level_here, visible_paths
-from catch_arena.tournament.isolation.quotas import Level, Quotas
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.players import Fault
 
@@ -84,24 +84,22 @@ class AgentProcess:
 
     Args:
         spec: spec of an entrant.
-        quotas: quotas of the agent.
-        level: level of isolation.
+        quotas: quotas of the agent, with its level of isolation.
 
     Raises:
         ConfigError: on Windows.
         MatchFailedError: if the process cannot be started.
     """
 
-    def __init__(self, spec: str, quotas: Quotas, level: Level) -> None:
+    def __init__(self, spec: str, quotas: Quotas) -> None:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
-        self.serves_many = command_of(spec) is None
-        """True if it can play further matches; a command ends with its first."""
+        self._serves_many = command_of(spec) is None  # a command ends with its first match
         self.started = False
         """True after the process has begun to run the agent's code."""
         self._longest = quotas.answer_kib * _KIB
         self._log_size = quotas.log_kib * _KIB
-        self._namespaced = level == "namespaces"
+        self._namespaced = quotas.isolation == "namespaces"
         self._unread = b""
         self._log_open = True
         self._plays = False
@@ -197,7 +195,7 @@ class AgentProcess:
         if not self._plays:
             return True
         self._plays = False
-        if not self.serves_many or not self.write(protocol.END):
+        if not self._serves_many or not self.write(protocol.END):
             return False
         line = self._last_line()
         self.read_log()
@@ -248,8 +246,7 @@ class Sandbox:
 
     def __init__(self, quotas: Quotas | None = None) -> None:
         quotas = quotas or Quotas()
-        self.level: Level = level_here(quotas.isolation)
-        self.quotas = replace(quotas, isolation=self.level)
+        self.quotas = replace(quotas, isolation=level_here(quotas.isolation))
         self._processes: dict[tuple[str, str], AgentProcess] = {}
 
     def __enter__(self) -> "Sandbox":
@@ -265,7 +262,7 @@ class Sandbox:
             MatchFailedError: if the process cannot be started.
         """
         key = entrant.name, entrant.spec
-        process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.quotas, self.level)
+        process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.quotas)
         self._processes[key] = process  # last in the order: the processes that have waited longest are ended first
         process.begin()
         return process

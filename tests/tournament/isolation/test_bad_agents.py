@@ -137,7 +137,7 @@ def played(tmp_path):
 def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(
     sandbox, played, tmp_path, name, limits, code, step, reason
 ):
-    with Sandbox(replace(PATIENT, isolation=sandbox.level, **limits)) as within:
+    with Sandbox(replace(PATIENT, isolation=sandbox.quotas.isolation, **limits)) as within:
         result = played(within if limits else sandbox, name, "nearest", record=tmp_path / "m.replay")
     assert result.forfeit_codes == (code, None)
     assert result.forfeits[0].step == step
@@ -157,7 +157,7 @@ def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_pa
     for name, naps in (("late", "[4.2, 1.0]"), ("slow", "[4.4, 0.0]")):
         act = "time.sleep(naps.pop() if naps else 0)\nreturn 0"
         write_agent(tmp_path / f"{name}.py", act, before=f"import time\nnaps = {naps}\n")
-    with Sandbox(Quotas(init_s=60, step_ms=200, bank_s=4.5, isolation=sandbox.level)) as within:
+    with Sandbox(Quotas(init_s=60, step_ms=200, bank_s=4.5, isolation=sandbox.quotas.isolation)) as within:
         entrants = enter([str(tmp_path / "late.py"), str(tmp_path / "slow.py")], inspector(within))
         with start_players(entrants, within) as players:
             result = play_match(SHORT, 3, players, ["late", "slow"], most_steps=3)
@@ -166,7 +166,7 @@ def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_pa
 
 def test_what_it_takes_over_a_step_comes_out_of_its_bank(sandbox, played):
     """50 ms a step at least, of which 10 are allowed: a bank of 0.2 s lasts for 5 steps at most."""
-    with Sandbox(Quotas(init_s=60, step_ms=10, bank_s=0.2, isolation=sandbox.level)) as within:
+    with Sandbox(Quotas(init_s=60, step_ms=10, bank_s=0.2, isolation=sandbox.quotas.isolation)) as within:
         result = played(within, "is_slow", "nearest")
     assert result.forfeit_codes[0] == "FORFEIT_TIMEOUT"
     assert result.forfeits[0].step <= 6
@@ -186,7 +186,7 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
 
 def test_a_child_that_would_outlive_its_parent_does_not(sandbox, played):
     assert played(sandbox, "leaves_a_child", "nearest").forfeit_codes == (None, None)
-    below = 2 if sandbox.level == "namespaces" else 0  # bubblewrap's first process, and the agent's program
+    below = 2 if sandbox.quotas.isolation == "namespaces" else 0  # bubblewrap's first process, and the agent's program
     pids = [process.pid for process in sandbox._processes.values()]
     assert len(family(*pids)) == below * len(pids)
 

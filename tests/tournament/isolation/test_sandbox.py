@@ -62,7 +62,8 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
     assert family(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
-    of_each = 3 if sandbox.level == "namespaces" else 1  # bubblewrap, its first process, and the agent's program
+    # in namespaces: bubblewrap, its first process, and the program of the agent
+    of_each = 3 if sandbox.quotas.isolation == "namespaces" else 1
     assert len(family(os.getpid()) - before) == of_each
 
 

@@ -70,7 +70,7 @@ def ask(tmp_path):
 
 
 def in_namespaces(sandbox):
-    return sandbox.level == "namespaces"
+    return sandbox.quotas.isolation == "namespaces"
 
 
 def test_it_sees_its_own_processes_only(sandbox, ask):
