@@ -7,6 +7,7 @@ from typing import Final, Literal
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
+from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -51,16 +52,12 @@ def check_fitness(
         AgentError: if the spec names no agent.
         MatchFailedError: if a match could not be held.
     """
-    looked: list[Inspection] = []
-
-    def look(resolved: str) -> Inspection:
-        try:
-            looked.append(inspector(sandbox)(resolved))
-        except AgentError as error:  # it is trusted
-            looked.append(Inspection(fault=str(error)))
-        return looked[-1]
-
-    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), look)
+    resolved = resolve_spec(spec)
+    try:
+        inspection = inspector(sandbox)(resolved)
+    except AgentError as error:  # it is trusted
+        inspection = Inspection(fault=str(error))
+    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), lambda _: inspection)
     entrant = copies[0]
 
     def play(config: ArenaConfig) -> tuple[MatchResult, list[bytes]]:
@@ -71,7 +68,7 @@ def check_fitness(
         return result, digests
 
     if entrant.fault is not None:
-        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
+        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(inspection.log)}")
         return
     prey = f"{SHIPPED_PREY} plays prey for it" if entrant.needs_prey else "plays prey itself"
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")

@@ -189,8 +189,7 @@ class _RunningMatch:
             party = self._by_seat[seat]
             self._moves[party] += 1
             self._total_s[party] += seconds
-            if seconds > self._longest_s[party]:  # noqa: PLR1730 - max() takes twice as long
-                self._longest_s[party] = seconds
+            self._longest_s[party] = max(self._longest_s[party], seconds)
             if fault is None:
                 self._actions[self._agents[seat]] = action
             else:
