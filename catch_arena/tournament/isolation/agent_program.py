@@ -26,7 +26,8 @@ from typing import Any, Final, NoReturn
 
 import msgspec
 
-from catch_arena.errors import AgentError, reason
+import catch_arena
+from catch_arena.errors import AgentError, CatchArenaError, reason
 from catch_arena.interrupts import LINUX
 from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import loading
@@ -309,12 +310,17 @@ def _report(error: AgentError, answers: int) -> None:
 
 
 def _print(error: BaseException) -> None:
-    """Print a traceback to the agent's log, from the agent's own first line on."""
+    """Print a traceback to the agent's log; for an error of ours only the agent's own lines, as the error is sent."""
     theirs = error.__traceback__
     while theirs is not None and _calls_agents(theirs.tb_frame.f_code.co_filename):
         theirs = theirs.tb_next
     log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
-    traceback.print_exception(type(error), error, theirs, file=log)
+    if isinstance(error, CatchArenaError):
+        ours = str(Path(catch_arena.__file__).parent) + os.sep
+        frames = [frame for frame in traceback.extract_tb(theirs) if not frame.filename.startswith(ours)]
+        traceback.print_list(frames, log)
+    else:
+        traceback.print_exception(type(error), error, theirs, file=log)
     with suppress(OSError):
         log.flush()
 
