@@ -35,7 +35,7 @@ class AgentError(CatchArenaError):
     """An agent that cannot be found, loaded or run."""
 
 
-class NoContest(CatchArenaError):  # noqa: N818 - the word of the sport
+class MatchFailedError(CatchArenaError):
     """A match that failed through no fault of an agent: its result does not count, and it may be played again."""
 
 

@@ -11,7 +11,7 @@ from catch_arena.render.timing import Clip
 from catch_arena.render.video import render_replay, rendered_frames, renderer_for
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 
 DOCS = Path(__file__).parent.parent / "docs"
 AGENTS = ["patrol", "contested_by_time", "contested", "nearest"]
@@ -41,7 +41,7 @@ def recorded() -> Replay:
     entrants = enter(AGENTS)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "match.replay")
-        play(
+        play_match(
             scenario("standard"),
             SEED,
             [one.create() for one in entrants],

@@ -13,7 +13,7 @@ from progress import Progress
 
 from catch_arena.cli import progress
 from catch_arena.tournament.isolation import isolated_players, sandbox
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
 """Set by `make laws`: the nightly profile."""
@@ -30,7 +30,7 @@ settings.load_profile("nightly" if LONG else "test")
 os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
 
 # A busy machine makes no agent late, no match void and no output longer, unless a test names the limit.
-AgentLimits.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
+Quotas.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
 isolated_players._STALL_S = 60.0
 sandbox._END_S = 10.0
 progress._LINE_EVERY_S = math.inf

@@ -65,20 +65,18 @@ def compare(
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config, secret, limits = arena.config(), secret_of(seed), trust.limits()
+    config, secret, quotas = arena.config(), secret_of(seed), trust.quotas()
     if len(agents) != 2:
         raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
     test = Sprt(*(shares or (share_of_elo(elo0), share_of_elo(elo1))))
-    entrants = enter_agents([*agents, *(against or ())], limits)
+    entrants = enter_agents([*agents, *(against or ())], quotas)
     say_who_needs_prey(entrants, config)
     first, second, *field = (entrant.name for entrant in entrants)
     low, high = test.bounds
-    doing = "playing"
-    with progress_bar(doing) as show:
+    with progress_bar("playing") as show:
 
-        def on_blocks(_: int, test: Sprt) -> None:
-            nonlocal doing
-            doing = f"H0 {low:.2f} < {test.log_likelihood_ratio:+.2f} < {high:.2f} H1"
+        def show_test(matches: int, most: int) -> None:
+            show(matches, most, f"H0 {low:.2f} < {test.log_likelihood_ratio:+.2f} < {high:.2f} H1")
 
         found = play_and_test(
             config,
@@ -87,10 +85,9 @@ def compare(
             max_blocks=max_blocks,
             seed=secret,
             jobs=jobs_or_all(jobs),
-            limits=limits,
+            quotas=quotas,
             max_forfeits=MAX_FORFEITS,
-            progress=on_blocks,
-            on_played=lambda played, most: show(played, most, doing),
+            progress=show_test,
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")

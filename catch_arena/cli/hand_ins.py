@@ -16,7 +16,7 @@ from catch_arena.scenarios import SCENARIOS
 if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
     from catch_arena.tournament.grading_spec import GradingSpec
-    from catch_arena.tournament.isolation.limits import AgentLimits
+    from catch_arena.tournament.isolation.quotas import Quotas
 
 
 @main.command(name="check-agent")
@@ -42,12 +42,12 @@ def check_agent(
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
-    limits = trust.limits()
+    quotas = trust.quotas()
     wrong = 0
-    with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
-                say_level(limits, [resolve_spec(agent)])
+                say_level(quotas, [resolve_spec(agent)])
             wrong += finding.level == "error"
             say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if wrong:
@@ -102,7 +102,7 @@ def grade(
                 raise ConfigError(
                     f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
                 )
-        name, digest = _grade_agent(exercise, agent, trust.limits(), spec, grades)
+        name, digest = _grade_agent(exercise, agent, trust.quotas(), spec, grades)
     points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
     say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
     if junit is not None:
@@ -118,7 +118,7 @@ def grade(
 def _grade_agent(
     exercise: "GradingSpec",
     agent: str,
-    limits: "AgentLimits | None",
+    quotas: "Quotas | None",
     spec: Path,
     grades: "list[TestGrade]",
 ) -> tuple[str, str | None]:
@@ -128,10 +128,10 @@ def _grade_agent(
     from catch_arena.tournament.grading import grade_agent
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
-    with sandbox_for(limits) as sandbox:
+    with sandbox_for(quotas) as sandbox:
         look = inspector(sandbox)
         (student,) = enter([agent], look)
-        say_level(limits, [student.spec])
+        say_level(quotas, [student.spec])
         for test in exercise.tests:
             opponents = enter(test.opponents, look)
             for word, opponent in zip(test.opponents, opponents, strict=True):

@@ -78,7 +78,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
     from catch_arena.seeding import arena_seed
     from catch_arena.tournament.parties import Parties
 
-    config, limits = window.config(), window.limits()
+    config, quotas = window.config(), window.quotas()
     person = None if seat is None else _seat(seat, config, window.scenario)
     free = len(free_parties(config, person))
     if len(agents) > free:
@@ -86,7 +86,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
         raise ConfigError(
             f"agents must be {free} at most, one for each {seats} of {window.scenario}, got {len(agents)}"
         )
-    players = enter_agents([agents[index % len(agents)] for index in range(free)], limits)
+    players = enter_agents([agents[index % len(agents)] for index in range(free)], quotas)
     lineup = line_up(config, players, person)
     if record is not None:
         output_file(record, *REPLAY, force=force)
@@ -99,7 +99,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
         return str(target)
 
     seed = arena_seed(window.seed)
-    shown = show_match(config, seed, lineup, limits, title=window.scenario, size=_SIZE, save=save)
+    shown = show_match(config, seed, lineup, quotas, title=window.scenario, size=_SIZE, save=save)
     print_logs(shown.names, shown.result.logs)
     print_result(Parties.of(config), shown.result, shown.names)
     if record is not None:

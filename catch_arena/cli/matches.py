@@ -27,14 +27,20 @@ from catch_arena.cli.options import (
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
 from catch_arena.cli.terminal import own_console, say, shown
-from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
+from catch_arena.errors import ConfigError, OutputError
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.policy import Side
     from catch_arena.tournament.entrants import Entrant
+    from catch_arena.tournament.execution.executors import Executor
+    from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.match import Forfeit, MatchResult
     from catch_arena.tournament.parties import Parties
+    from catch_arena.tournament.plans.schedule import FixedPlan, Plan
+    from catch_arena.tournament.plans.until_separated import UntilSeparated
+    from catch_arena.tournament.secret import Secret
     from catch_arena.tournament.statistics.standings import Standing
+    from catch_arena.tournament.store import Store
 
 
 @main.command()
@@ -105,17 +111,13 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.cli.tables import plan_table
+    from catch_arena.cli.progress import keeping
     from catch_arena.files import prepare_folder
     from catch_arena.report import write_report
-    from catch_arena.tournament.execution.cost import measure_cost
-    from catch_arena.tournament.execution.executors import local_executor
-    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
+    from catch_arena.tournament.execution.runner import LOGS, REPLAYS
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.parties import Parties
-    from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, FixedPlan, Plan, plan_of, require_enough
-    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
+    from catch_arena.tournament.plans.schedule import FixedPlan, require_enough
     from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
     from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
@@ -126,85 +128,116 @@ def tournament(
         raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
-    config, limits, jobs = arena.config(), trust.limits(), jobs_or_all(jobs)
+    config, quotas, jobs = arena.config(), trust.quotas(), jobs_or_all(jobs)
     parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
-    entrants = enter_agents(agents, limits)
+    entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario, tournament=True)
     secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
-
-    def rounds_of(number: int | None, most: int) -> FixedPlan:
-        return plan_of(form, len(entrants), parties, number, secret, most)
-
-    plan: Plan
-    if until_separated is None:
-        plan = rounds_of(rounds, MOST_IN_A_ROUND if max_matches is None else max_matches)
-        size = f"{plan.size}"
-    else:
-        budget = BUDGET if max_matches is None else max_matches
-        plan = UntilSeparated(entrants, until_separated, budget, lambda number: rounds_of(number, budget), parties)
-        size = f"at most {plan.size}"
-    worker = Worker(config, entrants, record, limits)
-    about = Tournament(config, entrants, plan.parameters, terms_of(limits, max_forfeits, recorded=record), secret.text)
-    folder = out / REPLAYS if record else out
-    begun: Store | None = None
-    if (out / STORE).exists():
-        prepare_folder(folder)
-        begun = Store.begin(about, out, resume=resume)
-    else:
+    plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
+    size = f"{plan.size}" if isinstance(plan, FixedPlan) else f"at most {plan.size}"
+    worker = Worker(config, entrants, record, quotas)
+    about = Tournament(config, entrants, plan.parameters, terms_of(quotas, max_forfeits, recorded=record), secret.text)
+    new = not (out / STORE).exists()
+    if new:
         _require_free_folder(out, parties, recorded=record, force=force)
-        cost = measure_cost(worker, plan)
-        with progress_bar("planning", late=True) as show:
-            table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
-        own_console(err=True).print(table)
-        prepare_folder(folder)
+        _say_plan(plan, worker, jobs, max_forfeits)
+    prepare_folder(out / REPLAYS if record else out)
 
     def kept() -> str:
         with Store.read(out) as store:  # a separate connection: any thread may call this
             played = store.count_played()
         return shown(f"{played} of {size} matches are kept in {out}; the same command with --resume goes on")
 
-    with begun or Store.begin(about, out) as store, _watched(out) if watch else nullcontext():
-        interrupts.also_say(kept)
+    with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         say(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
         say_who_needs_prey(entrants, config)
-        try:
-            if executor == "ray":
-                from catch_arena.tournament.execution.ray_executor import RayExecutor
-            with (
-                RayExecutor(worker, jobs, address) if executor == "ray" else local_executor(worker, jobs) as ready,
-                progress_bar("playing", plan.size) as show,
-            ):
-                done = 0
-
-                def on_results(more: Sequence[object]) -> None:
-                    nonlocal done
-                    done += len(more)
-                    show(done, plan.size)
-
-                play_plan(
-                    store,
-                    plan,
-                    ready,
-                    max_forfeits=max_forfeits,
-                    folder=out,
-                    on_results=on_results,
-                    on_planned=lambda planned: show(planned, plan.size, "planning"),
-                )
+        with keeping(kept):
+            with _executor(worker, jobs, executor, address) as ready:
+                _play_tournament(store, plan, ready, max_forfeits, out)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
-        except (NoContest, OutputError, StoreError) as error:
-            error.args = (f"{error}; {kept()}",)
-            raise
         _say_standings(tables, entrants)
-        if isinstance(plan, UntilSeparated) and plan.last is not None:
+        if not isinstance(plan, FixedPlan) and plan.last is not None:
             say(f"after {played} matches, {plan.last}")
         if (out / LOGS).exists():
             say(f"what agents printed, and how they failed: {out / LOGS}")
         say_seed(secret)
         say(f"results: {out}")
         say(f"report: {write_report(out)}")
+
+
+def _plan(
+    form: str,
+    entrants: "Sequence[Entrant]",
+    parties: "Parties",
+    rounds: int | None,
+    until_separated: float | None,
+    max_matches: int | None,
+    secret: "Secret",
+) -> "FixedPlan | UntilSeparated":
+    """Return the plan that the options describe."""
+    from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, plan_of
+    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
+
+    if until_separated is None:
+        most = MOST_IN_A_ROUND if max_matches is None else max_matches
+        return plan_of(form, len(entrants), parties, rounds, secret, most)
+    budget = BUDGET if max_matches is None else max_matches
+    return UntilSeparated(
+        entrants,
+        until_separated,
+        budget,
+        lambda number: plan_of(form, len(entrants), parties, number, secret, budget),
+        parties,
+    )
+
+
+def _say_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
+    """Print the plan, and its cost after some matches that are not kept."""
+    from catch_arena.cli.progress import progress_bar
+    from catch_arena.cli.tables import plan_table
+    from catch_arena.tournament.execution.cost import measure_cost
+
+    cost = measure_cost(worker, plan)
+    with progress_bar("planning", late=True) as show:
+        table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
+    own_console(err=True).print(table)
+
+
+def _executor(worker: "Worker", jobs: int, kind: str, address: str | None) -> "Executor":
+    if kind == "ray":
+        from catch_arena.tournament.execution.ray_executor import RayExecutor
+
+        return RayExecutor(worker, jobs, address)
+    from catch_arena.tournament.execution.executors import local_executor
+
+    return local_executor(worker, jobs)
+
+
+def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_forfeits: int, out: Path) -> None:
+    """Play the matches that are not in the store yet, with a progress bar."""
+    from catch_arena.cli.progress import progress_bar
+    from catch_arena.tournament.execution.runner import play_plan
+
+    with progress_bar("playing", plan.size) as show:
+        done = 0
+
+        def on_results(more: Sequence[object]) -> None:
+            nonlocal done
+            done += len(more)
+            show(done, plan.size)
+
+        play_plan(
+            store,
+            plan,
+            executor,
+            max_forfeits=max_forfeits,
+            folder=out,
+            on_results=on_results,
+            on_planned=lambda planned: show(planned, plan.size, "planning"),
+        )
 
 
 def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force: bool) -> None:
@@ -277,16 +310,16 @@ def match(
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
-    config, limits = arena.config(), trust.limits()
+    config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
     target = output_file(output, *REPLAY, force=force, usual="match.replay")
-    entrants = enter_agents(agents, limits)
+    entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):
         raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}")
     drawn = arena_seed(seed)
     steps = count()
-    with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         result = play_entrants(
             config,
             drawn,
@@ -326,7 +359,7 @@ def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]
         cut = parties.on(side)
         if side == "prey":
             say("prey, by how often it was caught:")
-        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.details[cut])
+        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.forfeits[cut])
 
 
 def print_ranking(

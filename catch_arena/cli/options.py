@@ -13,7 +13,7 @@ from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
@@ -103,8 +103,8 @@ class Trust:
         ),
     ] = None
 
-    def limits(self) -> AgentLimits | None:
-        """Return the limits of isolated agents, or None with --trusted.
+    def quotas(self) -> Quotas | None:
+        """Return the quotas of isolated agents, or None with --trusted.
 
         Raises:
             ConfigError: for an unknown limit, a level that this machine does not have, or --limit with --trusted.
@@ -115,9 +115,9 @@ class Trust:
             if self.limit:
                 raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {self.limit[0]}")
             return None
-        limits = AgentLimits.of(**dict(_pairs("--limit", self.limit)))
-        level_here(limits.isolation)
-        return limits
+        quotas = Quotas.of(**dict(_pairs("--limit", self.limit)))
+        level_here(quotas.isolation)
+        return quotas
 
 
 def arena(name: str, settings: list[str] | None) -> ArenaConfig:
@@ -146,11 +146,11 @@ def jobs_or_all(jobs: int | None) -> int:
     Raises:
         ConfigError: for a number below 1.
     """
-    from catch_arena.tournament.execution.executors import require_jobs, usable_cores
+    from catch_arena.tournament.execution.executors import usable_cores
 
-    found = usable_cores() if jobs is None else jobs
-    require_jobs(found)
-    return found
+    if jobs is not None and jobs < 1:
+        raise ConfigError(f"jobs must be at least 1, got {jobs}")
+    return usable_cores() if jobs is None else jobs
 
 
 def secret_of(seed: str | None) -> Secret:
@@ -168,33 +168,33 @@ def say_seed(secret: Secret) -> None:
     say(f"seed: {secret.digits}{guessed}")
 
 
-def say_level(limits: AgentLimits | None, specs: Iterable[str]) -> None:
+def say_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
     """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
     from catch_arena.tournament.agent_spec import is_shipped
     from catch_arena.tournament.isolation.namespaces import level_here, level_line
 
-    if limits is not None and not all(map(is_shipped, specs)):
-        say(level_line(level_here(limits.isolation)), err=True)
+    if quotas is not None and not all(map(is_shipped, specs)):
+        say(level_line(level_here(quotas.isolation)), err=True)
 
 
-def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Entrant, ...]":
+def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant, ...]":
     """Return the agents that these specs name, inspected in the process in which they will play.
 
     A warning is printed for each agent that cannot play.
 
     Args:
         specs: specs as on the command line.
-        limits: limits of isolated agents; None if all are trusted.
+        quotas: quotas of isolated agents; None if all are trusted.
 
     Raises:
         AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
-        NoContest: if an isolated agent cannot be started, for a reason on our side.
+        MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
-    with sandbox_for(limits) as sandbox, progress_bar("looking at agents", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("looking at agents", late=True) as show:
         inspect, seen = inspector(sandbox), count(1)
 
         def look(spec: str) -> "Inspection":
@@ -202,7 +202,7 @@ def enter_agents(specs: Sequence[str], limits: AgentLimits | None) -> "tuple[Ent
             return inspect(spec)
 
         entrants = enter(specs, look)
-    say_level(limits, [entrant.spec for entrant in entrants])
+    say_level(quotas, [entrant.spec for entrant in entrants])
     for entrant in entrants:
         if entrant.fault is not None:
             say(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)

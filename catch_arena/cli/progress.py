@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal, and a line every few seconds elsewhere."""
+"""Progress of long work: a bar on a terminal, a line every few seconds elsewhere, and a line if it is interrupted."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -7,7 +7,9 @@ from typing import Final
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from catch_arena import interrupts
 from catch_arena.cli.terminal import own_console
+from catch_arena.errors import MatchFailedError, OutputError, StoreError
 
 _LINE_EVERY_S: Final = 5.0
 _LATE_S: Final = 2.0
@@ -52,3 +54,14 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
     finally:
         if console.is_terminal:
             bar.stop()
+
+
+@contextmanager
+def keeping(kept: Callable[[], str]) -> Iterator[None]:
+    """Append the text of `kept`, which says what is kept, to the line about an interrupt or an error."""
+    interrupts.also_say(kept)
+    try:
+        yield
+    except (MatchFailedError, OutputError, StoreError) as error:
+        error.args = (f"{error}; {kept()}",)
+        raise

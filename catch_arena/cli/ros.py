@@ -97,13 +97,13 @@ def serve(
     config = config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
     nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
     specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
-    limits = trust.limits()
+    quotas = trust.quotas()
     if record is not None:
         output_file(record, *REPLAY, force=force)
     if scenario is None:
         say(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
     types = bus.types()
-    entrants = dict(zip(specs, enter_agents(list(specs.values()), limits), strict=True)) if specs else {}
+    entrants = dict(zip(specs, enter_agents(list(specs.values()), quotas), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
         for number in range(config.hunters)
@@ -113,7 +113,7 @@ def serve(
         config,
         arena_seed(seed),
         entrants,
-        limits,
+        quotas,
         names=names,
         people=[number for number, (word, _) in nodes.items() if word == HUMAN],
         interfaces=types,
@@ -161,7 +161,7 @@ def controller(
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 
-    limits = trust.limits()
+    quotas = trust.quotas()
     values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
     if values:
         agent = _CLOSEST if values[CLOSEST_FIRST] else _OLDEST
@@ -170,9 +170,9 @@ def controller(
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
     types = bus.types()
-    entrants = enter_agents([agent], limits)
+    entrants = enter_agents([agent], quotas)
     with (
-        sandbox_for(limits) as sandbox,
+        sandbox_for(quotas) as sandbox,
         start_players(entrants, sandbox) as players,
         bus.joined("turtle_controller") as joined,
     ):

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, plain_table, say, shown
-from catch_arena.errors import NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:
     from catch_arena.suite.measures import AgentMeasures
@@ -55,7 +53,7 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
-    from catch_arena.cli.progress import progress_bar
+    from catch_arena.cli.progress import keeping, progress_bar
     from catch_arena.cli.tables import duration
     from catch_arena.files import prepare_folder, write_whole
     from catch_arena.suite.contents import QUICK_BLOCKS, SUITE
@@ -68,10 +66,10 @@ def suite(
 
     out = out or Path("out/suite-quick" if quick else "out/suite")
     workers = jobs_or_all(jobs)
-    limits = trust.limits()
+    quotas = trust.quotas()
     if json is not None:
         output_file(json, ".json", force=force)
-    entered = enter_agents(agents, limits)
+    entered = enter_agents(agents, quotas)
     opponents = enter_opponents(SUITE)
     blocks = QUICK_BLOCKS if quick else SUITE.blocks
     evaluations = [
@@ -81,7 +79,7 @@ def suite(
             opponents,
             folder_of(out, agent),
             blocks,
-            None if is_shipped(agent.spec) else limits,
+            None if is_shipped(agent.spec) else quotas,
             MAX_FORFEITS,
         )
         for agent in entered
@@ -90,7 +88,7 @@ def suite(
     if not resume:
         for one in evaluations:
             one.require_new()
-    with sandbox_for(limits) as sandbox:
+    with sandbox_for(quotas) as sandbox:
         for one in evaluations:
             for scenario, why in one.cannot_play(sandbox):
                 say(f"{one.agent.name} cannot play {scenario}, and forfeits there: {why}", err=True)
@@ -111,20 +109,15 @@ def suite(
     def kept() -> str:
         return shown(f"{done} of {total} matches are kept in {out}; the same command with --resume goes on")
 
-    interrupts.also_say(kept)
-    try:
-        with progress_bar("playing", total) as show:
-            for one in evaluations:
+    with keeping(kept), progress_bar("playing", total) as show:
 
-                def on_results(played: Sequence[object]) -> None:
-                    nonlocal done
-                    done += len(played)
-                    show(done, total)
+        def on_results(played: Sequence[object]) -> None:
+            nonlocal done
+            done += len(played)
+            show(done, total)
 
-                one.play(workers, on_results)
-    except (NoContest, OutputError, StoreError) as error:
-        error.args = (f"{error}; {kept()}",)
-        raise
+        for one in evaluations:
+            one.play(workers, on_results)
     known = references(SUITE)
     measured = [measure(one) for one in evaluations]
     for measures in measured:

@@ -10,8 +10,10 @@ from rich.table import Table
 
 from catch_arena.cli.terminal import plain_table
 from catch_arena.policy import Side
-from catch_arena.tournament.execution.cost import Cost, match_counts, worst_delay
+from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.execution.cost import Cost, match_counts
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
 from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
@@ -83,16 +85,28 @@ def plan_table(
         shown.add_row("a pair meets in", f"{_span(*met)} matches")
     if cost is not None:
         _add_cost(shown, plan.size, cost, jobs, max_forfeits)
-    worst = worst_delay(worker, most, max_forfeits)
-    if worst is not None:
-        once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s
-        then = ", then it is out" if worst.matches < most else ""
-        shown.add_row("an agent that hangs", f"may take {once} a match: {duration(all_s)} for {worst.matches}{then}")
-        if worst.agents > 1:
-            shown.add_row(f"all {worst.agents} that could", f"{duration(worst.agents * all_s)} with one process")
-        once, all_s = duration(worst.slow_s), most * worst.slow_s
-        shown.add_row("a slow agent", f"may take {once} a match: {duration(all_s)} for {most}, no forfeit")
+    _add_delays(shown, worker, most, max_forfeits)
     return shown
+
+
+def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -> None:
+    """Add the longest times that an isolated agent can take; `matches` is the largest number that one plays."""
+    isolated = sum(not is_shipped(entrant.spec) for entrant in worker.entrants)
+    quotas = worker.quotas
+    if quotas is None or not isolated:
+        return
+    in_block = Parties.of(worker.config).block_size  # exclusion is checked at the end of a block
+    until_out = min(-(-max_forfeits // in_block) * in_block, matches) if max_forfeits else matches
+    hanging_s = quotas.init_s + quotas.step_ms / 1000.0 + quotas.bank_s
+    all_s = until_out * hanging_s
+    then = ", then it is out" if until_out < matches else ""
+    once = duration(hanging_s)
+    shown.add_row("an agent that hangs", f"may take {once} a match: {duration(all_s)} for {until_out}{then}")
+    if isolated > 1:
+        shown.add_row(f"all {isolated} that could", f"{duration(isolated * all_s)} with one process")
+    slow_s = quotas.init_s + worker.config.max_steps * quotas.step_ms / 1000.0 + quotas.bank_s
+    once, all_s = duration(slow_s), matches * slow_s
+    shown.add_row("a slow agent", f"may take {once} a match: {duration(all_s)} for {matches}, no forfeit")
 
 
 def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: int) -> None:

@@ -38,7 +38,7 @@ class RestartRequested(Exception):  # noqa: N818 - no error: a person's request
 
 
 class MatchWindow:
-    """Window for a match at its own pace, which `tournament.match_loop.play` takes as `watch`.
+    """Window for a match at its own pace, which `tournament.match_loop.play_match` takes as `watch`.
 
     Between two steps it draws the way from one to the other, while the person steers the next step. Its calls raise
     MatchStopped if its user ends the match, and RestartRequested.

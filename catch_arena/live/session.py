@@ -14,11 +14,11 @@ from catch_arena.policy import Policy, PreyView, View
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import in_seats, sandbox_for, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
 
@@ -75,7 +75,7 @@ def show_match(
     config: ArenaConfig,
     seed: int,
     lineup: Lineup,
-    limits: AgentLimits | None,
+    quotas: Quotas | None,
     *,
     title: str,
     size: tuple[int, int],
@@ -87,23 +87,23 @@ def show_match(
         config: the arena's settings.
         seed: a whole number in [0, 2^64).
         lineup: the players by seat.
-        limits: limits of isolated agents, None if all agents are trusted.
+        quotas: quotas of isolated agents, None if all agents are trusted.
         title: title of the replay and of the window.
         size: (width, height) of the window [pixels].
         save: called with the replay when the user asks for it; returns a text that says where the replay is.
 
     Raises:
         OutputError: if there is no display.
-        NoContest: if isolated agents could not be held.
+        MatchFailedError: if isolated agents could not be held.
     """
     inputs = InputState()
     info = MatchInfo.of(config, lineup.names, title)
     window = MatchWindow(info, seed, size, inputs, lineup.person, save)
     try:
-        with sandbox_for(limits) as sandbox:
+        with sandbox_for(quotas) as sandbox:
             while True:
                 with suppress(RestartRequested), _players(lineup, inputs, sandbox, window) as players:
-                    result = play(
+                    result = play_match(
                         config,
                         seed,
                         players,

@@ -153,15 +153,14 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
     """Return the ways in which agents forfeited, the most frequent first, each with its count and first case."""
     found: dict[tuple[str, str, str], dict[str, Any]] = {}
     for one in data.played:
-        for party, code in enumerate(one.result.forfeits):
-            if code is None:
+        for party, forfeit in enumerate(one.result.forfeits):
+            if forfeit is None:
                 continue
-            detail = one.result.details[party] if one.result.details else None
             entrant = data.tournament.entrants[one.match.seating[party]]
-            name, reason = entrant.name, detail.reason if detail else ""
-            reason = without_folders(reason.replace(entrant.spec, entrant.source))
+            name, code = entrant.name, forfeit.code
+            reason = without_folders(forfeit.reason.replace(entrant.spec, entrant.source))
             where = f"match {one.match.id}, {data.parties.called(party)}"
-            first = {"where": where, "step": detail.step if detail else None, "times": 0}
+            first = {"where": where, "step": forfeit.step, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1
     return sorted(found.values(), key=lambda way: -way["times"])

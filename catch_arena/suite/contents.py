@@ -5,7 +5,7 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from typing import Any, Final
@@ -84,7 +84,7 @@ class Suite:
 
         def seated(block: Block) -> Block:
             playing = (0, *(1 + index for index in scenario.lineup(block[0].block)))
-            return tuple(match.with_players(playing) for match in block)
+            return tuple(replace(match, seating=tuple(playing[role] for role in match.seating)) for match in block)
 
         # without the number of blocks, so that the matches of a first look are not played again
         about = {"format": "suite", "suite": self.name, "scenario": scenario.name}

@@ -13,7 +13,7 @@ from catch_arena.tournament.execution.cost import measure_cost
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.plans.schedule import FixedPlan
@@ -32,8 +32,8 @@ class Evaluation:
     """Folder of the agent's matches, with a folder for each scenario that contains the store of a tournament."""
     blocks: int
     """Number of blocks of each scenario: as many as the suite has, or fewer for a first look."""
-    limits: AgentLimits | None
-    """Limits of an isolated agent; None for a trusted one."""
+    quotas: Quotas | None
+    """Quotas of an isolated agent; None for a trusted one."""
     max_forfeits: int
 
     @property
@@ -72,7 +72,7 @@ class Evaluation:
         for one in self.suite.scenarios:
             # each hunter of its team has its own name already (isolation.playing)
             result = play_first_step(one.config, self.suite.seed, [self.agent] * len(one.parties), sandbox)
-            if (forfeit := result.details[0]) is not None:
+            if (forfeit := result.forfeits[0]) is not None:
                 yield one.name, forfeit.reason
 
     def estimate_s(self) -> float:
@@ -89,7 +89,7 @@ class Evaluation:
         moves = sum(count * _moves(one) for one, count in missing.items())
         return 0.0 if cost is None else cost.seconds * moves / _moves(first)
 
-    def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] | None = None) -> None:
+    def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None) -> None:
         """Play the matches that are not kept yet, scenario by scenario.
 
         Args:
@@ -98,7 +98,7 @@ class Evaluation:
 
         Raises:
             OtherTournamentError: for matches in the folder that are of another agent, or on other terms.
-            NoContest, OutputError: see `play_plan`.
+            MatchFailedError, OutputError: see `play_plan`.
         """
         waiting = []
         for one in self.suite.scenarios:
@@ -106,7 +106,7 @@ class Evaluation:
             kept = self.played(one)
             if len(kept) < self._plan(one).size:
                 waiting.append(one)
-            elif on_results is not None:
+            else:
                 on_results(kept)
         if not waiting:
             return
@@ -138,7 +138,7 @@ class Evaluation:
         Raises:
             OtherTournamentError: for a store of another agent, or on other terms.
         """
-        terms = terms_of(self.limits, self.max_forfeits, recorded=False)
+        terms = terms_of(self.quotas, self.max_forfeits, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
         facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret.text)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)
@@ -147,7 +147,7 @@ class Evaluation:
         return self.suite.plan(scenario, self.blocks)
 
     def _worker(self, scenario: SuiteScenario) -> Worker:
-        return Worker(scenario.config, self.entrants(scenario), limits=self.limits)
+        return Worker(scenario.config, self.entrants(scenario), quotas=self.quotas)
 
     def _folder(self, scenario: SuiteScenario) -> Path:
         return self.folder / scenario.name

@@ -7,9 +7,10 @@ from typing import Final, Literal
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
+from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
@@ -49,18 +50,14 @@ def check_fitness(
 
     Raises:
         AgentError: if the spec names no agent.
-        NoContest: if a match could not be held.
+        MatchFailedError: if a match could not be held.
     """
-    looked: list[Inspection] = []
-
-    def look(resolved: str) -> Inspection:
-        try:
-            looked.append(inspector(sandbox)(resolved))
-        except AgentError as error:  # it is trusted
-            looked.append(Inspection(fault=str(error)))
-        return looked[-1]
-
-    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), look)
+    resolved = resolve_spec(spec)
+    try:
+        inspection = inspector(sandbox)(resolved)
+    except AgentError as error:  # it is trusted
+        inspection = Inspection(fault=str(error))
+    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), lambda _: inspection)
     entrant = copies[0]
 
     def play(config: ArenaConfig) -> tuple[MatchResult, list[bytes]]:
@@ -71,11 +68,11 @@ def check_fitness(
         return result, digests
 
     if entrant.fault is not None:
-        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(looked[0].log)}")
+        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(inspection.log)}")
         return
     prey = f"{SHIPPED_PREY} plays prey for it" if entrant.needs_prey else "plays prey itself"
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
-    step_ms = (AgentLimits() if sandbox is None else sandbox.limits).step_ms
+    step_ms = (Quotas() if sandbox is None else sandbox.quotas).step_ms
     total, reported = 2 * len(arenas) + 1, set[tuple[str, str]]()
     begun, late = [], 0
     for number, (name, config) in enumerate(arenas.items()):
@@ -87,7 +84,7 @@ def check_fitness(
         result = play_first_step(config, seed, copies[: len(Parties.of(config))], sandbox)
         if any(result.forfeits):  # a whole match would show the same fault in every seat
             yield from _findings(name, config, result, step_ms, reported)
-            late += any(forfeit is not None and forfeit.late for forfeit in result.details)
+            late += any(forfeit is not None and forfeit.late for forfeit in result.forfeits)
         else:
             begun.append(name)
     whole: dict[str, list[bytes]] = {}
@@ -126,7 +123,7 @@ def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], s
         sandbox: runs agents that are not trusted; None if all are trusted.
 
     Raises:
-        NoContest: if the match could not be held.
+        MatchFailedError: if the match could not be held.
     """
     parties = Parties.of(config)
     (idle,) = enter(["idle"])
@@ -139,7 +136,7 @@ def _findings(
     name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
     """Yield the findings of one match; failures in `reported` are shown briefly, and new ones are added to it."""
-    failed = [(party, forfeit) for party, forfeit in enumerate(result.details) if forfeit is not None]
+    failed = [(party, forfeit) for party, forfeit in enumerate(result.forfeits) if forfeit is not None]
     here: set[tuple[str, str]] = set()
     for party, forfeit in failed:
         kind = (forfeit.code, forfeit.reason)

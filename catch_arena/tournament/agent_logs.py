@@ -22,7 +22,7 @@ def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one
         OutputError: if a log cannot be written.
     """
     for party, index in enumerate(one.match.seating):
-        forfeit, printed = one.result.details[party], one.result.logs[party]
+        forfeit, printed = one.result.forfeits[party], one.result.logs[party]
         if forfeit is not None or printed:
             why = f": {forfeit}" if forfeit is not None else ""
             where = f"match {one.match.id}, {parties.called(party)}"

@@ -3,30 +3,28 @@
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby, islice
-from typing import Final
+from itertools import takewhile
 
 import numpy as np
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.block_queue import play_blocks
 from catch_arena.tournament.execution.executors import local_executor
-from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.limits import AgentLimits
-from catch_arena.tournament.match import Block, Match, PlayedMatch
+from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
-from catch_arena.tournament.store import Store, Tournament
 
 _A, _B, _FIELD = range(3)
 """Indices among the entrants: the two that are compared, and the first of their field."""
-_FIRST_STAGE: Final = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,45 +111,6 @@ class Comparison:
     """Number of forfeited matches, by entrant's name and code; entrants without forfeits are left out."""
 
 
-class _UntilDecided:
-    """Plan of larger and larger stages, as long as the test has not decided."""
-
-    def __init__(
-        self,
-        design: ComparisonDesign,
-        test: Sprt,
-        max_blocks: int,
-        secret: Secret,
-        progress: Callable[[int, Sprt], None],
-    ) -> None:
-        plan = round_robin(design.seats, design.parties, max_blocks, secret.part("compare"))
-        self.parameters: Mapping[str, str | int | float] = {"format": "compare", "rounds": max_blocks}
-        self.size = plan.size * (2 if design.in_turn else 1)
-        self.shares: list[float] = []
-        self.matches = 0
-        """Number of matches in the blocks that the test needed."""
-        self._design, self._test, self._progress = design, test, progress
-        self._blocks = map(design.block, plan.blocks())
-        self._seen, self._next_size = 0, _FIRST_STAGE
-
-    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """Return the next stage, after giving the last one to the test in the order of the plan."""
-        for _, block in groupby(islice(played, self._seen, None), key=lambda one: one.match.block):
-            matches = list(block)
-            self._seen += len(matches)
-            if self._test.decision is None:
-                self.shares.append(self._design.share_of_a(matches))
-                self._test.add(self.shares[-1])
-                self.matches += len(matches)
-        if number:
-            self._progress(len(self.shares), self._test)
-        if self._test.decision is not None:
-            return ()
-        size = self._next_size
-        self._next_size += size // 2
-        return islice(self._blocks, size)
-
-
 def compare(
     config: ArenaConfig,
     entrants: Sequence[Entrant],
@@ -160,14 +119,13 @@ def compare(
     max_blocks: int,
     seed: Secret | int | None = None,
     jobs: int = 1,
-    limits: AgentLimits | None = None,
+    quotas: Quotas | None = None,
     max_forfeits: int = 0,
-    progress: Callable[[int, Sprt], None] = lambda *_: None,
-    on_played: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Comparison:
     """Play until `test` has decided, or for `max_blocks` blocks.
 
-    The blocks are given to the test in the order of the plan, so the decision does not depend on `jobs`.
+    The blocks are given to the test in the order of the plan, so the result does not depend on `jobs`.
 
     Args:
         config: the arena's settings.
@@ -176,38 +134,40 @@ def compare(
         max_blocks: largest number of blocks.
         seed: source of all draws; an integer in [0, 2^64) can be guessed, None draws a new secret.
         jobs: number of processes that play.
-        limits: limits of isolated agents; None if all are trusted.
+        quotas: quotas of isolated agents; None if all are trusted.
         max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
-        progress: called with (blocks, test) after each stage.
-        on_played: called with (matches played, largest possible number of matches) after each block.
+        progress: called with (matches played, largest possible number of matches) after each block.
 
     Raises:
         ConfigError: for max_blocks below 1, or a field that does not fit the scenario's seats.
-        NoContest: if a match could not be held.
+        MatchFailedError: if a match could not be held.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
-    secret = Secret.of(seed)
     design = ComparisonDesign(Parties.of(config), len(entrants) - _FIELD)
-    plan = _UntilDecided(design, test, max_blocks, secret, progress)
+    plan = round_robin(design.seats, design.parties, max_blocks, Secret.of(seed).part("compare"))
+    most = plan.size * (2 if design.in_turn else 1)
+    shares_of_a: list[float] = []
+    matches = 0
     forfeits: dict[str, Counter[str]] = {}
-    done = 0
 
-    def count(played: Sequence[PlayedMatch]) -> None:
-        nonlocal done
-        done += len(played)
+    def add_to_test(block: Sequence[RecordedMatch]) -> None:
+        nonlocal matches
+        if test.decision is not None:  # the block was begun before the decision
+            return
+        played = [one for one, _ in block]
+        shares_of_a.append(design.share_of_a(played))
+        test.add(shares_of_a[-1])
         for one in played:
-            for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
-                if code is not None:
-                    forfeits.setdefault(entrants[index].name, Counter())[code] += 1
-        if on_played is not None:
-            on_played(done, plan.size)
+            for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
+                if forfeit is not None:
+                    forfeits.setdefault(entrants[index].name, Counter())[forfeit.code] += 1
+        matches += len(played)
+        progress(matches, most)
 
-    with (
-        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
-        local_executor(Worker(config, tuple(entrants), limits=limits), jobs) as executor,
-    ):
-        play_plan(store, plan, executor, max_forfeits=max_forfeits, on_results=count)
-    column = np.array(plan.shares)[:, None]
+    blocks = takewhile(lambda _: test.decision is None, map(design.block, plan.blocks()))
+    with local_executor(Worker(config, tuple(entrants), quotas=quotas), jobs) as executor:
+        play_blocks(blocks, executor, ForfeitStreaks(max_forfeits), add_to_test)
+    column = np.array(shares_of_a)[:, None]
     (share,) = shares(column, np.ones_like(column))
-    return Comparison(test.decision, len(plan.shares), plan.matches, share, test.log_likelihood_ratio, forfeits)
+    return Comparison(test.decision, len(shares_of_a), matches, share, test.log_likelihood_ratio, forfeits)

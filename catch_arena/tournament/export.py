@@ -4,7 +4,6 @@ Both are sorted by match. Without timing, the same plan gives the same bytes, wh
 """
 
 import csv
-import dataclasses
 import io
 import json
 from collections.abc import Iterator
@@ -18,16 +17,13 @@ from catch_arena.config import RULESET, require_choice
 from catch_arena.errors import ConfigError, install_hint
 from catch_arena.files import whole_file
 from catch_arena.text import spreadsheet_cell
-from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.store import Store
 from catch_arena.verdicts import Verdict
 
 _OF_TEAMS: Final = ("lost_to_mates", "catches")
 """Parts of a result that exist only if a team has several hunters."""
-_RESULTS: Final = [
-    field.name for field in dataclasses.fields(MatchResult) if field.compare and field.name not in _OF_TEAMS
-]
+_RESULTS: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "steps", "digest")
 _BY_MATCH: Final[dict[str, type]] = {
     "match": str,
     "block": int,
@@ -98,6 +94,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "agent_digests": [entrant.digest for entrant in players],
             "agent_seeds": agent_seeds,  # None: the agent's seed followed from `seed`
             **{name: getattr(result, name) for name in _RESULTS},
+            "forfeits": result.forfeit_codes,
             **({"seats": parties.seats} | {name: getattr(result, name) for name in _OF_TEAMS} if with_teams else {}),
             "replay_digest": played.replay,
             "ruleset": RULESET,
@@ -107,7 +104,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
         }
         if timing:
             record["thinking"] = [asdict(seat) for seat in result.thinking]
-            record["details"] = [one and {"step": one.step, "reason": one.reason} for one in result.details]
+            record["details"] = [one and {"step": one.step, "reason": one.reason} for one in result.forfeits]
         yield record
 
 

@@ -99,7 +99,7 @@ def grade_agent(
         progress: called with (played, total) matches after each match.
 
     Raises:
-        NoContest: if a match could not be held.
+        MatchFailedError: if a match could not be held.
     """
     config, matches = test.config, spec.matches(test)
     parties = Parties.of(config)
@@ -114,7 +114,7 @@ def grade_agent(
         result = play_entrants(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds)
         played.append((party, result))
         progress(len(played), len(matches))
-        forfeit = result.details[party]
+        forfeit = result.forfeits[party]
         forfeited = 0 if forfeit is None else forfeited + 1
         timeouts += forfeit is not None and forfeit.late
         if max_forfeits and timeouts == MOST_TIMEOUTS:
@@ -138,7 +138,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         verdicts.update(result.verdicts[party])
         side = parties.side_of(party)
         scores[side].append(result.scores[party])
-        forfeit, ranks = result.details[party], result.ranks[parties.on(side)]
+        forfeit, ranks = result.forfeits[party], result.ranks[parties.on(side)]
         if len(ranks) > 1 or len(parties.sides) == 1:  # an only prey has no other prey to win against
             wins.append(0.0 if forfeit else (result.ranks[party] == 1) / ranks.count(1))
         if forfeit is not None and forfeit.code not in forfeits:

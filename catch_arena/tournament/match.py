@@ -1,7 +1,6 @@
 """Matches of a plan, and their results."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final
 
 from msgspec import Struct
@@ -27,10 +26,6 @@ class Match:
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
     """Seed of the player, by party; if empty, these seeds follow from the match's own."""
 
-    def with_players(self, players: Sequence[int]) -> "Match":
-        """Return the match with its seating replaced: player `players[0]` in place of 0, and so on."""
-        return replace(self, seating=tuple(players[role] for role in self.seating))
-
 
 Block = tuple[Match, ...]
 """Matches with one seed, in every rotation of their players through the parties (docs/howto/tournaments.md)."""
@@ -45,8 +40,11 @@ class MoveTimes(Struct, frozen=True, array_like=True):
     longest_s: float
 
 
-class Forfeit(Struct, frozen=True, array_like=True):
-    """Failure of one party: a failure in one of its seats counts for all (R11.1)."""
+class Forfeit(Struct, frozen=True, array_like=True, eq=False):
+    """Failure of one party: a failure in one of its seats counts for all (R11.1).
+
+    Forfeits with one code and step are equal, because another run of the match may give another reason.
+    """
 
     code: ForfeitCode
     step: int
@@ -60,6 +58,12 @@ class Forfeit(Struct, frozen=True, array_like=True):
 
     late: bool = False
     """True if the party was too slow, also with the code FORFEIT_INIT; a store does not keep it."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Forfeit) and (self.code, self.step) == (other.code, other.step)
+
+    def __hash__(self) -> int:
+        return hash((self.code, self.step))
 
     def __str__(self) -> str:
         """Return the code, the step and the reason in one line."""
@@ -87,14 +91,12 @@ class MatchResult:
     steps: int
     digest: str
     """Digest of the final state (A.8): matches with equal digests ended in the same state."""
-    forfeits: tuple[str | None, ...]
-    """Code of the failure, such as FORFEIT_CRASH (players.ForfeitCode); None if the party did not fail."""
+    forfeits: tuple[Forfeit | None, ...]
+    """Failure of each party; None if it did not fail."""
     thinking: tuple[MoveTimes, ...] = field(compare=False)
-    """Times of moves. Another run of the match does not repeat them, nor `details` and `logs`. Stores and exports use
+    """Times of moves. Another run of the match does not repeat them, nor `logs`. Stores and exports use
     this name.
     """
-    details: tuple[Forfeit | None, ...] = field(default=(), compare=False)
-    """Details of each of `forfeits`."""
     logs: tuple[str, ...] = field(default=(), compare=False)
     """Output of isolated agents up to a limit, tracebacks included, with control characters as escapes. A store does
     not keep it.
@@ -105,6 +107,11 @@ class MatchResult:
     """Catches of each hunter, then the number of times that each prey was caught, by seat. Empty if no team has several
     hunters, as `scores` has the same numbers; another run repeats it.
     """
+
+    @property
+    def forfeit_codes(self) -> tuple[ForfeitCode | None, ...]:
+        """Code of each party's failure; None if it did not fail."""
+        return tuple(None if one is None else one.code for one in self.forfeits)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ class MatchStopped(Exception):  # noqa: N818 - no error: a request
     """Request to end a match before its end, raised by `watch` or by the players."""
 
 
-def play(
+def play_match(
     config: ArenaConfig,
     seed: int,
     players: Players | Sequence[Policy | PreyPolicy],
@@ -61,7 +61,7 @@ def play(
 
     Raises:
         OutputError: for a replay that cannot be written.
-        NoContest: if isolated players could not be held.
+        MatchFailedError: if isolated players could not be held.
     """
     if isinstance(players, Sequence):
         players = Players(dict(enumerate(players)))
@@ -175,9 +175,8 @@ class _RunningMatch:
             contests_lost=tuple(self._contests_lost[party] for party in range(len(parties))),
             steps=world.step,
             digest=self._env.digest().hex(),
-            forfeits=tuple(None if one is None else one.code for one in forfeits),
+            forfeits=tuple(forfeits),
             thinking=tuple(map(MoveTimes, self._moves, self._total_s, self._longest_s)),
-            details=tuple(forfeits),
             logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
             lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
             catches=tuple(catches) if teams else (),
@@ -197,8 +196,7 @@ class _RunningMatch:
             party = self._by_seat[seat]
             self._moves[party] += 1
             self._total_s[party] += seconds
-            if seconds > self._longest_s[party]:  # noqa: PLR1730 - max() takes twice as long
-                self._longest_s[party] = seconds
+            self._longest_s[party] = max(self._longest_s[party], seconds)
             if fault is None:
                 self._actions[self._agents[seat]] = action
             else:

@@ -58,13 +58,13 @@ class Players:
         """Control of each seat."""
         self._policies: dict[int, Policy | PreyPolicy] = {}
         self._limits: Sequence[AnyLimits] = ()
-        self._faults = dict(absent)
+        self._absent = dict(absent)
         for seat in seated.keys() - absent.keys():
             one = seated[seat]
             try:
                 self._policies[seat] = one.create() if isinstance(one, Entrant) else one
             except AgentError as error:
-                self._faults[seat] = Fault("FORFEIT_INIT", str(error))
+                self._absent[seat] = Fault("FORFEIT_INIT", str(error))
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match, with a seed for each seat.
@@ -77,8 +77,8 @@ class Players:
             try:
                 policy.reset(seeds[seat])
             except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
-                self._faults[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
-        return self._faults
+                self._absent[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
+        return self._absent
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Return the answers of these seats in one step."""

@@ -24,7 +24,7 @@ from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
 from catch_arena.tournament import stored_values
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
@@ -59,7 +59,7 @@ CREATE TABLE result (
 _COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
 """Columns of a result, one for each part, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_KEEP: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
+_ADD: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
 _VERSIONS: Final = "SELECT id, value FROM versions"
 _PLAYED: Final = (
     f"SELECT versions, match.*, replay, {', '.join(stored_values.RESULTS)} "  # noqa: S608
@@ -79,7 +79,7 @@ class Tournament:
     plan: Mapping[str, str | int | float]
     """Parameters of the plan."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
-    """Other terms of the tournament: `recorded`, `trusted`, `max_forfeits`, and the limits of isolated agents."""
+    """Other terms of the tournament: `recorded`, `trusted`, `max_forfeits`, and the quotas of isolated agents."""
     seed: str | None = field(default=None, repr=False)
     """Seed as `Secret.text`; None if the plan is not drawn, or need not be repeated by others."""
     ruleset: str = RULESET
@@ -111,16 +111,16 @@ class Tournament:
         return None if self.seed is None else Secret.parse(self.seed)
 
 
-def terms_of(limits: AgentLimits | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
+def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
     """Return the `terms` of a tournament.
 
     Args:
-        limits: limits of isolated agents; None if all are trusted.
+        quotas: quotas of isolated agents; None if all are trusted.
         max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
         recorded: True if replays are kept.
     """
-    numbers = {} if limits is None else limits.numbers()
-    return {"recorded": recorded, "trusted": limits is None, "max_forfeits": max_forfeits} | numbers
+    numbers = {} if quotas is None else quotas.numbers()
+    return {"recorded": recorded, "trusted": quotas is None, "max_forfeits": max_forfeits} | numbers
 
 
 class Store:
@@ -130,12 +130,12 @@ class Store:
         StoreError: if SQLite reports an error; this holds for all methods.
     """
 
-    def __init__(self, path: Path | None = None, *, writable: bool = True) -> None:
-        """Open the file, or a store in memory if there is no path; see `begin` and `read`."""
+    def __init__(self, path: Path, *, writable: bool = True) -> None:
+        """Open the file; see `begin` and `read`."""
         self.path = path
         self._playing = ExitStack()
-        name = ":memory:" if path is None else path.absolute().as_uri()
-        if path is not None and not writable:
+        name = path.absolute().as_uri()
+        if not writable:
             # without a log there is no writer, and with immutable=1 SQLite makes no helper files
             name += "?mode=ro" if path.with_name(f"{path.name}-wal").exists() else "?mode=ro&immutable=1"
         with self._store_errors():
@@ -143,21 +143,20 @@ class Store:
         self._versions = 0
 
     @classmethod
-    def begin(cls, tournament: Tournament, folder: Path | None = None, *, resume: bool = False) -> "Store":
-        """Return the store for playing a tournament, in memory if there is no folder.
+    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> "Store":
+        """Return the store for playing a tournament.
 
         Raises:
             StoreError: if the folder has a store already that is not to be resumed, or another command plays in it.
             OtherTournamentError: if the folder's store is of another tournament.
         """
-        path = None if folder is None else folder / STORE
-        if path is not None and not path.exists():
+        path = folder / STORE
+        if not path.exists():
             with suppress(OSError):  # SQLite reports the error below
                 path.touch(0o600)  # the file has the seeds of future matches
         store = cls(path)
         with store._closed_on_error():
-            if folder is not None:
-                store._playing.enter_context(only_one_plays_in(folder))
+            store._playing.enter_context(only_one_plays_in(folder))
             store._open(tournament, resume=resume)
         return store
 
@@ -222,19 +221,19 @@ class Store:
                 db.execute("DELETE FROM fact WHERE name = 'ended'")
         return count
 
-    def keep(self, block: Iterable[PlayedMatch]) -> None:
+    def add(self, block: Iterable[PlayedMatch]) -> None:
         """Write played matches, all or none; a match that was stored before is not changed."""
         with self.transaction():
             for one in block:
-                self._keep(one)
+                self._add_match(one)
 
-    def _keep(self, one: PlayedMatch) -> None:
-        parts = {name: getattr(one.result, name) for name in stored_values.RESULTS}
+    def _add_match(self, one: PlayedMatch) -> None:
+        parts = {column: getattr(one.result, name) for column, name in stored_values.RESULTS.items()}
         parts["thinking"] = [
             (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
         ]
-        parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.details]
-        self._db.execute(_KEEP, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
+        parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
+        self._db.execute(_ADD, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
     def waiting(self) -> Iterator[Block]:
         """Yield the blocks that are planned and not played, in the order of the plan."""
@@ -290,10 +289,6 @@ class Store:
     ) -> None:
         self.close()
 
-    @property
-    def _name(self) -> str:
-        return "the store" if self.path is None else str(self.path)
-
     def _open(self, tournament: Tournament, *, resume: bool) -> None:
         begun = self._has_tables()  # before any change: the file may not be ours
         with self._store_errors():
@@ -311,12 +306,11 @@ class Store:
                 db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", facts)
             elif not resume:
                 raise StoreError(
-                    f"{self._name}: holds a tournament already, with {self.count_played()} of {self.count_planned()} "
+                    f"{self.path}: holds a tournament already, with {self.count_played()} of {self.count_planned()} "
                     "matches played: go on with --resume, or give another folder"
                 )
             elif found := difference(self.tournament, tournament):
-                message = f"{self._name}: is of another tournament: {found}"
-                raise StoreError(message) if self.path is None else OtherTournamentError(message, self.path.parent)
+                raise OtherTournamentError(f"{self.path}: is of another tournament: {found}", self.path.parent)
             text = _json(versions())
             db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
@@ -334,9 +328,9 @@ class Store:
         if empty:
             return False
         if application_id != _APPLICATION_ID:
-            raise StoreError(f"{self._name}: is no store of a tournament")
+            raise StoreError(f"{self.path}: is no store of a tournament")
         if form != _FORMAT:
-            raise StoreError(f"{self._name}: is of format {form}, and this version reads format {_FORMAT}")
+            raise StoreError(f"{self.path}: is of format {form}, and this version reads format {_FORMAT}")
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
@@ -381,16 +375,16 @@ class Store:
         try:
             yield
         except stored_values.DamagedError as error:
-            raise StoreError(f"{self._name}: is damaged: {one_line(str(error))}") from None
+            raise StoreError(f"{self.path}: is damaged: {one_line(str(error))}") from None
         except UnicodeError:  # in a message of SQLite
-            raise StoreError(f"{self._name}: is damaged: it holds what is no text") from None
+            raise StoreError(f"{self.path}: is damaged: it holds what is no text") from None
         except sqlite3.Error as error:
-            raise StoreError(f"{self._name}: {one_line(self._message(error))}") from None
+            raise StoreError(f"{self.path}: {one_line(self._message(error))}") from None
 
     def _message(self, error: sqlite3.Error) -> str:
         """Return an error of SQLite in words; if it cannot write, with the free and the needed space."""
         name = getattr(error, "sqlite_errorname", "")
-        if self.path is None or not name.startswith((_FULL, _FAILED)):
+        if not name.startswith((_FULL, _FAILED)):
             return f"cannot be used: {error}"
         folder, needed = self.path.parent, self._bytes_needed()
         why = "the disk is full" if name == _FULL or is_full(folder, max(LEAST_FREE, needed or 0)) else error

@@ -2,15 +2,18 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from typing import Any, Final, TypeVar
 
 import msgspec
 
 from catch_arena.tournament.match import Match, MatchResult, PlayedMatch
 
-RESULTS: Final = tuple(field.name for field in fields(MatchResult) if field.name != "logs")
-"""Parts of a result that a store keeps, in the order of its columns; each is a column with JSON."""
+_COLUMNS: Final = (
+    *("scores", "ranks", "verdicts", "contests_won", "contests_lost", "steps", "digest"),
+    *("forfeits", "thinking", "details", "lost_to_mates", "catches"),
+)
+RESULTS: Final = {name: name for name in _COLUMNS} | {"forfeits": "forfeit_codes", "details": "forfeits"}
+"""Columns of a result in their order, each with JSON, and the attributes of `MatchResult` that they hold."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
 
 T = TypeVar("T")
@@ -54,7 +57,7 @@ def played_of(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
     *planned, replay = row[: -len(RESULTS)]
     match = match_of(planned, parties, entrants)
     where = f"table result, row {match.id}"
-    result = _decode(_RESULT, where, _object(dict(zip(RESULTS, row[-len(RESULTS) :], strict=True))))
+    result = _decode(_RESULT, where, _object(dict(zip(RESULTS.values(), row[-len(RESULTS) :], strict=True))))
     if wrong := [name for name in _BY_PARTY if len(getattr(result, name)) != parties]:
         raise DamagedError(f"{where}: {wrong[0]} must be {parties}")
     return PlayedMatch(match, result, replay)

@@ -24,7 +24,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.policy import Limits, Policy, View
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.loading import shipped
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 
 DRIVING = (
     *("assignment", "intercept", "patrol", "pid", "pure_pursuit", "search", "spoiler", "tour", "triage", "voronoi"),
@@ -345,7 +345,7 @@ def test_every_agent_plays_a_whole_match_in_its_own_control():
     policies = [one.create() for one in enter(names)]
     played: set[tuple[str, ...]] = set()
     config = scenario("crowd", hunters=len(names), time_limit_s=20, initial_targets=48, max_targets=64)
-    result = play(config, 11, policies, names, watch=lambda env: played.add(env.config.controls))
+    result = play_match(config, 11, policies, names, watch=lambda env: played.add(env.config.controls))
     assert played == {tuple("velocity" if name in DRIVING else "target" for name in names)}
     scores = dict(zip(names, result.scores, strict=True))
     assert scores["idle"] == 0
@@ -360,6 +360,6 @@ def test_who_leads_a_fleeing_target_beats_who_follows_it(monkeypatch):
     config, scores = scenario("evasive", hunters=2, time_limit_s=30), Counter[str]()
     for seed in range(20):
         seated = [("leads", leads), ("follows", follows)][:: 1 if seed % 2 else -1]
-        result = play(config, seed, [module["Agent"]() for _, module in seated], [name for name, _ in seated])
+        result = play_match(config, seed, [module["Agent"]() for _, module in seated], [name for name, _ in seated])
         scores.update({name: score for (name, _), score in zip(seated, result.scores, strict=True)})
     assert scores["leads"] > 1.1 * scores["follows"]

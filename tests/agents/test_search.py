@@ -8,7 +8,7 @@ from catch_arena.agents.nearest import Agent as Nearest
 from catch_arena.agents.search import Agent, RolloutArena, Scene, Weights, drive_to, look_ahead
 from catch_arena.batch_policy import BatchView
 from catch_arena.layout import observation_size
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 
 
 def made():
@@ -205,7 +205,7 @@ def test_it_beats_nearest_over_a_few_matches():
     ahead = 0
     for seed in range(4):
         policies = [made(), Nearest()] if seed % 2 else [Nearest(), made()]
-        result = play(config, seed, policies, ["one", "other"])
+        result = play_match(config, seed, policies, ["one", "other"])
         ahead += (result.scores[0] - result.scores[1]) * (1 if seed % 2 else -1)
     assert ahead > 0
 

@@ -12,10 +12,10 @@ from odd_actions import FORMS, NO_RANK, RANK_1, Arrayed, Index, Listed
 from catch_arena import VectorArena, env, parallel_env, scenario
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.training import LearnerBatch
 
 SEED = 5
@@ -124,13 +124,13 @@ def test_a_form_of_a_rank_is_legal_in_every_environment_or_in_none(played, name)
 def test_a_form_of_a_rank_is_legal_in_every_process_or_in_none(level):
     """An agent that forfeits in isolation forfeits with --trusted, and with the same sentence."""
     found = {}
-    sandbox = None if level == "trusted" else Sandbox(replace(AgentLimits(init_s=60, step_ms=60_000), isolation=level))
+    sandbox = None if level == "trusted" else Sandbox(replace(Quotas(init_s=60, step_ms=60_000), isolation=level))
     try:
         (entrant,) = enter([odd_actions.__file__], *([inspector(sandbox)] if sandbox else []))
         entrants = [entrant, *enter(["idle"])]
         for seed, name in enumerate(RANK_1 | NO_RANK):
             result = play_entrants(DUEL, SEED, entrants, sandbox, agent_seeds=(seed, 0), most_steps=1)
-            found[name] = result.digest if result.forfeits[0] is None else result.forfeits[0]
+            found[name] = result.digest if result.forfeit_codes[0] is None else result.forfeit_codes[0]
     finally:
         if sandbox:
             sandbox.close()
@@ -250,10 +250,10 @@ def test_an_agent_that_drives_out_of_bounds_forfeits_in_a_tournament():
     for control, answer in (("velocity", (1.0000001, 0.0)), ("full", {"cmd_vel": (0.0, -1.5), "catch": 0})):
         driver = Means(answer)
         driver.control = control
-        result = play(DUEL, SEED, [driver, Means()], ["driver", "idle"], most_steps=2)
+        result = play_match(DUEL, SEED, [driver, Means()], ["driver", "idle"], most_steps=2)
 
-        assert result.forfeits == ("FORFEIT_ILLEGAL", None)
-        assert "must be two numbers in [-1, 1], got" in result.details[0].reason
+        assert result.forfeit_codes == ("FORFEIT_ILLEGAL", None)
+        assert "must be two numbers in [-1, 1], got" in result.forfeits[0].reason
 
 
 def test_an_opponent_that_drives_out_of_bounds_is_named():

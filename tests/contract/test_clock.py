@@ -8,8 +8,8 @@ from pathlib import Path
 import catch_arena
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants, sandbox_for
+from catch_arena.tournament.isolation.quotas import Quotas
 
 PACKAGE = Path(catch_arena.__file__).parent
 WALL = re.compile(
@@ -26,8 +26,8 @@ def test_a_match_during_which_the_clock_jumps_by_years_comes_out_as_any_other(tm
     (tmp_path / "mine.py").write_text(
         "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 1 if view.targets else 0\n"
     )
-    limits = AgentLimits(init_s=60, step_ms=60_000)
-    with sandbox_for(limits) as sandbox:
+    quotas = Quotas(init_s=60, step_ms=60_000)
+    with sandbox_for(quotas) as sandbox:
         entrants = enter([str(tmp_path / "mine.py"), "nearest"], inspector(sandbox))
         config = scenario("duel", time_limit_s=6)
         before = play_entrants(config, 5, entrants, sandbox)
@@ -35,5 +35,5 @@ def test_a_match_during_which_the_clock_jumps_by_years_comes_out_as_any_other(tm
         monkeypatch.setattr(time, "time", lambda: draw.uniform(0, 4e9))
         monkeypatch.setattr(time, "time_ns", lambda: draw.randrange(4 * 10**18))
         after = play_entrants(config, 5, entrants, sandbox)
-    assert (after.digest, after.scores, after.details) == (before.digest, before.scores, (None, None))
+    assert (after.digest, after.scores, after.forfeits) == (before.digest, before.scores, (None, None))
     assert all(0 <= seat.longest_s <= seat.total_s < 60 for seat in after.thinking)

@@ -100,7 +100,7 @@ def test_dropouts_pass_pettingzoos_tests(dropouts):
 def test_r1_7_a_match_of_dropouts_has_no_forfeits():
     """Score and rank stay; who has left is not asked any more."""
     from catch_arena.agents.nearest import Agent
-    from catch_arena.tournament.match_loop import play
+    from catch_arena.tournament.match_loop import play_match
 
     class Counting(Agent):
         asked = 0
@@ -114,11 +114,13 @@ def test_r1_7_a_match_of_dropouts_has_no_forfeits():
     for seed in range(4):
         players = [Counting() for _ in range(4)]
         worlds = []
-        result = play(config, seed, players, list("abcd"), watch=lambda env, seen=worlds: seen.append(env.world()))
+        result = play_match(
+            config, seed, players, list("abcd"), watch=lambda env, seen=worlds: seen.append(env.world())
+        )
         for seat, player in enumerate(players):
             assert player.asked == sum(not world.hunters[seat].withdrawn for world in worlds[:-1])
             dropped_out += worlds[-1].hunters[seat].withdrawn
-        assert result.forfeits == (None,) * 4
+        assert result.forfeit_codes == (None,) * 4
         assert min(result.ranks) == 1
         best = max(result.scores)
         assert all((rank == 1) == (score == best) for rank, score in zip(result.ranks, result.scores, strict=True))

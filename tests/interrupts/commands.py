@@ -30,12 +30,12 @@ import time
 from pathlib import Path
 from catch_arena.__main__ import main
 from catch_arena.tournament.store import Store
-keep = Store.keep
+keep = Store.add
 def keep_and_wait(*arguments):
     keep(*arguments)
     Path("kept").touch()
     time.sleep(60)
-Store.keep = keep_and_wait
+Store.add = keep_and_wait
 main()
 """,
 )

@@ -76,13 +76,12 @@ def tournament(
                         contests_lost=(1,) * len(scores),
                         steps=600,
                         digest="0" * 16,
-                        forfeits=tuple(one and one.code for one in wrong),
                         thinking=tuple(MoveTimes(600, 0.02, 0.001) for _ in scores),
-                        details=tuple(wrong),
+                        forfeits=tuple(wrong),
                     ),
                 )
             )
-        store.keep(played)
+        store.add(played)
         if most is None:
             store.end()
         return store.count_played()

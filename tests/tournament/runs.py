@@ -1,17 +1,26 @@
-"""Whole plans played without a store on disk."""
+"""Whole plans played, with a store that is not kept."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import Store, Tournament
+
+
+@contextmanager
+def new_store(tournament: Tournament) -> Iterator[Store]:
+    """Return a new store in a temporary folder."""
+    with TemporaryDirectory() as folder, Store.begin(tournament, Path(folder)) as store:
+        yield store
 
 
 def run(
@@ -20,14 +29,14 @@ def run(
     plan: Plan,
     *,
     jobs: int = 1,
-    limits: AgentLimits | None = None,
+    quotas: Quotas | None = None,
     max_forfeits: int = 0,
     record: Path | None = None,
 ) -> list[PlayedMatch]:
     """Return every match of a plan, played, in the plan's order; `record` is the folder for replays and logs."""
-    worker = Worker(config, tuple(entrants), record=record is not None, limits=limits)
+    worker = Worker(config, tuple(entrants), record=record is not None, quotas=quotas)
     with (
-        Store.begin(Tournament(config, tuple(entrants), plan.parameters)) as store,
+        new_store(Tournament(config, tuple(entrants), plan.parameters)) as store,
         local_executor(worker, jobs) as executor,
     ):
         play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record)

@@ -15,8 +15,7 @@ ENTRANTS = [Entrant(name, name, "target", "") for name in ("quiet", "loud")]
 
 
 def played(number, printed, forfeit=None):
-    codes = (None, forfeit and forfeit.code)
-    return made_up(number, (0, 1), (1, 0), forfeits=codes, details=(None, forfeit), logs=("", printed))
+    return made_up(number, (0, 1), (1, 0), forfeits=(None, forfeit), logs=("", printed))
 
 
 def test_each_agent_has_a_file_which_says_in_which_match_and_seat(tmp_path):
@@ -47,7 +46,7 @@ def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, fir
     parties = Parties.of(scenario(arena))
     count = len(parties)
     logs = ("ann", *[""] * (count - 2), "bob")
-    one = made_up(0, (0,) * count, (0,) * count, details=(None,) * count, logs=logs)
+    one = made_up(0, (0,) * count, (0,) * count, logs=logs)
     add_to_logs(tmp_path, ENTRANTS[1:], parties, one)
     name = one.match.id
     said = [f"== match {name}, {first}", "ann", f"== match {name}, {last}", "bob"]

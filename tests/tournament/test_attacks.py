@@ -19,8 +19,8 @@ from tournament.agents import source
 from catch_arena import scenario
 from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.store import Store
 
@@ -171,11 +171,11 @@ def fight(hand_ins, level, attack, *, before="", matches=1, **limits):
     """Play matches of an attacker and the rival, and require that the rival is not harmed, and nothing left."""
     (hand_ins / "attacker.py").write_text(attacker(attack, before))
     elder = family(os.getpid())
-    with Sandbox(AgentLimits(**(PATIENT | {"isolation": level} | limits))) as sandbox:
+    with Sandbox(Quotas(**(PATIENT | {"isolation": level} | limits))) as sandbox:
         entrants = enter([str(hand_ins / "attacker.py"), str(hand_ins / "rival.py")], inspector(sandbox))
         results = [play_entrants(SHORT, 1, entrants, sandbox) for _ in range(matches)]
     for result in results:
-        assert result.forfeits[1] is None
+        assert result.forfeit_codes[1] is None
         assert re.fullmatch(r"thinks of SECRET-\w+\n", result.logs[1])
     assert left(elder) == set()
     return results
@@ -214,7 +214,7 @@ def test_it_sees_no_secret_of_others(level, hand_ins, tmp_path):
     assert not re.findall(r"^sees .*(?:rival|home|out/|attacker\.key).*", log, re.MULTILINE)
     with Store.read(tmp_path / "out") as store:
         played = list(store.played())
-    assert [code for one in played for code in one.result.forfeits] == [None] * 8
+    assert [code for one in played for code in one.result.forfeit_codes] == [None] * 8
     seeds = {str(seed) for one in played for seed in (one.match.seed, *one.match.agent_seeds)}
     assert not [seed for seed in seeds if seed in log]
 
@@ -234,7 +234,7 @@ def test_it_sees_no_secret_of_others(level, hand_ins, tmp_path):
 )
 def test_it_harms_itself_alone(level, hand_ins, attack, limits, code):
     first, second = fight(hand_ins, level, attack, before=AT_IMPORT, matches=2, **limits)
-    assert first.forfeits[0] == second.forfeits[0] == code
+    assert first.forfeit_codes[0] == second.forfeit_codes[0] == code
 
 
 def test_its_processes_and_threads_are_bounded(level, hand_ins):

@@ -10,8 +10,8 @@ import pytest
 
 from catch_arena.errors import AgentError
 from catch_arena.tournament.entrants import Inspection, enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 
 HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
@@ -60,7 +60,7 @@ def test_a_file_in_another_encoding_is_told_which(tmp_path, encoding):
     why = f"{path}: is text in {encoding[:6].upper()}: save it as UTF-8"
     with pytest.raises(AgentError, match=f"^{re.escape(why)}$"):
         enter([str(path)])
-    with Sandbox(AgentLimits()) as sandbox:
+    with Sandbox(Quotas()) as sandbox:
         (entrant,) = enter([str(path)], inspector(sandbox))
     assert entrant.fault == why
 

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 from pyarrow import parquet
+from tournament.runs import new_store
 from tournament.seats import hunters
 
 from catch_arena import scenario
@@ -19,7 +20,7 @@ from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import columns, export
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
-from catch_arena.tournament.store import Store, Tournament, versions
+from catch_arena.tournament.store import Tournament, versions
 
 CONFIG = scenario("duel", time_limit_s=20)
 ENTRANTS = enter(["nearest", "first", "random"])
@@ -30,7 +31,7 @@ FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, seed=SECRET.text)
 
 @pytest.fixture(scope="module")
 def store():
-    with Store.begin(FACTS) as store:
+    with new_store(FACTS) as store:
         play_plan(store, PLAN, Executor(Worker(CONFIG, ENTRANTS)))
         yield store
 
@@ -84,7 +85,7 @@ def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
 
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
-    with Store.begin(FACTS) as other:
+    with new_store(FACTS) as other:
         play_plan(other, PLAN, Executor(Worker(CONFIG, ENTRANTS)))
         for one, name in ((store, "a"), (other, "b")):
             export(one, form, tmp_path / name, timing=False)
@@ -93,9 +94,9 @@ def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
 
 
 def test_while_it_is_played_it_tells_no_seed_of_what_is_to_come(store, tmp_path):
-    with Store.begin(FACTS) as under_way:
+    with new_store(FACTS) as under_way:
         under_way.plan(PLAN.stage(0, ()))
-        under_way.keep(list(store.played())[:2])
+        under_way.add(list(store.played())[:2])
         export(under_way, "jsonl", tmp_path / "m")
     lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]
     assert [(line["block"], line["tournament_seed"]) for line in lines] == [(0, None), (0, None)]
@@ -103,7 +104,7 @@ def test_while_it_is_played_it_tells_no_seed_of_what_is_to_come(store, tmp_path)
 
 @pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
 def test_a_tournament_without_a_match_yet_is_exported_too(tmp_path, form):
-    with Store.begin(FACTS) as empty:
+    with new_store(FACTS) as empty:
         export(empty, form, tmp_path / "m")
     assert {
         "jsonl": lambda path: path.read_bytes() == b"",

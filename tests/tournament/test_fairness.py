@@ -14,7 +14,7 @@ from catch_arena import scenario
 from catch_arena.arbitration import arbitrate
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.outcomes import Outcomes
@@ -48,7 +48,7 @@ def seats_differ(identical):
 
 def outcomes_by_side(config, entrants, plan):
     played, parties = run(config, entrants, plan, jobs=2), Parties.of(config)
-    assert not any(code for one in played for code in one.result.forfeits)
+    assert not any(code for one in played for code in one.result.forfeit_codes)
     return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
 
 
@@ -149,7 +149,7 @@ def test_agents_names_and_places_among_the_entrants_do_not_matter(name):
     kinds = [agent] * config.hunters + [agent.on("prey")] * config.prey
     indices = list(range(len(kinds)))
     digests = {
-        play(config, 6, [kind.create() for kind in kinds], list(map(str, turned)), agent_seeds=turned).digest
+        play_match(config, 6, [kind.create() for kind in kinds], list(map(str, turned)), agent_seeds=turned).digest
         for turned in (indices, indices[1:] + indices[:1], indices[::-1])
     }
     assert len(digests) == 1

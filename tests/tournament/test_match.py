@@ -7,7 +7,7 @@ import pytest
 from catch_arena import Replay, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.ranks import ranks_of
 
 SHORT = scenario("duel", time_limit_s=10)
@@ -35,7 +35,7 @@ def test_equal_scores_share_a_rank_and_who_forfeits_ranks_behind_by_how_long_it_
 
 def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
     def digest(seed):
-        return play(SHORT, seed, [one.create() for one in enter(["nearest", "random"])], ["a", "b"]).digest
+        return play_match(SHORT, seed, [one.create() for one in enter(["nearest", "random"])], ["a", "b"]).digest
 
     assert digest(1) == digest(1) != digest(2)
 
@@ -46,13 +46,15 @@ def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
 def test_agents_seeds_are_those_of_the_plan_or_follow_from_the_match_and_the_seat(planned, told):
     """These very numbers, for ever: else a match could not be played again."""
     agents = [Plays(), Plays()]
-    play(SHORT, 77, agents, ["a", "b"], agent_seeds=planned)
+    play_match(SHORT, 77, agents, ["a", "b"], agent_seeds=planned)
     assert [agent.seed for agent in agents] == told
 
 
 def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
     names = ["nearest", "contested"]
-    result = play(SHORT, 3, [one.create() for one in enter(names)], names, title="a test", record=tmp_path / "m.replay")
+    result = play_match(
+        SHORT, 3, [one.create() for one in enter(names)], names, title="a test", record=tmp_path / "m.replay"
+    )
     assert result.scores == tuple(verdicts["GRANTED"] for verdicts in result.verdicts)
     replay = Replay.load(tmp_path / "m.replay")
     assert (replay.names, replay.title, replay.seed, replay.steps) == (("nearest", "contested"), "a test", 3, 100)
@@ -72,10 +74,10 @@ def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
 )
 def test_a_misbehaving_agent_forfeits_in_its_step_and_the_other_plays_on(tmp_path, answer, code, message):
     good = enter(["nearest"])[0].create()
-    result = play(SHORT, 0, [good, Plays(answer)], ["good", "bad"], record=tmp_path / "m.replay")
-    assert result.forfeits == (None, code)
-    assert (result.details[0], result.details[1].step) == (None, 5)
-    assert re.fullmatch(message, result.details[1].reason)
+    result = play_match(SHORT, 0, [good, Plays(answer)], ["good", "bad"], record=tmp_path / "m.replay")
+    assert result.forfeit_codes == (None, code)
+    assert (result.forfeits[0], result.forfeits[1].step) == (None, 5)
+    assert re.fullmatch(message, result.forfeits[1].reason)
     assert (result.ranks, result.steps) == ((1, 2), 100)
     assert [times.moves for times in result.thinking] == [100, 5]
     assert Replay.load(tmp_path / "m.replay").withdrawals == [(4, 1)]
@@ -86,9 +88,9 @@ def test_one_that_cannot_begin_forfeits_before_the_first_step():
         def reset(self, seed):
             raise SystemExit(seed)
 
-    result = play(SHORT, 0, [Fails(), Plays()], ["bad", "good"])
-    assert result.forfeits == ("FORFEIT_INIT", None)
-    assert (result.details[0].step, result.details[0].observation, result.thinking[0].moves) == (0, None, 0)
+    result = play_match(SHORT, 0, [Fails(), Plays()], ["bad", "good"])
+    assert result.forfeit_codes == ("FORFEIT_INIT", None)
+    assert (result.forfeits[0].step, result.forfeits[0].observation, result.thinking[0].moves) == (0, None, 0)
 
 
 def test_what_an_agent_does_to_its_view_changes_nothing():
@@ -98,10 +100,12 @@ def test_what_an_agent_does_to_its_view_changes_nothing():
         return 0
 
     (nearest,) = enter(["nearest"])
-    one, other = (play(SHORT, 5, [policy, nearest.create()], ["a", "b"]).digest for policy in (Plays(vandal), Plays()))
+    one, other = (
+        play_match(SHORT, 5, [policy, nearest.create()], ["a", "b"]).digest for policy in (Plays(vandal), Plays())
+    )
     assert one == other
 
 
 def test_a_match_needs_a_policy_for_each_seat():
     with pytest.raises(ConfigError, match="players must be 2"):
-        play(SHORT, 0, [Plays()], ["a"])
+        play_match(SHORT, 0, [Plays()], ["a"])

@@ -12,10 +12,10 @@ import catch_arena
 from catch_arena import Replay, scenario
 from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.ranks import ranks_of_sides
@@ -104,17 +104,17 @@ def test_r11_3_a_match_counts_contests_of_teams_once_and_those_of_team_mates_apa
 def test_r11_1_what_fails_in_one_seat_forfeits_all_seats_and_its_team_comes_last():
     policies = [Holds(), Holds(fails_in=3), Holds(), Holds()]
     withdrawn = []
-    result = play(PAIRS, 5, policies, ["a", "a", "b", "b"], on_forfeit=lambda seat, _: withdrawn.append(seat))
-    assert result.forfeits == ("FORFEIT_CRASH", None)
+    result = play_match(PAIRS, 5, policies, ["a", "a", "b", "b"], on_forfeit=lambda seat, _: withdrawn.append(seat))
+    assert result.forfeit_codes == ("FORFEIT_CRASH", None)
     assert result.ranks == (2, 1)
     assert withdrawn == [0, 1]
     assert (policies[0].steps, policies[1].steps, policies[2].steps) == (3, 3, 80)
-    assert (result.details[0].seat, result.details[0].step, result.thinking[0].moves) == (1, 3, 6)
+    assert (result.forfeits[0].seat, result.forfeits[0].step, result.thinking[0].moves) == (1, 3, 6)
 
 
 def test_of_two_team_mates_that_fail_in_one_step_the_lower_seat_is_named():
-    result = play(PAIRS, 5, [Holds(), Holds(), Holds(fails_in=2), Holds(fails_in=2)], list("aabb"))
-    assert result.details[1].seat == 2
+    result = play_match(PAIRS, 5, [Holds(), Holds(), Holds(fails_in=2), Holds(fails_in=2)], list("aabb"))
+    assert result.forfeits[1].seat == 2
 
 
 @pytest.mark.rule("R12.5")
@@ -123,8 +123,8 @@ def test_r12_5_prey_is_ranked_among_prey_and_who_failed_behind_all_other():
     assert ranks_of_sides((3, 0, 9, 2), (None, 5, None, 7), 0) == (1, 3, 2, 4)
     hunters = [Holds(control="velocity") for _ in range(4)]
     prey = [Holds(fails_in=1 if number == 1 else None, control="velocity") for number in range(4)]
-    result = play(HERD, 1, [*hunters, *prey], list("abcdefgh"))
-    assert result.forfeits == (None,) * 5 + ("FORFEIT_CRASH", None, None)
+    result = play_match(HERD, 1, [*hunters, *prey], list("abcdefgh"))
+    assert result.forfeit_codes == (None,) * 5 + ("FORFEIT_CRASH", None, None)
     assert result.ranks[5] == 4
     assert result.catches == ()
 
@@ -155,10 +155,10 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
     mine = str(tmp_path / "mine.py")
     specs = ["nearest", "patrol", mine, mine] if config is TAG else [mine, "nearest"]
     told = (1, 2, 3, 4)[: len(specs)]
-    with Sandbox(AgentLimits()) as sandbox:
+    with Sandbox(Quotas()) as sandbox:
         isolated = play_entrants(config, 3, enter(specs, inspector(sandbox)), sandbox, agent_seeds=told)
     trusted = play_entrants(config, 3, enter(specs), None, agent_seeds=told)
-    assert not any(isolated.forfeits), isolated.details
+    assert not any(isolated.forfeit_codes), isolated.forfeits
     assert isolated == trusted
     if config is PAIRS:  # each instance has a seed of its own
         printed = [line for line in isolated.logs[0].splitlines() if line.startswith("seed")]
@@ -180,10 +180,10 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
 def test_prey_that_cannot_play_forfeits_as_prey_alone(tmp_path, prey, message):
     mine = write_agent(tmp_path / "mine.py", before=prey)
     others = ["nearest", "patrol", "intercept"]
-    assert play_entrants(TAG, 1, enter([mine, *others]), None).forfeits == (None,) * 4
+    assert play_entrants(TAG, 1, enter([mine, *others]), None).forfeit_codes == (None,) * 4
     result = play_entrants(TAG, 1, enter([*others, mine]), None)
-    assert result.forfeits[3] == "FORFEIT_INIT"
-    assert message in result.details[3].reason
+    assert result.forfeit_codes[3] == "FORFEIT_INIT"
+    assert message in result.forfeits[3].reason
 
 
 def test_every_format_seats_each_player_of_a_block_equally_often_on_each_place():

@@ -44,18 +44,17 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
     strange = dataclasses.replace(
         played[0].result,
         verdicts=({"GRANTED": 3}, {}),
-        forfeits=(None, "FORFEIT_CRASH"),
         thinking=(MoveTimes(17, 0.25, 0.125),) * 2,
-        details=(None, Forfeit("FORFEIT_CRASH", 17, "it fell")),
+        forfeits=(None, Forfeit("FORFEIT_CRASH", 17, "it fell")),
     )
     kept = [PlayedMatch(played[0].match, strange, "00ff"), *played[1:]]
     for one in kept[::-1]:
-        store.keep([one])
+        store.add([one])
     store.close()
     with Store.read(tmp_path) as again:
         assert list(again.played()) == kept
         result = next(again.played()).result
-        assert (result.thinking, result.details) == (strange.thinking, strange.details)
+        assert (result.thinking, result.forfeits[1].reason) == (strange.thinking, "it fell")
         assert again.tournament == FACTS
         assert list(again.waiting()) == []
 
@@ -63,16 +62,16 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
 def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, played, monkeypatch):
     monkeypatch.setattr("catch_arena.tournament.store._PAGE", 5)
     assert list(store.waiting()) == blocks_of(PLAN)
-    store.keep([played[3], played[0]])
+    store.add([played[3], played[0]])
     rest = [match for match in PLAN if match not in {played[3].match, played[0].match}]
     assert [match for block in store.waiting() for match in block] == rest
     assert (store.count_played(), store.count_planned()) == (2, 12)
 
 
 def test_keeping_a_match_again_changes_nothing(store, played):
-    store.keep(played[:1])
+    store.add(played[:1])
     slower = dataclasses.replace(played[0].result, thinking=(MoveTimes(30, 9.0, 8.0),) * 2)
-    store.keep([PlayedMatch(played[0].match, slower)])
+    store.add([PlayedMatch(played[0].match, slower)])
     assert list(store.played()) == played[:1]
     assert next(store.played()).result.thinking[0].total_s < 9.0
 
@@ -124,7 +123,7 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
     assert stat.S_IMODE((tmp_path / STORE).stat().st_mode) == 0o600
     assert Store.secret_in(tmp_path) == FACTS.secret
     assert Store.secret_in(tmp_path / "elsewhere") is None
-    store.keep(played)
+    store.add(played)
     assert not store.ended  # a plan may have another stage
     store.end()
     with Store.read(tmp_path) as again:
@@ -179,7 +178,7 @@ def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
     """A folder in the place of the file that SQLite needs next to a log, as it cannot be made on a read-only disk."""
     with Store.begin(FACTS, tmp_path) as store:
         store.plan(PLAN.stage(0, ()))
-        store.keep(played)
+        store.add(played)
         store.end()
     assert [path.name for path in tmp_path.iterdir()] == [STORE]
     (tmp_path / f"{STORE}-shm").mkdir()
@@ -197,7 +196,7 @@ def test_its_size_is_what_a_plan_says(tmp_path):
     with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
         store.plan(plan.stage(0, ()))
         for block in plan.blocks():
-            store.keep(PlayedMatch(match, first.result) for match in block)
+            store.add(PlayedMatch(match, first.result) for match in block)
     assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)
 
 
@@ -213,9 +212,9 @@ def test_one_command_plays_in_a_folder_at_a_time(tmp_path):
 def test_a_reader_sees_each_block_that_is_kept_and_changes_nothing(store, tmp_path, played):
     """As `export` and `report`, in other processes, while a tournament runs."""
     with Store.read(tmp_path) as reader:
-        store.keep(played[:1])
+        store.add(played[:1])
         assert list(reader.played()) == played[:1]
-        store.keep(played[1:2])
+        store.add(played[1:2])
         assert list(reader.played()) == played[:2]
         with pytest.raises(StoreError, match="readonly database"):
             reader.end()

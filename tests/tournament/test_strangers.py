@@ -20,10 +20,10 @@ import catch_arena
 from catch_arena import scenario
 from catch_arena.cli import main
 from catch_arena.tournament.entrants import Inspection, enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.store import STORE
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
@@ -186,7 +186,7 @@ def test_a_real_terminal_is_sent_none_of_its_commands(played):
 
 @pytest.fixture(scope="module")
 def sandbox():
-    with Sandbox(AgentLimits(init_s=60, step_ms=60_000)) as made:
+    with Sandbox(Quotas(init_s=60, step_ms=60_000)) as made:
         yield made
 
 
@@ -200,10 +200,10 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
     path = write_agent(tmp_path / "answers.py", answers, before="import os\nfrom contextlib import suppress\n")
     entrants = enter([path, "nearest"], inspector(sandbox))
     with start_players(entrants, sandbox) as players:
-        result = play(SHORT, 3, players, ["x", "nearest"])
-    assert result.forfeits[1] is None
-    assert result.details[0].reason.isprintable()
-    assert len(result.details[0].reason) <= 300
+        result = play_match(SHORT, 3, players, ["x", "nearest"])
+    assert result.forfeit_codes[1] is None
+    assert result.forfeits[0].reason.isprintable()
+    assert len(result.forfeits[0].reason) <= 300
 
 
 def test_what_an_agent_says_of_itself_is_no_file_to_be_read(tmp_path):

@@ -18,8 +18,8 @@ from catch_arena.ros.nodes.arena_node import ArenaNode
 from catch_arena.ros.nodes.rate import Rate
 from catch_arena.service import ArenaService
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import sandbox_for, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 
 FASTEST: Final = 100.0
 """The highest --speed."""
@@ -48,7 +48,7 @@ def serve_match(
     config: ArenaConfig,
     seed: int,
     agents: Mapping[int, Entrant],
-    limits: AgentLimits | None,
+    quotas: Quotas | None,
     *,
     names: Sequence[str],
     people: Collection[int] = (),
@@ -66,7 +66,7 @@ def serve_match(
         config: the arena's settings; its control period is set to TICK_MS.
         seed: a whole number in [0, 2^64).
         agents: the agents by seat; nodes drive the other seats.
-        limits: limits of isolated agents, or None if all are trusted.
+        quotas: quotas of isolated agents, or None if all are trusted.
         names: the players' names, by seat.
         people: seats whose nodes only drive, as a keyboard's does: the arena requests catches for them (R4.4).
         interfaces: the packages of the types.
@@ -80,7 +80,7 @@ def serve_match(
         ConfigError: for a speed that is not allowed, an arena with prey, or a match that cannot be recorded.
         OutputError: if the replay cannot be written.
         BusError: if the bus cannot be joined.
-        NoContest: if isolated agents could not be held.
+        MatchFailedError: if isolated agents could not be held.
     """
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
@@ -96,7 +96,7 @@ def serve_match(
     with ExitStack() as stack:
         players = None
         if agents:
-            sandbox = stack.enter_context(sandbox_for(limits))
+            sandbox = stack.enter_context(sandbox_for(quotas))
             players = AgentSeats(service, stack.enter_context(start_players(agents, sandbox)), log)
             stack.callback(players.close)
         driven = [seat for seat in range(config.hunters) if seat not in agents]

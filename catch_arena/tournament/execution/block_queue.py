@@ -10,7 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Final
 
-from catch_arena.errors import NoContest
+from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch
@@ -42,7 +42,7 @@ def play_blocks(
     blocks: Iterable[Block],
     executor: Executor,
     streaks: ForfeitStreaks,
-    keep: Callable[[list[RecordedMatch]], None],
+    on_block: Callable[[list[RecordedMatch]], None],
 ) -> None:
     """Play these blocks; only a few are begun ahead of the workers, to bound the memory.
 
@@ -53,10 +53,10 @@ def play_blocks(
         blocks: in the order of the plan.
         executor: plays them.
         streaks: decides which entrants are excluded; it is updated.
-        keep: called with the matches of each block, in the order of the plan.
+        on_block: called with the matches of each block, in the order of the plan.
 
     Raises:
-        NoContest: for a block that failed on our side three times.
+        MatchFailedError: for a block that failed on our side three times.
     """
     queue: deque[_QueuedBlock] = deque()
 
@@ -67,10 +67,10 @@ def play_blocks(
     def take(one: _QueuedBlock) -> bool:
         try:
             one.matches = executor.result(one.future)
-        except NoContest as error:
+        except MatchFailedError as error:
             one.failures += 1
             if one.failures == _MOST_TRIES:
-                raise NoContest(
+                raise MatchFailedError(
                     f"match {one.block[0].id} or another one of its block failed {_MOST_TRIES} times: {error}"
                 ) from None
         return one.matches is not None
@@ -97,7 +97,7 @@ def play_blocks(
         for one in failed:
             begin(one)
         while queue and (matches := queue[0].matches) is not None:
-            keep(matches)
+            on_block(matches)
             queue.popleft()
             if streaks.add(played for played, _ in matches):
                 for one in queue:

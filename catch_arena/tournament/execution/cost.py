@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
-from catch_arena.errors import NoContest
+from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
@@ -35,42 +35,6 @@ class Cost:
     """First forfeit of each entrant that failed in these matches, by name; `seconds` includes the failed matches."""
 
 
-@dataclass(frozen=True, slots=True)
-class WorstDelay:
-    """Longest time that one isolated agent can take."""
-
-    agents: int
-    """Number of isolated agents."""
-    hanging_s: float
-    """Longest time of a match with an agent that hangs: its start, and the step in which it forfeits [s]."""
-    slow_s: float
-    """Longest time of a match with an agent that is always just in time, and so does not forfeit [s]."""
-    matches: int
-    """Number of matches of an agent that hangs in each, until it is excluded; all its matches if it never is."""
-
-
-def worst_delay(worker: Worker, matches: int, max_forfeits: int) -> WorstDelay | None:
-    """Return the longest time that slow agents can take; None if no agent has a time limit.
-
-    Args:
-        worker: plays the matches.
-        matches: largest number of matches that an entrant plays.
-        max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
-    """
-    isolated = [entrant for entrant in worker.entrants if not is_shipped(entrant.spec)]
-    if worker.limits is None or not isolated:
-        return None
-    init_s, step_s, bank_s = worker.limits.init_s, worker.limits.step_ms / 1000.0, worker.limits.bank_s
-    in_block = Parties.of(worker.config).block_size
-    in_blocks = -(-max_forfeits // in_block) * in_block
-    return WorstDelay(
-        agents=len(isolated),
-        hanging_s=init_s + step_s + bank_s,
-        slow_s=init_s + worker.config.max_steps * step_s + bank_s,
-        matches=min(in_blocks, matches) if max_forfeits else matches,
-    )
-
-
 def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     """Return the cost of a match of this plan on this machine, or None if its first block fails on our side.
 
@@ -79,7 +43,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     block = next(iter(plan.stage(0, ())))
     seconds, sizes = 0.0, []
     forfeits: dict[str, str] = {}
-    foreign = worker.limits is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
+    foreign = worker.quotas is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
     # a trusted agent may end the process that it plays in
     with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
         try:
@@ -89,12 +53,12 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
                 ((played, replay),) = executor.result(executor.submit([match], {}))
                 seconds += time.perf_counter() - begin
                 sizes.append(len(replay))
-                for index, forfeit in zip(match.seating, played.result.details, strict=True):
+                for index, forfeit in zip(match.seating, played.result.forfeits, strict=True):
                     if forfeit is not None:
                         forfeits.setdefault(worker.entrants[index].name, str(forfeit))
                 if seconds > _SAMPLE_S:
                     break
-        except NoContest:
+        except MatchFailedError:
             return None
     tried = len(sizes)
     return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried, tried, forfeits)

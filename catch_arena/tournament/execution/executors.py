@@ -14,7 +14,7 @@ from types import TracebackType
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import MatchFailedError
 from catch_arena.streams import outlive_readers
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.match import Match
@@ -38,8 +38,8 @@ class Executor:
         """Begin to play these matches, without the entrants that are `excluded`."""
         future: Future[list[RecordedMatch]] = Future()
         try:
-            future.set_result(self.worker.play(matches, excluded))
-        except NoContest as error:
+            future.set_result(self.worker.play_block(matches, excluded))
+        except MatchFailedError as error:
             future.set_exception(error)
         return future
 
@@ -47,7 +47,7 @@ class Executor:
         """Return the matches of a submitted block.
 
         Raises:
-            NoContest: if the block failed on our side.
+            MatchFailedError: if the block failed on our side.
         """
         return future.result()
 
@@ -70,14 +70,10 @@ class ProcessExecutor(Executor):
     Args:
         worker: plays the matches in each process.
         jobs: number of processes.
-
-    Raises:
-        ConfigError: for a number below 1.
     """
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         super().__init__(worker)
-        require_jobs(jobs)
         self.max_pending = 4 * jobs
         self._jobs = jobs
         self._pool = self._new_pool()
@@ -87,22 +83,24 @@ class ProcessExecutor(Executor):
         _compile(self.worker.config)  # once here; worker processes read it from the cache
         with _signals_held():  # new processes hold signals until they have begun
             try:
-                return self._pool.submit(_play, self.worker, matches, excluded)
+                return self._pool.submit(_play_block_here, self.worker, matches, excluded)
             except BrokenProcessPool:
                 self.close()
                 self._pool = self._new_pool()
-                return self._pool.submit(_play, self.worker, matches, excluded)
+                return self._pool.submit(_play_block_here, self.worker, matches, excluded)
 
     def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
         """Return the matches of a submitted block.
 
         Raises:
-            NoContest: if the block failed on our side, or a worker process died.
+            MatchFailedError: if the block failed on our side, or a worker process died.
         """
         try:
             return future.result()
         except BrokenProcessPool:
-            raise NoContest("a worker process died: a trusted agent may have ended it, or memory ran out") from None
+            raise MatchFailedError(
+                "a worker process died: a trusted agent may have ended it, or memory ran out"
+            ) from None
 
     def close(self) -> None:
         """End all processes, also while they play; the agents in them end with them."""
@@ -125,24 +123,14 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def require_jobs(jobs: int) -> None:
-    """Check that there is at least one process.
-
-    Raises:
-        ConfigError: for a number of processes below 1.
-    """
-    if jobs < 1:
-        raise ConfigError(f"jobs must be at least 1, got {jobs}")
-
-
 @cache
 def _compile(config: ArenaConfig) -> None:
     Engine(config)
 
 
-def _play(worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
+def _play_block_here(worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
     try:
-        return worker.play(matches, excluded)
+        return worker.play_block(matches, excluded)
     except KeyboardInterrupt:  # raised by an agent: this process ignores Ctrl-C
         raise RuntimeError(f"in a worker process:\n{traceback.format_exc()}") from None
 

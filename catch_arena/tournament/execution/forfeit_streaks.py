@@ -7,7 +7,6 @@ a block, so that all matches of a block have the same field.
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from catch_arena.errors import ConfigError
 from catch_arena.tournament.match import Block, PlayedMatch, players_of
 from catch_arena.tournament.players import Fault
 
@@ -17,14 +16,9 @@ class ForfeitStreaks:
 
     Args:
         most: number of forfeits in a row that exclude an entrant; 0 for no limit.
-
-    Raises:
-        ConfigError: for `most` below 0.
     """
 
     def __init__(self, most: int) -> None:
-        if most < 0:
-            raise ConfigError(f"max_forfeits must be at least 1, or 0 for no limit, got {most}")
         self._most = most
         self._forfeited: Counter[int] = Counter()
         self._finished: set[int] = set()
@@ -38,8 +32,8 @@ class ForfeitStreaks:
         """
         before = len(self._excluded)
         for one in block:
-            for index, code in zip(one.match.seating, one.result.forfeits, strict=True):
-                if code is None:
+            for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
+                if forfeit is None:
                     self._forfeited[index] = 0
                     self._finished.add(index)
                     continue

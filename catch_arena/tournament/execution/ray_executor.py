@@ -10,9 +10,9 @@ from functools import cache
 from typing import Any
 
 from catch_arena.engine import Engine
-from catch_arena.errors import AgentError, CatchArenaError, ConfigError, NoContest, install_hint, reason
+from catch_arena.errors import AgentError, CatchArenaError, ConfigError, MatchFailedError, install_hint, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Executor, require_jobs
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.match import Match
@@ -34,7 +34,6 @@ class RayExecutor(Executor):
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
         super().__init__(worker)
-        require_jobs(jobs)
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # the user has not agreed to them
         try:
             import ray
@@ -62,7 +61,7 @@ class RayExecutor(Executor):
         self.max_pending = 4 * int(ray.cluster_resources().get("CPU", 1))
         self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
-        self._task = ray.remote(max_retries=0)(_play)  # block_queue plays lost blocks again
+        self._task = ray.remote(max_retries=0)(_play_block_there)  # block_queue plays lost blocks again
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches."""
@@ -73,7 +72,7 @@ class RayExecutor(Executor):
         """Return the matches of a submitted block.
 
         Raises:
-            NoContest: if the block failed on our side, or a Ray worker was lost.
+            MatchFailedError: if the block failed on our side, or a Ray worker was lost.
             CatchArenaError: if the worker's machine has other agents or versions.
         """
         try:
@@ -81,7 +80,7 @@ class RayExecutor(Executor):
         except self._ray.exceptions.RayTaskError:
             raise
         except self._ray.exceptions.RayError as error:
-            raise NoContest(f"a Ray worker was lost: {reason(error)}") from None
+            raise MatchFailedError(f"a Ray worker was lost: {reason(error)}") from None
         if isinstance(answer, CatchArenaError):
             raise answer
         return answer
@@ -91,13 +90,13 @@ class RayExecutor(Executor):
         self._ray.shutdown()
 
 
-def _play(
+def _play_block_there(
     worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault], expected: tuple[tuple[str, str], ...]
 ) -> list[RecordedMatch] | CatchArenaError:
     """Return the played matches, or our error as a value: Ray would wrap a raised error in its own."""
     try:
         require_same(worker, expected)
-        return worker.play(matches, excluded)
+        return worker.play_block(matches, excluded)
     except CatchArenaError as error:
         return error
 

@@ -28,7 +28,7 @@ def play_plan(
     *,
     max_forfeits: int = 0,
     folder: Path | None = None,
-    on_results: Callable[[Sequence[PlayedMatch]], None] | None = None,
+    on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None,
     on_planned: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Play the matches of a plan that are not in the store yet, stage by stage, to the end of the plan.
@@ -46,8 +46,7 @@ def play_plan(
         on_planned: called with the number of planned matches, after each block of the plan.
 
     Raises:
-        ConfigError: for max_forfeits below 0.
-        NoContest: for a block that failed on our side three times.
+        MatchFailedError: for a block that failed on our side three times.
         AgentError: for an agent that another machine does not have.
         OutputError: for logs and replays that cannot be written.
         StoreError: for results that cannot be written.
@@ -56,23 +55,21 @@ def play_plan(
     parties = Parties.of(tournament.config)
     streaks = ForfeitStreaks(max_forfeits)
 
-    def keep(recorded: Sequence[RecordedMatch]) -> None:
+    def store_block(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that every match in the store has its files
             if folder is not None:
                 if replay:
                     write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
                 add_to_logs(folder / LOGS, tournament.entrants, parties, one)
         played = [one for one, _ in recorded]
-        store.keep(played)
-        if on_results is not None:
-            on_results(played)
+        store.add(played)
+        on_results(played)
 
     if folder is not None:
         _remove_replays(store, folder / REPLAYS)
     before = list(store.played())
     streaks.add(before)
-    if on_results is not None:
-        on_results(before)
+    on_results(before)
     planned = 0
 
     def reported(blocks: Iterable[Block]) -> Iterator[Block]:
@@ -88,7 +85,7 @@ def play_plan(
             store.end()
             return
         planned += stage
-        play_blocks(store.waiting(), executor, streaks, keep)
+        play_blocks(store.waiting(), executor, streaks, store_block)
 
 
 def _remove_replays(store: Store, folder: Path) -> None:

@@ -10,8 +10,8 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import play_entrants
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.players import Fault
@@ -30,15 +30,15 @@ class Worker:
     entrants: tuple[Entrant, ...]
     record: bool = False
     """True to make replays."""
-    limits: AgentLimits | None = None
-    """Limits of isolated agents; None if all are trusted."""
+    quotas: Quotas | None = None
+    """Quotas of isolated agents; None if all are trusted."""
 
     @property
     def sandbox(self) -> Sandbox | None:
         """Sandbox of its agents, one per process; agents wait in it for the next match. None if all are trusted."""
-        return None if self.limits is None else _sandbox(self.limits)
+        return None if self.quotas is None else _sandbox(self.quotas)
 
-    def play(
+    def play_block(
         self, matches: Iterable[Match], excluded: Mapping[int, Fault] = MappingProxyType({})
     ) -> list[RecordedMatch]:
         """Play one match after the other.
@@ -48,7 +48,7 @@ class Worker:
             excluded: reasons for which entrants are not started, by index.
 
         Raises:
-            NoContest: for a match that failed on our side.
+            MatchFailedError: for a match that failed on our side.
         """
         return [self._recorded(match, excluded) for match in matches]
 
@@ -64,7 +64,7 @@ class Worker:
             match.seed,
             [self.entrants[index] for index in match.seating],
             self.sandbox,
-            excluded_parties={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
+            absent={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
             agent_seeds=match.agent_seeds,
             title=f"match {match.id}",
             record=replay,
@@ -76,5 +76,5 @@ class Worker:
 
 
 @cache
-def _sandbox(limits: AgentLimits) -> Sandbox:
-    return Sandbox(limits)
+def _sandbox(quotas: Quotas) -> Sandbox:
+    return Sandbox(quotas)

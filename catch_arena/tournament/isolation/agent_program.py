@@ -22,8 +22,9 @@ import traceback
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final, NoReturn
+
+import msgspec
 
 import catch_arena
 from catch_arena.errors import AgentError, CatchArenaError, reason
@@ -32,8 +33,8 @@ from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import loading
 from catch_arena.tournament.agent_spec import command_of, folder_of
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.namespaces import SHARED
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import agent_class, create_policy, has_prey, sources_of
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
@@ -42,6 +43,8 @@ _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map memory that they never use."""
 _TOLD: Final = 76
 """Exit code of a match's process that has sent its agent's error; nothing more is sent, and the program ends."""
+_OVER: Final = (b"", protocol.END)
+"""Lines at which a match is over: the end of the pipe, and END."""
 _CLEAN_S: Final = 1.0
 """Time to end the processes that a match has left [s]; then the program ends, and the tournament ends the rest."""
 
@@ -55,18 +58,18 @@ def main(words: str) -> None:
     arguments = json.loads(words)
     try:
         serve(**arguments)
-    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of NoContest
+    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of MatchFailedError
         traceback.print_exc()
     finally:
         _leave(None if arguments["namespaced"] else Path(arguments["folder"]))
 
 
-def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
+def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
     """Play matches until the tournament closes the lines.
 
     Args:
         spec: spec of an entrant.
-        limits: limits of the agent, by name.
+        quotas: quotas of the agent, by name.
         folder: folder in which the agent's working folder is made for each match.
         into: descriptor of the pipe with the lines.
         out: descriptor of the pipe for the answers.
@@ -74,7 +77,7 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
     """
     if not namespaced:
         _end_with(os.getppid(), Path(folder))
-    allowed = AgentLimits(**limits)
+    allowed = Quotas(**quotas)
     _confine(allowed, namespaced=namespaced)
     writable = [Path(folder), SHARED] if namespaced else [Path(folder)]
     kept = {path for place in writable for path in _found_in(place)}
@@ -98,7 +101,7 @@ def serve(spec: str, limits: Mapping[str, Any], folder: str, into: int, out: int
                 _set_for_process(_SET_PDEATHSIG, signal.SIGKILL)
                 _limit_cpu(allowed.cpu_s)
                 if os.getppid() == parent:
-                    _play(spec, into, out)
+                    _serve_match(spec, into, out)
             finally:
                 os._exit(1)
         code = _exit_code(child)
@@ -115,14 +118,14 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
 
     Args:
         policy: instance for this match, made after its hello.
-        lines: descriptor of the lines and records for it.
+        lines: descriptor of the lines for it.
         answers: descriptor for its answers.
         known: further facts for the greeting, besides the control.
     """
     doing = "init"
     try:
         _send(answers, protocol.line(control=getattr(policy, "control", "target"), **known))
-        if not (line := _read_line(lines)):
+        if (line := _read_line(lines)) in _OVER:
             return
         doing = "reset"
         message = json.loads(line)["reset"]
@@ -130,19 +133,21 @@ def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapp
         policy.reset(message["seed"])
         _send(answers, protocol.line(ready=True))
         doing = "act"
-        while (seen := protocol.read_record(lines)) is not None:
-            action = policy.act(limits.view(*seen))  # type: ignore[arg-type]  # its limits are of its side
+        while (line := _read_line(lines)) not in _OVER:
+            seen = msgspec.json.decode(line)
+            action = policy.act(limits.view(seen["view"], seen["mask"]))  # type: ignore[arg-type]  # its limits are of its side
             _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
-        _print(error, error.__traceback__ and error.__traceback__.tb_next)  # without our own frame
+        _print(error)
         _send(answers, protocol.line(error=f"{doing} raised {reason(error)}"))
         os._exit(_TOLD)
 
 
-def _play(spec: str, into: int, out: int) -> NoReturn:
-    """Play one match in its own process."""
+def _serve_match(spec: str, into: int, out: int) -> NoReturn:
+    """Serve one match in its own process."""
     # an END is still in the pipe if the last match's process ended before it read it
-    side = json.loads(_read_line(into).lstrip(protocol.END))["side"]
+    hello = _read_line(into).removeprefix(protocol.END) or _read_line(into)
+    side = json.loads(hello)["side"]
     try:
         policy = create_policy(spec, side)
     except AgentError as error:
@@ -178,17 +183,17 @@ def _import(spec: str, out: int) -> None:
         os._exit(1)
 
 
-def _confine(limits: AgentLimits, *, namespaced: bool) -> None:
+def _confine(quotas: Quotas, *, namespaced: bool) -> None:
     """Limit the memory, files and processes of this process and of those that it starts."""
     with suppress(OSError):  # when the machine has no memory left, agents are ended first
         Path("/proc/self/oom_score_adj").write_text("1000")
     _set_for_process(_SET_CHILD_SUBREAPER, 1)
     if LINUX:  # this limit does not apply to root
-        _limit(resource.RLIMIT_NPROC, limits.processes if namespaced else limits.processes + _tasks())
-    _limit(resource.RLIMIT_DATA, limits.memory_mib * _MIB)
-    _limit(resource.RLIMIT_AS, _ADDRESSES * limits.memory_mib * _MIB)
-    _limit(resource.RLIMIT_NOFILE, limits.open_files)
-    _limit(resource.RLIMIT_FSIZE, limits.file_mib * _MIB)
+        _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
+    _limit(resource.RLIMIT_DATA, quotas.memory_mib * _MIB)
+    _limit(resource.RLIMIT_AS, _ADDRESSES * quotas.memory_mib * _MIB)
+    _limit(resource.RLIMIT_NOFILE, quotas.open_files)
+    _limit(resource.RLIMIT_FSIZE, quotas.file_mib * _MIB)
     _limit(resource.RLIMIT_CORE, 0)
 
 
@@ -300,16 +305,15 @@ def _remove(folder: Path, kept: Collection[Path]) -> None:
 
 def _report(error: AgentError, answers: int) -> None:
     if error.__cause__ is not None:
-        cause = error.__cause__
-        theirs = cause.__traceback__
-        while theirs is not None and _imports(theirs.tb_frame.f_code.co_filename):
-            theirs = theirs.tb_next
-        _print(cause, theirs)
+        _print(error.__cause__)
     _send(answers, protocol.line(error=str(error)))
 
 
-def _print(error: BaseException, theirs: TracebackType | None) -> None:
+def _print(error: BaseException) -> None:
     """Print a traceback to the agent's log; for an error of ours only the agent's own lines, as the error is sent."""
+    theirs = error.__traceback__
+    while theirs is not None and _calls_agents(theirs.tb_frame.f_code.co_filename):
+        theirs = theirs.tb_next
     log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
     if isinstance(error, CatchArenaError):
         ours = str(Path(catch_arena.__file__).parent) + os.sep
@@ -321,9 +325,9 @@ def _print(error: BaseException, theirs: TracebackType | None) -> None:
         log.flush()
 
 
-def _imports(file: str) -> bool:
-    """Return whether a file belongs to the import of an agent, and not to the agent itself."""
-    return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__}
+def _calls_agents(file: str) -> bool:
+    """Return whether a file imports or calls agents, and so stands above their own lines in a traceback."""
+    return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__, __file__}
 
 
 def _read_line(lines: int) -> bytes:

@@ -11,20 +11,18 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, get_args
 
 from catch_arena.config import Control, require_choice
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.policy import AnyLimits, Policy, PreyPolicy
 from catch_arena.text import in_short, one_line
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox, how_it_ended
+from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, how_it_ended
 from catch_arena.tournament.players import Answer, Fault, Observation, Players
 
 _POLL_S: Final = 0.1
 """Longest single wait [s], so that this process notices if it stood still itself."""
 _STALL_S: Final = 1.0
 """Stall of this process [s] from which on no agent is blamed for being late."""
-_CHOICES: Final = {b'{"action":%d}' % choice: choice for choice in range(64)}
-"""Lines of most agents in most steps, and their choices: a look-up takes a tenth of the time of reading JSON."""
 
 
 class _Reply(NamedTuple):
@@ -58,8 +56,8 @@ class IsolatedPlayers(Players):
         self.controls |= {seat: entrant.control for seat, entrant in entrants.items()}
         self._sandbox = sandbox
         self._entrants = entrants
-        self._allowed = sandbox.limits
-        self._bank_s = dict.fromkeys(entrants, sandbox.limits.bank_s)
+        self._allowed = sandbox.quotas
+        self._bank_s = dict.fromkeys(entrants, sandbox.quotas.bank_s)
         self._granted = {
             "init": f"init_s ({self._allowed.init_s:g} s)",
             "reset": f"what was left of init_s ({self._allowed.init_s:g} s)",
@@ -93,7 +91,7 @@ class IsolatedPlayers(Players):
         """Ask these seats for their actions; all processes get their views before the first answer is read."""
         step_s, bank_s = self._allowed.step_ms / 1000.0, self._bank_s
         lines = {
-            seat: (protocol.view_record if self._processes[seat].serves_many else protocol.view_line)(*observation)
+            seat: protocol.view_line(*observation)
             for seat, observation in observations.items()
             if seat in self._processes
         }
@@ -146,7 +144,7 @@ class IsolatedPlayers(Players):
         """Send each seat its line, and return the answer of each: a JSON object or a fault.
 
         Raises:
-            NoContest: if this process stood still, or an agent's process ended before it ran any code of the agent.
+            MatchFailedError: if this process stood still, or an agent's process ended before any code of the agent ran.
         """
         replies: dict[int, _Reply] = {}
         sent_at: dict[int, float] = {}
@@ -172,7 +170,7 @@ class IsolatedPlayers(Players):
             events = poll.poll(math.ceil(1000.0 * patience))
             before, now = now, time.monotonic()
             if now - before > patience + _STALL_S:
-                raise NoContest(f"this process stood still for {now - before - patience:.1f} s")
+                raise MatchFailedError(f"this process stood still for {now - before - patience:.1f} s")
             for file, _ in events:
                 seat = seat_of[file]
                 process = self._processes[seat]
@@ -191,30 +189,28 @@ class IsolatedPlayers(Players):
         for seat, reply in replies.items():
             if "ended" in reply.said:  # our program reports the end of the process that it forked for the match
                 replies[seat] = _Reply({}, reply.seconds, _crash(doing, how_it_ended(reply.said["ended"])))
-            elif reply.fault is not None and not reply.fault.reason:
-                replies[seat] = _Reply({}, reply.seconds, _crash(doing, self._why_ended(seat)))
+            elif reply.fault is ENDED:
+                self._end_of_process(seat)
+                replies[seat] = _Reply({}, reply.seconds, _crash(doing, ENDED.reason))
         return replies
 
-    def _why_ended(self, seat: int) -> str:
-        """End an agent whose process has ended before it answered, and return why.
+    def _end_of_process(self, seat: int) -> None:
+        """End an agent whose process has ended before it answered.
 
         Raises:
-            NoContest: if the process ended before it ran any code of the agent.
+            MatchFailedError: if the process ended before it ran any code of the agent.
         """
         process = self._processes[seat]
         self.drop(seat)
-        if process.started:
-            return "its process has ended"
-        last = process.log.last_line() or "it printed nothing"
-        raise NoContest(f"the process of {self._entrants[seat].name} could not start: {last}")
+        if not process.started:
+            last = process.log.last_line() or "it printed nothing"
+            raise MatchFailedError(f"the process of {self._entrants[seat].name} could not start: {last}")
 
 
 def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
     """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
     if isinstance(heard, Fault):
         return _Reply({}, seconds, heard)
-    if heard in _CHOICES:
-        return _Reply({"action": _CHOICES[heard]}, seconds)
     try:
         said = json.loads(heard)
     except (ValueError, RecursionError):

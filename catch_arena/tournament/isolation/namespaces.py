@@ -19,7 +19,7 @@ from typing import Final
 import catch_arena.agents
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.agent_spec import command_of, file_of, folder_of
-from catch_arena.tournament.isolation.limits import Level
+from catch_arena.tournament.isolation.quotas import Level
 
 TEMPORARY: Final = Path("/tmp")  # noqa: S108 - in a file system of its own
 SHARED: Final = Path("/dev/shm")  # noqa: S108

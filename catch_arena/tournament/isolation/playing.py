@@ -11,10 +11,10 @@ from catch_arena.policy import Policy
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent
 from catch_arena.tournament.isolation.isolated_players import isolated_players
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault, Players
 from catch_arena.tournament.secret import agent_seed
@@ -26,7 +26,7 @@ def play_entrants(
     entrants: Sequence[Entrant],
     sandbox: Sandbox | None,
     *,
-    excluded_parties: Mapping[int, Fault] = MappingProxyType({}),
+    absent: Mapping[int, Fault] = MappingProxyType({}),
     agent_seeds: Sequence[int] = (),
     **options: Any,
 ) -> MatchResult:
@@ -37,27 +37,27 @@ def play_entrants(
         seed: an integer in [0, 2^64).
         entrants: the entrants by party (parties.py).
         sandbox: runs agents that are not trusted; None if all are trusted.
-        excluded_parties: reasons for which parties are not started, by party.
+        absent: reasons for which parties are not started, by party.
         agent_seeds: seed of each party; if empty, these seeds follow from `seed`.
-        options: further arguments of `match_loop.play`.
+        options: further arguments of `match_loop.play_match`.
 
     Raises:
         OutputError: for a replay that cannot be written.
-        NoContest: for a match that failed on our side.
+        MatchFailedError: for a match that failed on our side.
     """
     parties = Parties.of(config)
     playing = in_parties(config, entrants)
     names = [playing[party].name for party in parties.by_seat]
-    excluded = {seat: excluded_parties[one] for seat, one in enumerate(parties.by_seat) if one in excluded_parties}
+    absent = {seat: absent[party] for seat, party in enumerate(parties.by_seat) if party in absent}
     seeds = [_instance_seed(agent_seeds[party], number) for party, number in parties.places] if agent_seeds else []
-    with start_players(in_seats(config, entrants), sandbox, excluded) as players:
-        return play(config, seed, players, names, agent_seeds=seeds, **options)
+    with start_players(in_seats(config, entrants), sandbox, absent) as players:
+        return play_match(config, seed, players, names, agent_seeds=seeds, **options)
 
 
 def start_players(
     seated: Sequence[Entrant] | Mapping[int, Entrant] | Mapping[int, Entrant | Policy],
     sandbox: Sandbox | None,
-    excluded_seats: Mapping[int, Fault] = MappingProxyType({}),
+    absent: Mapping[int, Fault] = MappingProxyType({}),
 ) -> AbstractContextManager[Players]:
     """Return a context manager with the players of one match, by seat; its exit ends their processes.
 
@@ -66,25 +66,25 @@ def start_players(
     Args:
         seated: entrants, or instances that play in this process, by seat.
         sandbox: runs agents that are not trusted; None if all are trusted.
-        excluded_seats: reasons for which seats are not started, by seat.
+        absent: reasons for which seats are not started, by seat.
 
     Raises:
-        NoContest: for a match that failed on our side.
+        MatchFailedError: for a match that failed on our side.
     """
     seated = seated if isinstance(seated, Mapping) else dict(enumerate(seated))
     entrants = {seat: one for seat, one in seated.items() if isinstance(one, Entrant)}
-    faults = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
-    faults |= excluded_seats
-    isolated = {seat: one for seat, one in entrants.items() if seat not in faults and not is_shipped(one.spec)}
+    cannot_play = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
+    absent = cannot_play | dict(absent)
+    isolated = {seat: one for seat, one in entrants.items() if seat not in absent and not is_shipped(one.spec)}
     if sandbox is None or not isolated:
-        return nullcontext(Players(seated, faults))
+        return nullcontext(Players(seated, absent))
     here = {seat: one for seat, one in seated.items() if seat not in isolated}
-    return isolated_players(sandbox, isolated, here, faults)
+    return isolated_players(sandbox, isolated, here, absent)
 
 
-def sandbox_for(limits: AgentLimits | None) -> AbstractContextManager[Sandbox | None]:
-    """Return a context manager with a sandbox of these limits, or with None if all agents are trusted."""
-    return nullcontext() if limits is None else Sandbox(limits)
+def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]:
+    """Return a context manager with a sandbox of these quotas, or with None if all agents are trusted."""
+    return nullcontext() if quotas is None else Sandbox(quotas)
 
 
 def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:

@@ -15,15 +15,17 @@ from types import TracebackType
 from typing import Any, Final
 
 import catch_arena
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.tournament.agent_spec import command_of
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.limits import AgentLimits, Level
 from catch_arena.tournament.isolation.namespaces import TEMPORARY, bubblewrap_words, level_here, visible_paths
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.players import Fault
 
+ENDED: Final = Fault("FORFEIT_CRASH", "its process has ended")
+"""Fault of an agent whose process has ended instead of an answer; `AgentProcess.read` returns this object."""
 _MOST_WAITING: Final = 16
 """Largest number of processes that wait for a next match; each holds its agent's modules in memory."""
 _END_S: Final = 2.0
@@ -82,24 +84,22 @@ class AgentProcess:
 
     Args:
         spec: spec of an entrant.
-        limits: limits of the agent.
-        level: level of isolation.
+        quotas: quotas of the agent, with its level of isolation.
 
     Raises:
         ConfigError: on Windows.
-        NoContest: if the process cannot be started.
+        MatchFailedError: if the process cannot be started.
     """
 
-    def __init__(self, spec: str, limits: AgentLimits, level: Level) -> None:
+    def __init__(self, spec: str, quotas: Quotas) -> None:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
-        self.serves_many = command_of(spec) is None
-        """True if it can play further matches; a command ends with its first."""
+        self._serves_many = command_of(spec) is None  # a command ends with its first match
         self.started = False
         """True after the process has begun to run the agent's code."""
-        self._longest = limits.answer_kib * _KIB
-        self._log_size = limits.log_kib * _KIB
-        self._namespaced = level == "namespaces"
+        self._longest = quotas.answer_kib * _KIB
+        self._log_size = quotas.log_kib * _KIB
+        self._namespaced = quotas.isolation == "namespaces"
         self._unread = b""
         self._log_open = True
         self._plays = False
@@ -111,11 +111,11 @@ class AgentProcess:
             (into, self._into), (self.answers, out), (self.printed, log) = pipes
             self._folder = None if self._namespaced else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
             folder = str(TEMPORARY) if self._folder is None else self._folder.name
-            settings = {"spec": spec, "limits": limits.numbers(), "folder": folder, "into": into, "out": out}
+            settings = {"spec": spec, "quotas": quotas.numbers(), "folder": folder, "into": into, "out": out}
             words = [sys.executable, "-c", _MAIN, json.dumps(settings | {"namespaced": self._namespaced}), _package()]
             words += module_folders()
             if self._namespaced:
-                words = [*bubblewrap_words(visible_paths(spec), limits.file_mib << 20), *words]
+                words = [*bubblewrap_words(visible_paths(spec), quotas.file_mib << 20), *words]
             self._process = subprocess.Popen(  # noqa: S603 - our own program
                 words,
                 stdin=subprocess.DEVNULL,
@@ -129,7 +129,7 @@ class AgentProcess:
         except OSError as error:
             for file in (file for pipe in pipes for file in pipe):
                 os.close(file)
-            raise NoContest(f"an agent's process cannot be started: {error}") from None
+            raise MatchFailedError(f"an agent's process cannot be started: {error}") from None
         for file in (into, out, log):
             os.close(file)
         for file in (self._into, self.answers, self.printed):
@@ -159,16 +159,13 @@ class AgentProcess:
             return True
 
     def read(self) -> bytes | Fault | None:
-        """Read the available bytes, and return a whole line, a fault, or None if the line is not complete yet.
-
-        A fault without a reason means that the process has ended.
-        """
+        """Read the available bytes, and return a whole line, a fault, or None if the line is not complete yet."""
         try:
             part = os.read(self.answers, protocol.PART)
         except BlockingIOError:
             return None
         if not part:
-            return Fault("FORFEIT_CRASH", "")
+            return ENDED
         self._unread += part
         if not self.started and self._unread.startswith(protocol.STARTED):
             self.started = True
@@ -198,7 +195,7 @@ class AgentProcess:
         if not self._plays:
             return True
         self._plays = False
-        if not self.serves_many or not self.write(protocol.END):
+        if not self._serves_many or not self.write(protocol.END):
             return False
         line = self._last_line()
         self.read_log()
@@ -241,16 +238,15 @@ class Sandbox:
     """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
     Args:
-        limits: limits of each agent; None for the default limits.
+        quotas: quotas of each agent; None for the default quotas.
 
     Raises:
         ConfigError: for a level that this machine does not have.
     """
 
-    def __init__(self, limits: AgentLimits | None = None) -> None:
-        limits = limits or AgentLimits()
-        self.level: Level = level_here(limits.isolation)
-        self.limits = replace(limits, isolation=self.level)
+    def __init__(self, quotas: Quotas | None = None) -> None:
+        quotas = quotas or Quotas()
+        self.quotas = replace(quotas, isolation=level_here(quotas.isolation))
         self._processes: dict[tuple[str, str], AgentProcess] = {}
 
     def __enter__(self) -> "Sandbox":
@@ -259,19 +255,14 @@ class Sandbox:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
-    @property
-    def pids(self) -> list[int]:
-        """Ids of the processes that wait or play."""
-        return [process.pid for process in self._processes.values()]
-
     def start(self, entrant: Entrant) -> AgentProcess:
         """Return an entrant's process for the next match: its waiting process, or a new one.
 
         Raises:
-            NoContest: if the process cannot be started.
+            MatchFailedError: if the process cannot be started.
         """
         key = entrant.name, entrant.spec
-        process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.limits, self.level)
+        process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.quotas)
         self._processes[key] = process  # last in the order: the processes that have waited longest are ended first
         process.begin()
         return process
@@ -302,7 +293,7 @@ class Sandbox:
 def how_it_ended(code: Any) -> str:
     """Return an exit code in words; a code below 0 is a signal."""
     if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
-        return "its process has ended"
+        return ENDED.reason
     if code >= 0:
         return f"its process exited with code {code}"
     name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"

@@ -36,13 +36,10 @@ class Estimate:
         """Half the width of the interval."""
         return (self.high - self.low) / 2
 
-    def to_dict(self, digits: int | None = None) -> dict[str, float | None]:
-        """Return `mean`, `low` and `high`, rounded to `digits` decimals if given; None instead of NaN."""
+    def to_dict(self, digits: int) -> dict[str, float | None]:
+        """Return `mean`, `low` and `high`, rounded to `digits` decimals; None instead of NaN."""
         numbers = {"mean": self.mean, "low": self.low, "high": self.high}
-        return {
-            name: None if math.isnan(number) else number if digits is None else round(number, digits)
-            for name, number in numbers.items()
-        }
+        return {name: None if math.isnan(number) else round(number, digits) for name, number in numbers.items()}
 
 
 def estimates(

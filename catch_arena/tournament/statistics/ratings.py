@@ -28,8 +28,6 @@ class Ratings:
 
     points: Floats
     """Rating of each entrant in points, (entrants,): 0 is the mean of all that played; NaN for no match."""
-    tie: float
-    """Davidson's v: two equal entrants tie with probability v / (2 + v)."""
     influence: Floats
     """Change of each rating that each block causes, in points: (blocks, entrants)."""
     pseudo_influence: Floats
@@ -105,7 +103,6 @@ def rate(outcomes: Outcomes) -> Ratings:
     influence = moves[: outcomes.blocks]
     return Ratings(
         points=np.where(played, ELO * (strengths - mean), math.nan),
-        tie=math.exp(log_tie),
         influence=influence - influence.mean(axis=0) if outcomes.blocks else influence,
         pseudo_influence=moves[outcomes.blocks :],
         blocks=blocks_played.astype(np.float64),

@@ -23,7 +23,6 @@ _BY_PARTY: Final = (
     "lost_to_mates",
     "forfeits",
     "thinking",
-    "details",
 )
 """Parts of a result that are tuples by party, and keep their values in the matches of one side."""
 
@@ -65,7 +64,7 @@ def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
     joined: dict[str, Any] = {
         name: tuple(value for result in results for value in getattr(result, name)) for name in _BY_PARTY
     }
-    lasted = [None if one is None else one.step for one in joined["details"]]
+    lasted = [None if one is None else one.step for one in joined["forfeits"]]
     ranks = ranks_of_sides(joined["scores"], lasted, len(lasted) if side == "hunter" else 0)
     return replace(
         first,

@@ -92,8 +92,8 @@ def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> lis
     for one in played:
         for party, index in enumerate(one.match.seating):
             verdicts[index].update(one.result.verdicts[party])
-            if code := one.result.forfeits[party]:
-                forfeits[index][code] += 1
+            if forfeit := one.result.forfeits[party]:
+                forfeits[index][forfeit.code] += 1
             won[index] += one.result.contests_won[party]
             lost[index] += one.result.contests_lost[party]
             to_mates[index] += one.result.lost_to_mates[party] if one.result.lost_to_mates else 0

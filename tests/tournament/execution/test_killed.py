@@ -53,11 +53,11 @@ main(words)
 KILLS = (
     ("Store transaction 1 after", 0),
     ("Store plan 1 after", 0),
-    ("Store keep 5 after", 10),
-    ("Store _keep 3 after", 12),
+    ("Store add 5 after", 10),
+    ("Store _add_match 3 after", 12),
     ("Path replace 4 before", 14),
     ("Path replace 1 after", 14),
-    ("Store keep 9 before", 30),
+    ("Store add 9 before", 30),
     ("Store end 1 before", 72),
     ("Store end 1 after", 72),
     ("Path replace 1 before", 72),
@@ -107,22 +107,23 @@ def test_killed_again_and_again_it_ends_as_if_undisturbed(tmp_path, monkeypatch)
 
 PLAYS = """
 import sys
+from pathlib import Path
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.limits import AgentLimits
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.store import Store, Tournament
-limits = AgentLimits(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
+quotas = Quotas(isolation=sys.argv[1], init_s=120, step_ms=1_000_000)
 config = scenario("duel")
 plan = round_robin(2, Parties.of(config), 9, 0)
 entrants = enter(["mine.py", "mine.py"])
 with (
-    Store.begin(Tournament(config, entrants, plan.parameters)) as store,
-    local_executor(Worker(config, entrants, limits=limits), 2) as executor,
+    Store.begin(Tournament(config, entrants, plan.parameters), Path()) as store,
+    local_executor(Worker(config, entrants, quotas=quotas), 2) as executor,
 ):
     play_plan(store, plan, executor)
 """

@@ -9,7 +9,7 @@ from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import Replay, scenario
-from catch_arena.errors import NoContest
+from catch_arena.errors import MatchFailedError
 from catch_arena.files import prepare_folder
 from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
@@ -59,7 +59,7 @@ def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_pa
     assert len(played) == 12
     for one in played:
         codes = ["FORFEIT_ILLEGAL" if place == 0 else None for place in one.match.seating]
-        assert list(one.result.forfeits) == codes
+        assert list(one.result.forfeit_codes) == codes
     assert [path.name for path in (tmp_path / LOGS).iterdir()] == ["bad.log"]
     assert (tmp_path / LOGS / "bad.log").read_text().count("FORFEIT_ILLEGAL in step 1: an action must be") == 8
     assert family(os.getpid()) - before <= helpers()
@@ -68,7 +68,7 @@ def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_pa
 def test_a_worker_that_dies_every_time_is_told_with_its_match(tmp_path):
     bad = write_agent(tmp_path / "bad.py", "os._exit(1)", before="import os\n")
     before = family(os.getpid())
-    with pytest.raises(NoContest, match=r"match r00001-g000001.* failed 3 times: a worker process died"):
+    with pytest.raises(MatchFailedError, match=r"match r00001-g000001.* failed 3 times: a worker process died"):
         run(SHORT, enter([bad, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
     assert family(os.getpid()) - before <= helpers()
 
@@ -91,6 +91,6 @@ def test_what_nobody_expects_of_a_trusted_agent_is_told_with_where_it_was_raised
 def test_a_trusted_agent_that_reads_finds_nothing(tmp_path):
     reads = write_agent(tmp_path / "reads.py", "return input()")
     one, _ = run(SHORT, enter([reads, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
-    assert [detail.reason for detail in one.result.details if detail] == [
+    assert [detail.reason for detail in one.result.forfeits if detail] == [
         "act raised EOFError: EOF when reading a line"
     ]

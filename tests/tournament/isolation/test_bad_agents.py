@@ -11,14 +11,14 @@ from tournament.agents import LEAVES_A_CHILD, source, write_agent
 from catch_arena import Replay, scenario
 from catch_arena.interrupts import family
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 
 BAD = Path(__file__).parent / "bad"
 SHORT = scenario("duel", time_limit_s=4)
-PATIENT = AgentLimits(init_s=60, step_ms=60_000)
+PATIENT = Quotas(init_s=60, step_ms=60_000)
 """For agents that fail in other ways than by being late: a busy machine must not make them late."""
 SHELL = """while read -r line; do
     case $line in
@@ -96,7 +96,7 @@ def played(tmp_path):
         entrants = enter(list(map(spec, names)), inspector(sandbox))
         config = SHORT.replace(hunters=len(entrants))
         with start_players(entrants, sandbox) as players:
-            return play(config, 3, players, [one.name for one in entrants], record=record)
+            return play_match(config, 3, players, [one.name for one in entrants], record=record)
 
     return match
 
@@ -137,12 +137,12 @@ def played(tmp_path):
 def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(
     sandbox, played, tmp_path, name, limits, code, step, reason
 ):
-    with Sandbox(replace(PATIENT, isolation=sandbox.level, **limits)) as within:
+    with Sandbox(replace(PATIENT, isolation=sandbox.quotas.isolation, **limits)) as within:
         result = played(within if limits else sandbox, name, "nearest", record=tmp_path / "m.replay")
-    assert result.forfeits == (code, None)
-    assert result.details[0].step == step
-    assert re.match(reason, result.details[0].reason), result.details[0].reason
-    assert "\n" not in result.details[0].reason
+    assert result.forfeit_codes == (code, None)
+    assert result.forfeits[0].step == step
+    assert re.match(reason, result.forfeits[0].reason), result.forfeits[0].reason
+    assert "\n" not in result.forfeits[0].reason
     assert result.ranks == (2, 1)
     assert result.steps == result.thinking[1].moves == 40
     replay = Replay.load(tmp_path / "m.replay")
@@ -157,26 +157,26 @@ def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_pa
     for name, naps in (("late", "[4.2, 1.0]"), ("slow", "[4.4, 0.0]")):
         act = "time.sleep(naps.pop() if naps else 0)\nreturn 0"
         write_agent(tmp_path / f"{name}.py", act, before=f"import time\nnaps = {naps}\n")
-    with Sandbox(AgentLimits(init_s=60, step_ms=200, bank_s=4.5, isolation=sandbox.level)) as within:
+    with Sandbox(Quotas(init_s=60, step_ms=200, bank_s=4.5, isolation=sandbox.quotas.isolation)) as within:
         entrants = enter([str(tmp_path / "late.py"), str(tmp_path / "slow.py")], inspector(within))
         with start_players(entrants, within) as players:
-            result = play(SHORT, 3, players, ["late", "slow"], most_steps=3)
-    assert str(result.details[0]).startswith("FORFEIT_TIMEOUT in step 2")
+            result = play_match(SHORT, 3, players, ["late", "slow"], most_steps=3)
+    assert str(result.forfeits[0]).startswith("FORFEIT_TIMEOUT in step 2")
 
 
 def test_what_it_takes_over_a_step_comes_out_of_its_bank(sandbox, played):
     """50 ms a step at least, of which 10 are allowed: a bank of 0.2 s lasts for 5 steps at most."""
-    with Sandbox(AgentLimits(init_s=60, step_ms=10, bank_s=0.2, isolation=sandbox.level)) as within:
+    with Sandbox(Quotas(init_s=60, step_ms=10, bank_s=0.2, isolation=sandbox.quotas.isolation)) as within:
         result = played(within, "is_slow", "nearest")
-    assert result.forfeits[0] == "FORFEIT_TIMEOUT"
-    assert result.details[0].step <= 6
+    assert result.forfeit_codes[0] == "FORFEIT_TIMEOUT"
+    assert result.forfeits[0].step <= 6
     spent = result.thinking[0]
     assert spent.total_s - spent.moves * 0.01 > 0.2  # and not before
 
 
 def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_nothing_else(sandbox, played):
     result = played(sandbox, "prints_without_end", "nearest")
-    assert result.forfeits == (None, None)
+    assert result.forfeit_codes == (None, None)
     assert len(result.logs[0]) < 66_000
     assert result.logs[0].startswith("the first line\nxxx")
     assert result.logs[0].endswith("xxxthe end of step 40\n")
@@ -185,16 +185,17 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
 
 
 def test_a_child_that_would_outlive_its_parent_does_not(sandbox, played):
-    assert played(sandbox, "leaves_a_child", "nearest").forfeits == (None, None)
-    below = 2 if sandbox.level == "namespaces" else 0  # bubblewrap's first process, and the agent's program
-    assert len(family(*sandbox.pids)) == below * len(sandbox.pids)
+    assert played(sandbox, "leaves_a_child", "nearest").forfeit_codes == (None, None)
+    below = 2 if sandbox.quotas.isolation == "namespaces" else 0  # bubblewrap's first process, and the agent's program
+    pids = [process.pid for process in sandbox._processes.values()]
+    assert len(family(*pids)) == below * len(pids)
 
 
 def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, played, tmp_path, monkeypatch):
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     result = played(sandbox, "writes_here", "nearest")
-    assert result.forfeits == (None, None)
+    assert result.forfeit_codes == (None, None)
     (folder,) = re.findall(r"folder (.*)", result.logs[0])
     assert not Path(folder).exists()
     assert not list((tmp_path / "here").iterdir())
@@ -203,20 +204,20 @@ def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, pla
 def test_it_finds_nothing_of_the_match_or_its_rival_in_its_memory(sandbox, played, capsys):
     """A trusted one finds all of it."""
     assert "found [] open 5\n" in played(sandbox, "spies", "nearest").logs[0]
-    assert played(None, "spies", "nearest").forfeits == ("FORFEIT_ILLEGAL", None)
+    assert played(None, "spies", "nearest").forfeit_codes == ("FORFEIT_ILLEGAL", None)
     assert re.search(r"found \[.*'CatchArenaEnv', 'Engine'.*'the rival'\]", capsys.readouterr().out)
 
 
 def test_those_who_forfeit_come_behind_all_others_and_the_longer_they_lasted_the_better(sandbox, played):
     result = played(sandbox, "crashes", "is_illegal", "idle", "hoards")
-    assert result.forfeits == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL", None, "FORFEIT_CRASH")
+    assert result.forfeit_codes == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL", None, "FORFEIT_CRASH")
     assert result.ranks == (2, 4, 1, 2)
 
 
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_match_ends_when_all_have_forfeited(sandbox, played, trusted):
     result = played(None if trusted else sandbox, "crashes", "is_illegal")
-    assert result.forfeits == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL")
+    assert result.forfeit_codes == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL")
     assert (result.steps, result.ranks) == (5, (1, 2))
 
 
@@ -235,9 +236,9 @@ def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_
     entrants = enter([str(path), "nearest"], inspector(sandbox))
     assert re.search(reason, entrants[0].fault)
     with start_players(entrants, sandbox) as players:
-        result = play(SHORT, 1, players, ["mine", "nearest"])
-    assert result.forfeits == ("FORFEIT_INIT", None)
-    assert result.details[0].reason == entrants[0].fault
+        result = play_match(SHORT, 1, players, ["mine", "nearest"])
+    assert result.forfeit_codes == ("FORFEIT_INIT", None)
+    assert result.forfeits[0].reason == entrants[0].fault
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["mine.py"]
 
 

@@ -8,8 +8,8 @@ from isolation_levels import LEVELS
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.isolation import namespaces
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.namespaces import level_here, level_line
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 
 
@@ -49,7 +49,7 @@ def test_without_a_bubblewrap_that_works_the_level_is_refused_in_one_line(bubble
     monkeypatch.setattr(namespaces, "_PROBE_S", 1.0 if script == "sleep 600" else 60.0)
     assert level_here() == "processes"
     with pytest.raises(ConfigError) as refused:
-        Sandbox(AgentLimits(isolation="namespaces"))
+        Sandbox(Quotas(isolation="namespaces"))
     assert str(refused.value).startswith("isolation namespaces cannot be held here: ")
     assert why in str(refused.value)
     assert "\n" not in str(refused.value)

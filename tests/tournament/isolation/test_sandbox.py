@@ -16,23 +16,23 @@ from tournament.agents import write_agent
 
 import catch_arena.agents
 from catch_arena import scenario
-from catch_arena.errors import ConfigError, NoContest
+from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.interrupts import family
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox
 from catch_arena.tournament.loading import shipped
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 
 SHORT = scenario("duel", time_limit_s=10)
 
 
 @pytest.fixture(scope="module", params=LEVELS)
 def sandbox(request):
-    with Sandbox(AgentLimits(isolation=request.param)) as made:
+    with Sandbox(Quotas(isolation=request.param)) as made:
         yield made
 
 
@@ -43,7 +43,7 @@ def alone(name):
 
 def played(config, entrants, sandbox, **options):
     with start_players(entrants, sandbox) as players:
-        return play(config, 7, players, [one.name for one in entrants], **options)
+        return play_match(config, 7, players, [one.name for one in entrants], **options)
 
 
 def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
@@ -53,7 +53,7 @@ def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
     mixed = played(config, enter([alone(name) for name in names[:3]] + names[3:], inspector(sandbox)), sandbox)
     trusted = played(config, enter(names), None)
     assert isolated == mixed == trusted
-    assert isolated.forfeits == (None,) * len(names)
+    assert isolated.forfeit_codes == (None,) * len(names)
 
 
 def test_agents_that_come_with_the_package_need_no_process(sandbox):
@@ -62,7 +62,8 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
     assert family(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
-    of_each = 3 if sandbox.level == "namespaces" else 1  # bubblewrap, its first process, and the agent's program
+    # in namespaces: bubblewrap, its first process, and the program of the agent
+    of_each = 3 if sandbox.quotas.isolation == "namespaces" else 1
     assert len(family(os.getpid()) - before) == of_each
 
 
@@ -90,7 +91,7 @@ def test_a_command_plays_from_the_folder_that_it_was_named_in(sandbox, tmp_path,
     entrants = enter(["cmd:sh drives.sh", "idle"], inspector(sandbox))
     monkeypatch.chdir("/")
     assert (entrants[0].control, entrants[0].fault) == ("velocity", None)
-    assert played(SHORT, entrants, sandbox).forfeits == (None, None)
+    assert played(SHORT, entrants, sandbox).forfeit_codes == (None, None)
 
 
 def test_a_file_that_no_system_can_start_is_a_fault(sandbox, tmp_path):
@@ -131,7 +132,7 @@ def test_numpys_numbers_are_actions(sandbox, tmp_path):
     words = [str(path), "nearest"]
     isolated = played(SHORT, enter(words, inspector(sandbox)), sandbox)
     assert isolated == played(SHORT, enter(words), None)
-    assert isolated.forfeits == (None, None)
+    assert isolated.forfeit_codes == (None, None)
 
 
 def test_a_view_as_a_line_gives_every_float32_back():
@@ -151,17 +152,17 @@ def test_all_are_asked_at_the_same_time(tmp_path):
         "while len(list(HERE.glob(f'{self.step}-*'))) < 4: time.sleep(0.005)\nreturn 0"
     )
     path = write_agent(tmp_path / "waits.py", act, before=before)
-    with Sandbox(AgentLimits(step_ms=120_000, isolation="processes")) as patient:  # where it may write next to its file
+    with Sandbox(Quotas(step_ms=120_000, isolation="processes")) as patient:  # where it may write next to its file
         entrants = enter([path] * 4, inspector(patient))
         result = played(scenario("standard", time_limit_s=0.3), entrants, patient)
-    assert result.forfeits == (None,) * 4
+    assert result.forfeit_codes == (None,) * 4
     assert len(list(tmp_path.glob("3-*"))) == 4
 
 
 def test_the_docs_have_every_limit():
     page = (Path(__file__).parents[3] / "docs" / "howto" / "isolation.md").read_text()
-    for limit in fields(AgentLimits):
-        if limit.name in AgentLimits().numbers():
+    for limit in fields(Quotas):
+        if limit.name in Quotas().numbers():
             assert f"| `{limit.name}` | {limit.default:g} |" in page
 
 
@@ -180,9 +181,9 @@ def test_a_process_that_cannot_start_is_no_contest_and_its_last_line_says_why(sa
     sandbox.close()
     with monkeypatch.context() as changed:
         changed.setattr("catch_arena.tournament.isolation.sandbox._MAIN", "raise SystemExit('no room')")
-        with pytest.raises(NoContest, match=r"the process of (nearest|idle) could not start: no room"):
+        with pytest.raises(MatchFailedError, match=r"the process of (nearest|idle) could not start: no room"):
             played(SHORT, entrants, sandbox)
-    assert played(SHORT, entrants, sandbox).forfeits == (None, None)
+    assert played(SHORT, entrants, sandbox).forfeit_codes == (None, None)
 
 
 def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_blamed(monkeypatch):
@@ -191,8 +192,8 @@ def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_bla
 
     monkeypatch.setattr("catch_arena.tournament.isolation.sandbox.tempfile.TemporaryDirectory", nowhere)
     with (
-        Sandbox(AgentLimits(isolation="processes")) as sandbox,
-        pytest.raises(NoContest, match=r"an agent's process cannot be started: .*No usable temporary directory"),
+        Sandbox(Quotas(isolation="processes")) as sandbox,
+        pytest.raises(MatchFailedError, match=r"an agent's process cannot be started: .*No usable temporary directory"),
     ):
         enter([alone("nearest")], inspector(sandbox))
 
@@ -204,11 +205,11 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_pa
     former = signal.signal(signal.SIGALRM, lambda *_: time.sleep(1.5))
     try:
         with (
-            pytest.raises(NoContest, match="this process stood still for"),
+            pytest.raises(MatchFailedError, match="this process stood still for"),
             start_players(entrants, sandbox) as players,
         ):
             # the alarm comes 20 ms after a step's begin: while the slow one is waited for
-            play(SHORT, 1, players, ["a", "b"], watch=lambda _: signal.setitimer(signal.ITIMER_REAL, 0.02))
+            play_match(SHORT, 1, players, ["a", "b"], watch=lambda _: signal.setitimer(signal.ITIMER_REAL, 0.02))
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, former)
@@ -218,7 +219,7 @@ def test_an_agents_program_removes_its_folder_when_its_pipes_close(tmp_path):
     """The pipes of a tournament that is killed close before the system sends its agents a signal."""
     (folder := tmp_path / "folder").mkdir()
     (lines, into), (answers, out) = os.pipe(), os.pipe()
-    told = {"spec": alone("idle"), "limits": AgentLimits().numbers(), "folder": str(folder), "into": lines, "out": out}
+    told = {"spec": alone("idle"), "quotas": Quotas().numbers(), "folder": str(folder), "into": lines, "out": out}
     code = "import sys; from catch_arena.tournament.isolation.agent_program import main; main(sys.argv[1])"
     words = [sys.executable, "-c", code, json.dumps(told | {"namespaced": False})]
     with subprocess.Popen(words, pass_fds=(lines, out), stderr=subprocess.DEVNULL):
@@ -245,7 +246,7 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     with pytest.raises(KeyboardInterrupt):
         played(SHORT, entrants, sandbox, watch=interrupt)
     assert family(os.getpid()) == before
-    assert played(SHORT, entrants, sandbox).forfeits == (None, None)
+    assert played(SHORT, entrants, sandbox).forfeit_codes == (None, None)
 
 
 @pytest.mark.parametrize(
@@ -260,7 +261,7 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
 )
 def test_limits_that_cannot_be_are_named(values, message):
     with pytest.raises(ConfigError, match=message):
-        AgentLimits.of(**values)
+        Quotas.of(**values)
 
 
 def test_all_are_killed_though_who_waits_for_one_forgets_it_meanwhile(sandbox, monkeypatch):
@@ -276,4 +277,4 @@ def test_all_are_killed_though_who_waits_for_one_forgets_it_meanwhile(sandbox, m
     monkeypatch.setattr(AgentProcess, "kill", forgotten)
     sandbox.kill()
     monkeypatch.undo()
-    assert sandbox.pids == []
+    assert sandbox._processes == {}

@@ -14,10 +14,10 @@ from isolation_levels import LEVELS, NAMESPACES, RUNTIMES
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import inspector, start_players
+from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play
+from catch_arena.tournament.match_loop import play_match
 
 DOCS = Path(__file__).parents[3] / "docs" / "howto" / "isolation.md"
 SHORT = scenario("duel", time_limit_s=1)
@@ -46,7 +46,7 @@ class Agent:
 
 @pytest.fixture(params=LEVELS)
 def sandbox(request):
-    with Sandbox(AgentLimits(isolation=request.param, **FREE)) as made:
+    with Sandbox(Quotas(isolation=request.param, **FREE)) as made:
         yield made
 
 
@@ -62,15 +62,15 @@ def ask(tmp_path):
         entrants = enter([str(folder / "asks.py"), "idle"], inspector(sandbox))
         for _ in range(matches):
             with start_players(entrants, sandbox) as players:
-                result = play(SHORT, 1, players, ["asks", "idle"])
-            assert result.forfeits == (None, None), result.details
+                result = play_match(SHORT, 1, players, ["asks", "idle"])
+            assert result.forfeit_codes == (None, None), result.forfeits
         return json.loads(result.logs[0])
 
     return found
 
 
 def in_namespaces(sandbox):
-    return sandbox.level == "namespaces"
+    return sandbox.quotas.isolation == "namespaces"
 
 
 def test_it_sees_its_own_processes_only(sandbox, ask):
@@ -103,7 +103,7 @@ def test_an_agent_plays_from_any_place_with_what_is_its_own(sandbox, tmp_path, p
         entrants = enter([str(own), "idle"], inspector(sandbox))
         assert (entrants[0].name, entrants[0].fault) == (name, None)
         with start_players(entrants, sandbox) as players:
-            assert play(SHORT, 1, players, ["own", "idle"]).forfeits == (None, None)
+            assert play_match(SHORT, 1, players, ["own", "idle"]).forfeit_codes == (None, None)
     finally:
         shutil.rmtree(own, ignore_errors=True) if form == "folder" and place != "a link" else own.unlink()
         if form == "file":
@@ -167,7 +167,7 @@ def test_its_environment_holds_nothing_of_ours(sandbox, ask, monkeypatch):
 
 @pytest.mark.parametrize("level", NAMESPACES)
 def test_it_has_no_privileges(level, ask):
-    with Sandbox(AgentLimits(isolation=level, **FREE)) as sandbox:
+    with Sandbox(Quotas(isolation=level, **FREE)) as sandbox:
         privileges, new_user = ask(
             sandbox,
             "ctypes.CDLL(None).prctl(39, 0, 0, 0, 0)",  # PR_GET_NO_NEW_PRIVS
@@ -179,7 +179,7 @@ def test_it_has_no_privileges(level, ask):
 @pytest.mark.parametrize("level", NAMESPACES)
 def test_what_it_writes_is_bounded_and_gone_with_the_match(level, ask):
     """In both of its folders, whatever it makes there; at the next match, nothing is found."""
-    with Sandbox(AgentLimits(isolation=level, file_mib=2, **FREE)) as sandbox:
+    with Sandbox(Quotas(isolation=level, file_mib=2, **FREE)) as sandbox:
         before, *full, _ = ask(
             sandbox,
             "[[str(path) for path in Path(place).rglob('*')] for place in ('/tmp/match', '/dev/shm')]",
@@ -195,7 +195,7 @@ def test_what_it_writes_is_bounded_and_gone_with_the_match(level, ask):
 @pytest.mark.parametrize("level", NAMESPACES)
 def test_nothing_but_its_two_folders_can_be_written(level, ask):
     places = ["/", "/dev", "/usr", "/etc", "/proc", "/proc/sys/kernel", str(Path.home())]
-    with Sandbox(AgentLimits(isolation=level, **FREE)) as sandbox:
+    with Sandbox(Quotas(isolation=level, **FREE)) as sandbox:
         answers = ask(sandbox, *(f"Path({place!r}, 'new').touch()" for place in places))
     for place, answer in zip(places, answers, strict=True):
         assert isinstance(answer, str), place
@@ -205,13 +205,13 @@ def test_nothing_but_its_two_folders_can_be_written(level, ask):
 def test_a_hand_in_that_vanishes_forfeits_and_the_other_plays_on(level, tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n")
-    with Sandbox(AgentLimits(isolation=level, **FREE)) as sandbox:
+    with Sandbox(Quotas(isolation=level, **FREE)) as sandbox:
         entrants = enter([str(path), "idle"], inspector(sandbox))
         path.unlink()
         with start_players(entrants, sandbox) as players:
-            result = play(SHORT, 1, players, ["mine", "idle"])
-    assert result.forfeits == ("FORFEIT_INIT", None)
-    assert "No such file or directory" in result.details[0].reason
+            result = play_match(SHORT, 1, players, ["mine", "idle"])
+    assert result.forfeit_codes == ("FORFEIT_INIT", None)
+    assert "No such file or directory" in result.forfeits[0].reason
 
 
 NODE = """
@@ -260,6 +260,6 @@ def test_any_runtime_plays_as_pythons_nearest_does(sandbox, tmp_path, runtime):
     for spec in (command, "nearest"):
         entrants = enter([spec, "idle"], inspector(sandbox))
         with start_players(entrants, sandbox) as players:
-            results.append(play(config, 1, players, ["bot", "idle"]))
+            results.append(play_match(config, 1, players, ["bot", "idle"]))
     assert results[0] == results[1]
     assert results[0].scores[0] > 0

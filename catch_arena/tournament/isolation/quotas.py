@@ -12,7 +12,7 @@ _MOST: Final = 10**6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AgentLimits:
+class Quotas:
     """Limits of one agent in one match (docs/howto/isolation.md). Times are wall-clock times, except `cpu_s`."""
 
     init_s: float = 10.0
@@ -50,7 +50,7 @@ class AgentLimits:
                 raise ConfigError(f"{name} must be a {what} from {lowest:g} to {_MOST}, got {value!r}")
 
     @classmethod
-    def of(cls, **values: Any) -> "AgentLimits":
+    def of(cls, **values: Any) -> "Quotas":
         """Return the default limits with these changes.
 
         Raises:
@@ -67,5 +67,5 @@ class AgentLimits:
         return {name: getattr(self, name) for name in _NUMBERS}
 
 
-_NUMBERS: Final = {field.name: field.type for field in fields(AgentLimits) if field.type in {int, float}}
+_NUMBERS: Final = {field.name: field.type for field in fields(Quotas) if field.type in {int, float}}
 _LOWEST: Final = {"init_s": 0.1, "bank_s": 0.0, "memory_mib": 32, "open_files": 16}
