@@ -1,4 +1,4 @@
-"""Measure how the arena keeps time on a ROS 2 bus; docs/howto/ros2.md has the results.
+"""Measure how the arena keeps time on a ROS 2 bus; docs/reference/ros_names.md has the results.
 
 python scripts/measure_ros.py [--bus rclpy] [--seconds 60] [--hunters 4] [--targets 16]
 

@@ -26,7 +26,7 @@ RosArgs = Annotated[
     typer.Option(
         _ROS_ARGS,
         metavar="ARGS...",
-        help="The node's parameters, after all other options: -p NAME:=VALUE (`catch-arena docs ros2`).",
+        help="The node's parameters, after all other options: -p NAME:=VALUE (`catch-arena docs ros_names`).",
     ),
 ]
 """Option for a node's parameters; only a NodeCommand may have it."""
@@ -37,8 +37,8 @@ Interface = Annotated[
     typer.Option(
         "--interfaces",
         metavar="PACKAGE",
-        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros2`). Over rclpy it is found "
-        "by itself.",
+        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros_names`). Over rclpy it is "
+        "found by itself.",
     ),
 ]
 BusOption = Annotated[

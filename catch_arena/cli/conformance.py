@@ -48,8 +48,8 @@ def conformance(
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
     It takes the arguments of catch_arena.arbitrate and returns its rulings; `catch-arena docs conformance` has an
-    example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs ros2_bags`); --interfaces
-    and the options after it are for nodes only.
+    example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs grade_ros_node`);
+    --interfaces and the options after it are for nodes only.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.conformance.results import WIDTH, wrapped

@@ -73,8 +73,8 @@ def grade(
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
     The exit code is 0 if every test passed, else 1. A ROS 2 node can be graded too, instead of an agent: give
-    ros:/catch_turtle, and its service is asked the spec's cases (`catch-arena docs ros2_bags`). --interfaces and the
-    options after it are for nodes only.
+    ros:/catch_turtle, and its service is asked the spec's cases (`catch-arena docs grade_ros_node`). --interfaces and
+    the options after it are for nodes only.
     """
     from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text

@@ -1,6 +1,6 @@
 """Conformance cases as data: the rulebook's answers in positions that were chosen by hand.
 
-Each file of the folder cases/ is a group of cases; docs/howto/conformance.md explains their format and how to run them.
+Each file of the folder cases/ is a group of cases; docs/reference/conformance_cases.md explains their format.
 
 - The cases: `cases` defines their fields; `case_files` reads and checks the .toml files.
 - A run (catch_arena/testing.py starts it): `arbiter_runner` and `arena_runner` play a case; `answers` calls the code

@@ -38,7 +38,7 @@ Reading = Literal[
     "seen",
     "rivals_seen",
 ]
-"""Names of the values that a case may read from an arena; docs/howto/conformance.md explains each."""
+"""Names of the values that a case may read from an arena; docs/reference/conformance_cases.md explains each."""
 
 
 class _Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

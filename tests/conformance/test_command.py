@@ -3,6 +3,7 @@
 import re
 import shlex
 from pathlib import Path
+from typing import get_args
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -10,9 +11,12 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.conformance.case_files import load_cases
+from catch_arena.conformance.cases import Reading
 from catch_arena.testing import run_conformance
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "conformance.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "howto" / "conformance.md").read_text(encoding="utf-8")
+CASES_PAGE = (DOCS / "reference" / "conformance_cases.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -26,8 +30,8 @@ def conformance(tmp_path, monkeypatch):
     return call
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+def blocks(language: str, page: str = PAGE) -> list[str]:
+    return re.findall(rf"```{language}(?: file=\S+)?\n(.*?)```", page, re.DOTALL)
 
 
 def test_a_right_arbiter_passes(conformance):
@@ -39,7 +43,7 @@ def test_a_right_arbiter_passes(conformance):
 def test_the_pages_arbiter_gets_the_report_that_the_page_shows(conformance, tmp_path):
     """And the command is the one that the page names."""
     (tmp_path / "my_arbiter.py").write_text(blocks("python")[0])
-    result = conformance(*shlex.split(blocks("sh")[1])[2:])
+    result = conformance(*shlex.split(blocks("sh")[0])[2:])
     assert result.exit_code == 1
     assert result.output == blocks("text")[0]
 
@@ -74,7 +78,14 @@ def test_the_pages_python_runs():
 
 def test_the_pages_case_is_the_suites():
     file = Path(__file__).parents[2] / "catch_arena" / "conformance" / "cases" / "claimants.toml"
-    assert blocks("toml")[0] in file.read_text(encoding="utf-8")
+    assert blocks("toml", CASES_PAGE)[0] in file.read_text(encoding="utf-8")
+
+
+def test_the_page_names_every_group_and_every_value_that_is_read():
+    groups = CASES_PAGE.partition("## Groups")[2].partition("##")[0]
+    assert {case.group for case in load_cases()} <= set(re.findall(r"`(\w+)`", groups))
+    values = CASES_PAGE.partition("| key of `read()`")[2]
+    assert set(get_args(Reading)) <= set(re.findall(r"`(\w+)`", values))
 
 
 def test_an_arena_can_be_named_alone(conformance, tmp_path):

@@ -127,7 +127,7 @@ class Controller:
         near = [one for one in self._targets if -side <= one.x <= 2 * side and -side <= one.y <= 2 * side]
         if len(near) < len(self._targets):
             self._log_once.warn(
-                "/alive_turtles has targets far outside: is your Turtle.msg of float32? (`catch-arena docs ros2`)",
+                "/alive_turtles has targets far outside: is your Turtle.msg of float32? (`catch-arena docs ros_names`)",
                 "places",
             )
         targets, now = near[:most], time.monotonic()
