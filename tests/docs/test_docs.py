@@ -137,6 +137,22 @@ def test_whatever_is_said_to_be_installed_is_an_extra():
     assert "catch-arena[" not in pages + code  # it is on no index
 
 
+def headings(page):
+    """The fragments by which one can link to a page's headings, as GitHub and Sphinx make them."""
+    prose = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    titles = re.findall(r"^#+ (.+)$", prose, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def test_every_link_leads_to_a_page_and_to_a_heading_on_it():
+    """Links to the web are not followed."""
+    for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")):
+        for file, fragment in re.findall(r"\]\((?!https?:|mailto:)([^)#\s]*)#?([^)\s]*)\)", page.read_text()):
+            target = page.parent / file if file else page
+            assert target.exists(), (page, file)
+            assert not fragment or fragment in headings(target), (page, file, fragment)
+
+
 def test_the_readme_begins_with_its_two_commands():
     """That is `make demo`, then `make test`."""
     commands = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.strip()]
