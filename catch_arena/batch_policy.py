@@ -1,11 +1,11 @@
-"""Agents that act for many hunters in one call: the named view of a batch, and the protocol of such agents."""
+"""Named view of many hunters, for agents that act for all of them in one call (docs/howto/training.md)."""
 
 from functools import cached_property
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import Any, Final
 
 from catch_arena.errors import ConfigError, require_type
-from catch_arena.layout import SelfFeatures
-from catch_arena.policy import Limits, first_rival_column, numbers_seen, rival_features, target_features
+from catch_arena.layout import SelfFeatures, first_rival_column, observation_size, rival_features, target_features
+from catch_arena.policy import Limits
 from catch_arena.text import in_short
 
 TYPE_CHECKING = False  # agents that do not use NumPy need not load it
@@ -27,7 +27,7 @@ class BatchView:
 
     def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
         require_type("limits", limits, Limits, "Limits.of(config)")
-        size = numbers_seen(limits)
+        size = observation_size(limits)
         if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
             raise ConfigError(
                 f"observations must be an array whose last axis has {size} numbers, got {in_short(observations)}"
@@ -66,18 +66,3 @@ class BatchView:
     def of(self, rows: Any) -> "BatchView":
         """Return the view of the hunters that an index or a mask selects."""
         return BatchView(self.observations[rows], self.masks[rows], self.limits)
-
-
-@runtime_checkable
-class BatchPolicy(Protocol):
-    """An agent that can act for many hunters in one call. It must not keep a hunter's data between steps, since the
-    hunters of a call change with every episode.
-    """
-
-    def reset(self, seed: int) -> None:
-        """Prepare to act; called once, for all hunters and episodes."""
-
-    def act_batch(self, view: BatchView) -> Any:
-        """Return the actions of N hunters: (N,) whole numbers under target control, (N, 2) numbers in [-1, 1] under
-        velocity control, {"cmd_vel": (N, 2), "catch": (N,)} under full control.
-        """

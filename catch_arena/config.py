@@ -37,7 +37,19 @@ MAX_HEADING_RAD: Final = 1000.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Gains:
+class _Part:
+    """Base of a group of settings, all of them numbers within the same bounds."""
+
+    def __post_init__(self) -> None:
+        _make_plain(self)
+        group, (least, most) = next((name, bounds) for name, (kind, bounds) in _PARTS.items() if isinstance(self, kind))
+        for setting in dataclasses.fields(self):
+            value = getattr(self, setting.name)
+            _require_number(f"{group}.{setting.name}", value, at_least=least, at_most=most)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains(_Part):
     """R4.3: gains of the hosted controllers. The defaults are the standard gains; the capstone has no integral part."""
 
     kp_v: float = 2.0
@@ -49,14 +61,9 @@ class Gains:
     ki_w: float = 0.0
     """Turn rate per radian-second of accumulated bearing error [1/s^2]."""
 
-    def __post_init__(self) -> None:
-        _make_plain(self)
-        for name in ("kp_v", "ki_v", "kp_w", "ki_w"):
-            _require_number(f"gains.{name}", getattr(self, name), at_least=0.0, at_most=1e6)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RewardWeights:
+class RewardWeights(_Part):
     """R6.2: the weight of each named part of the reward."""
 
     catch: float = 1.0
@@ -74,14 +81,9 @@ class RewardWeights:
     mate_catch: float = 0.0
     """Reward per catch by a team-mate (R11.2)."""
 
-    def __post_init__(self) -> None:
-        _make_plain(self)
-        for part in dataclasses.fields(self):
-            _require_number(f"rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PreyRewardWeights:
+class PreyRewardWeights(_Part):
     """R12.5: the weight of each named part of prey's reward."""
 
     caught: float = -1.0
@@ -91,14 +93,9 @@ class PreyRewardWeights:
     gained: float = 0.0
     """Reward per metre that this prey gains on the nearest hunter."""
 
-    def __post_init__(self) -> None:
-        _make_plain(self)
-        for part in dataclasses.fields(self):
-            _require_number(f"prey_rewards.{part.name}", getattr(self, part.name), at_least=-1e6, at_most=1e6)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FaultRates:
+class FaultRates(_Part):
     """R8.3: failure probabilities of the services, in [0, 1]."""
 
     kill_down: float = 0.0
@@ -109,11 +106,6 @@ class FaultRates:
     """Probability that the spawn service is down when the timer fires."""
     spawn_refused: float = 0.0
     """Probability that the simulator refuses a given spawn number."""
-
-    def __post_init__(self) -> None:
-        _make_plain(self)
-        for rate in dataclasses.fields(self):
-            _require_number(f"faults.{rate.name}", getattr(self, rate.name), at_least=0.0, at_most=1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -230,7 +222,7 @@ class ArenaConfig:
         require_choice("dropouts", self.dropouts, get_args(Dropouts))
         if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200 or _SURROGATE.search(self.name_prefix):
             raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
-        for name, kind in _PARTS.items():
+        for name, (kind, _) in _PARTS.items():
             if not isinstance(getattr(self, name), kind):
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
         self._check_target_motion()
@@ -482,13 +474,13 @@ class ArenaConfig:
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-_PARTS: Final[dict[str, type]] = {
-    "gains": Gains,
-    "rewards": RewardWeights,
-    "prey_rewards": PreyRewardWeights,
-    "faults": FaultRates,
+_PARTS: Final[dict[str, tuple[type[_Part], tuple[float, float]]]] = {
+    "gains": (Gains, (0.0, 1e6)),
+    "rewards": (RewardWeights, (-1e6, 1e6)),
+    "prey_rewards": (PreyRewardWeights, (-1e6, 1e6)),
+    "faults": (FaultRates, (0.0, 1.0)),
 }
-"""Settings that have parts, with the class of each."""
+"""Groups of settings: the class of each, and the bounds of its numbers."""
 
 
 def _make_plain(settings: object) -> None:

@@ -59,9 +59,7 @@ def read_text(path: Path) -> str:
 
 
 def wide_text_fault(content: bytes) -> str | None:
-    """Return an error text for UTF-16 or UTF-32, with or without a byte order mark; None for other content."""
-    if len(content) % 4 == 0 and b"\0\0" in (content[:2], content[2:4]):
-        return "is text in UTF-32: save it as UTF-8"
+    """Return an error text for UTF-16, with or without a byte order mark; None for other content."""
     two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
     if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "is text in UTF-16: save it as UTF-8"

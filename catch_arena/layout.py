@@ -103,50 +103,56 @@ class SelfFeatures(NamedTuple):
     heading_sin: Annotated[float, _Said("1", _any_part, "sine of the heading")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "forward velocity")]
     angular_velocity: Annotated[float, _Said("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
-    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "until the time limit")]
+    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
     score: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "granted catches so far")]
     distance_integral: Annotated[
-        float, _Said("m s", lambda a: (0.0, a.diagonal * a.duration), "R4.3's linear integral")
+        float, _Said("m s", lambda a: (0.0, a.diagonal * a.duration), "linear integral of R4.3")
     ]
     bearing_integral: Annotated[
-        float, _Said("rad s", lambda a: _either_side(3.15 * a.duration), "R4.3's angular integral")
+        float, _Said("rad s", lambda a: _either_side(3.15 * a.duration), "angular integral of R4.3")
     ]
 
 
 class TargetFeatures(NamedTuple):
     """Columns of a hunter's observation for each target, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
-    left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
-    present: Annotated[float, _Said("flag", _flag, "1 where this rank has a target")]
-    age: Annotated[float, _Said("s", lambda a: (0.0, a.duration), "since it appeared")]
-    active: Annotated[float, _Said("flag", _flag, "1 where it is the hunter's active target")]
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
+    left: Annotated[
+        float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
+    ]
+    present: Annotated[float, _Said("flag", _flag, "1 if this rank has a target")]
+    age: Annotated[float, _Said("s", lambda a: (0.0, a.duration), "time since it appeared")]
+    active: Annotated[float, _Said("flag", _flag, "1 if it is the hunter's active target")]
 
 
 class MotionFeatures(NamedTuple):
     """R7.4: further columns for each target if targets move."""
 
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "its forward velocity")]
 
 
 class RivalFeatures(NamedTuple):
     """Columns of a hunter's observation for each rival, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far ahead it is")]
-    left: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "how far to the left it is")]
-    present: Annotated[float, _Said("flag", _flag, "1 where this rank has a rival")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
+    left: Annotated[
+        float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
+    ]
+    present: Annotated[float, _Said("flag", _flag, "1 if this rank has a rival")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
-    score_difference: Annotated[float, _Said("catches", lambda a: _either_side(a.catches), "its score less one's own")]
+    score_difference: Annotated[
+        float, _Said("catches", lambda a: _either_side(a.catches), "its score minus the agent's own")
+    ]
 
 
 class TeamFeatures(NamedTuple):
     """R7.4: further column for each rival if there are teams."""
 
-    mate: Annotated[float, _Said("flag", _flag, "1 where it is a team-mate")]
+    mate: Annotated[float, _Said("flag", _flag, "1 if it is a team-mate")]
 
 
 class PreySelfFeatures(NamedTuple):
@@ -160,19 +166,21 @@ class PreySelfFeatures(NamedTuple):
     angular_velocity: Annotated[
         float, _Said("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
     ]
-    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "until the time limit")]
-    times_caught: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "how often it was caught so far")]
-    alive: Annotated[float, _Said("flag", _flag, "0 while it is out")]
+    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
+    times_caught: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "number of times it was caught so far")]
+    alive: Annotated[float, _Said("flag", _flag, "0 between a catch and its return")]
 
 
 class BodyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each hunter and for each other prey, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far ahead it is")]
-    left: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "how far to the left it is")]
-    present: Annotated[float, _Said("flag", _flag, "1 where this rank has {body}")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to one's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to one's own")]
+    forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "distance ahead; negative is behind")]
+    left: Annotated[
+        float, _Said("m", lambda a: _either_side(a.diagonal), "distance to the left; negative is to the right")
+    ]
+    present: Annotated[float, _Said("flag", _flag, "1 if this rank has {body}")]
+    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
 
 
@@ -198,20 +206,30 @@ MOST_SEEN_BY_PREY: Final = 8
 """R12.4: largest number of hunters that prey sees, and of other prey."""
 
 
-def target_columns(config: ArenaConfig) -> tuple[str, ...]:
-    """R7.1, R7.4: return the names of a target's columns."""
-    return MOVING_TARGET_COLUMNS if config.targets_move else TARGET_COLUMNS
+def target_features(arena: Any) -> Any:
+    """R7.1, R7.4: return the table with a target's columns in a hunter's observation.
+
+    Args:
+        arena: an `ArenaConfig`, or a hunter's `Limits`; so in the functions below.
+    """
+    return MovingTargetFeatures if arena.targets_move else TargetFeatures
 
 
-def rival_columns(config: ArenaConfig) -> tuple[str, ...]:
-    """R7.1, R7.4: return the names of a rival's columns."""
-    return RIVAL_COLUMNS if config.teams is None else TEAM_RIVAL_COLUMNS
+def rival_features(arena: Any) -> Any:
+    """R7.1, R7.4: return the table with a rival's columns in a hunter's observation."""
+    return TeamRivalFeatures if arena.teams else RivalFeatures
 
 
-def observation_size(config: ArenaConfig) -> int:
-    """Return D, the length of a hunter's observation."""
-    targets = len(target_columns(config)) * config.targets_seen
-    return len(SELF_COLUMNS) + targets + len(rival_columns(config)) * config.hunters_seen
+def first_rival_column(arena: Any) -> int:
+    """Return the index of the first rival column, which follows the hunter's own columns and the targets'."""
+    targets: int = arena.targets_seen
+    return len(SELF_COLUMNS) + targets * len(target_features(arena)._fields)
+
+
+def observation_size(arena: Any) -> int:
+    """R7.1: return D, the length of a hunter's observation."""
+    rivals: int = arena.hunters_seen
+    return first_rival_column(arena) + rivals * len(rival_features(arena)._fields)
 
 
 def hunters_seen_by_prey(config: ArenaConfig) -> int:
@@ -260,12 +278,10 @@ def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaC
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
-    target = _columns_of(MovingTargetFeatures if config.targets_move else TargetFeatures, arena)
-    rival = _columns_of(RivalFeatures if config.teams is None else TeamRivalFeatures, arena)
     return (
         *_columns_of(SelfFeatures, arena),
-        *_numbered("target", range(1, config.targets_seen + 1), target),
-        *_numbered("rival", range(1, config.hunters_seen + 1), rival),
+        *_numbered("target", range(1, config.targets_seen + 1), _columns_of(target_features(config), arena)),
+        *_numbered("rival", range(1, config.hunters_seen + 1), _columns_of(rival_features(config), arena)),
     )
 
 
@@ -323,10 +339,10 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
         {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}
         for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
     )
-    withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 where the hunter takes no further part")
+    withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 if the hunter takes no further part")
     hunter["withdrawn"] = withdrawn
-    target["present"] = target["present"]._replace(meaning="1 where this place has a target")
-    prey["withdrawn"] = withdrawn._replace(meaning="1 where the prey takes no further part")
+    target["present"] = target["present"]._replace(meaning="1 if this place has a target")
+    prey["withdrawn"] = withdrawn._replace(meaning="1 if the prey takes no further part")
     of_target = STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS
     return (
         hunter["time_left"],

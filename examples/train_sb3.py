@@ -12,11 +12,11 @@ from catch_arena.files import prepare_folder
 try:
     from sb3_contrib import MaskablePPO
 except ModuleNotFoundError as error:
-    sys.exit(f"train_sb3: it needs {error.name}, which is not installed: {install_hint('sb3')}")
+    sys.exit(f"train_sb3: {error.name} is not installed: {install_hint('sb3')}")
 
 from catch_arena.training import Mlp, SB3VecEnv
 
-AGENT = '''"""Plays what examples/train_sb3.py has learned in `{scenario}`."""
+AGENT = '''"""Agent that examples/train_sb3.py has trained in `{scenario}`."""
 
 from pathlib import Path
 
@@ -30,33 +30,33 @@ class Agent:
         self.network = Mlp.load(Path(__file__).with_suffix(".npz"))
 
     def reset(self, seed):
-        """Nothing to forget."""
+        """Begin an episode; there is no state to reset."""
 
     def act(self, view):
         values = self.network(fit_observation(view, "{scenario}"))
         return int(np.where(fit_mask(view, "{scenario}"), values, -np.inf).argmax())
 '''
 
-said = argparse.ArgumentParser(description=__doc__)
-said.add_argument("--out", type=Path, default=Path("runs/sb3"), help="where agent.py and agent.npz are written")
-said.add_argument("--scenario", default="standard")
-said.add_argument("--steps", type=int, default=5_000_000, help="of all learners together")
-said.add_argument("--seed", type=int, default=1)
-given = said.parse_args()
-if given.steps < 1:
-    sys.exit(f"train_sb3: --steps must be at least 1, got {given.steps}")
-if (given.out / "agent.py").exists():
-    sys.exit(f"train_sb3: --out must be a new folder: an agent is kept in {given.out}")
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--out", type=Path, default=Path("runs/sb3"), help="folder for agent.py and agent.npz")
+parser.add_argument("--scenario", default="standard", help="scenario to learn in")
+parser.add_argument("--steps", type=int, default=5_000_000, help="decisions of all learners together")
+parser.add_argument("--seed", type=int, default=1, help="seed of the network and the arenas")
+settings = parser.parse_args()
+if settings.steps < 1:
+    sys.exit(f"train_sb3: --steps must be at least 1, got {settings.steps}")
+if (settings.out / "agent.py").exists():
+    sys.exit(f"train_sb3: --out must be a new folder: an agent is kept in {settings.out}")
 try:
-    prepare_folder(given.out)
-    env = SB3VecEnv(given.scenario, 64, opponents=["nearest", "contested", "patrol"], normalise=True)
+    prepare_folder(settings.out)
+    env = SB3VecEnv(settings.scenario, 64, opponents=["nearest", "contested", "patrol"], normalise=True)
 except CatchArenaError as error:
     sys.exit(f"train_sb3: {error}")
-model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=given.seed, verbose=1)
+model = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=1024, seed=settings.seed, verbose=1)
 with suppress(KeyboardInterrupt):  # Ctrl-C ends training and keeps the weights
-    model.learn(given.steps)
+    model.learn(settings.steps)
 
 network = Mlp.of_torch(model.policy.mlp_extractor.policy_net, model.policy.action_net, scale=env.batch.scale)
-network.save(given.out / "agent.npz")
-(given.out / "agent.py").write_text(AGENT.format(scenario=given.scenario))
-print(f"{given.out}/agent.py: try catch-arena check-agent {given.out}/agent.py --scenario {given.scenario}")
+network.save(settings.out / "agent.npz")
+(settings.out / "agent.py").write_text(AGENT.format(scenario=settings.scenario))
+print(f"{settings.out}/agent.py: catch-arena check-agent {settings.out}/agent.py --scenario {settings.scenario}")

@@ -13,12 +13,12 @@ from statistics import mean
 
 from catch_arena.errors import reason
 
-said = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-said.add_argument("runs", nargs="+", type=Path, help="folders that train_ppo.py has written (--out)")
-given = said.parse_args()
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("runs", nargs="+", type=Path, help="folders that train_ppo.py has written (--out)")
+given = parser.parse_args()
 
 curves = []
-"""Of each run: seconds, share of wins [%] and lead in rating, by the number of decisions."""
+"""Seconds, share of wins [%] and lead in rating of each run, by the number of decisions."""
 for run in given.runs:
     try:
         tournaments: dict[int, dict[str, dict[str, str]]] = {}
@@ -31,11 +31,11 @@ for run in given.runs:
             curve[decisions] = float(own["seconds"]), 100 * float(own["win_share"]), float(own["rating"]) - best
         curves.append(curve)
     except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"{run / 'curve.csv'}: must be a curve that train_ppo.py has written: {reason(error)}")
+        sys.exit(f"{run / 'curve.csv'}: is not a curve of train_ppo.py: {reason(error)}")
 
 played = [decisions for decisions in curves[0] if all(decisions in curve for curve in curves)]
 if not played:
-    sys.exit("the runs have no tournament after the same number of decisions")
+    sys.exit("the runs have no tournament after the same number of decisions; train with the same --evaluate")
 print("| decisions | seconds | wins, mean of the runs | least to most | rating above the best of the others |")
 print("|---:|---:|---:|---:|---:|")
 for decisions in played:

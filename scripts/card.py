@@ -33,7 +33,7 @@ from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentErro
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
-from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures, measure
+from catch_arena.suite.measures import AgentMeasures, measure
 from catch_arena.suite.references import FILE, references, references_text
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import usable_cores
@@ -46,11 +46,17 @@ TRAINED: Final = ("ppo_", "trained_", "learned_")
 WEAK: Final = 0.45
 """Normalised score below which a scenario is listed as a weakness."""
 
-HEAD: Final = """Their results in `{suite}` (digest {digest}). [The protocol](../howto/suite.md) explains the figures.
-Best in the held-out scenarios first. 0.5 is level with the mean opponent."""
-METHOD: Final = """Measured by `{command}` on {machine}. The protocol has {blocks} blocks of each scenario; where the
-table says fewer, the numbers are a first look. `?` stands where too few blocks were played to tell. The time of a move
-is that of the clock on the wall, in our own processes, while the machine did other things too."""
+HEAD: Final = """# The agents that come with the package
+
+Their results in `{suite}` (digest {digest}). [The protocol](../howto/suite.md) defines the figures.
+Agents are sorted by their score in the held-out scenarios. 0.5 is level with the mean opponent.
+
+Measured by `{command}` on {machine}. The protocol has {blocks} blocks of each scenario; results of fewer blocks are
+preliminary. `?` marks a result of too few blocks. The time of a move is wall-clock time, in processes without
+isolation, on a machine that did other work too.
+
+| {headings} |
+{rule}"""
 HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "a move")
 TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
 """Pattern of the rows of a table, one for each agent."""
@@ -58,18 +64,20 @@ SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
 """Pattern of the beginning of an agent's section."""
 KEY: Final = """
 *Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
-second. *First*: in how many scenarios it surely comes first among itself and its opponents, in how many that is open,
-and in how many it surely does not.
+second. *First*: the number of scenarios in which the agent is surely first among itself and its opponents, in which
+that is open, and in which it is surely not first.
 """
 
 
 def main() -> int:
     """Write the card; return the exit code: 0, or 2 after printing the reason in a line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("agents", nargs="*", help="which ones to put into the card; without any, all")
-    parser.add_argument("--out", type=Path, default=Path("out/card"), help="the folder for the matches")
-    parser.add_argument("--blocks", type=int, default=SUITE.blocks, help="of agents that are no references")
-    parser.add_argument("--jobs", type=int, default=usable_cores(), help="processes that play")
+    parser.add_argument("agents", nargs="*", help="agents to put into the card; without names, all")
+    parser.add_argument("--out", type=Path, default=Path("out/card"), help="folder for the matches")
+    parser.add_argument(
+        "--blocks", type=int, default=SUITE.blocks, help="number of blocks of agents that are not references"
+    )
+    parser.add_argument("--jobs", type=int, default=usable_cores(), help="number of processes that play")
     args = parser.parse_args()
     try:
         wanted = args.agents or list(shipped())
@@ -113,7 +121,7 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
                 evaluation.play(jobs, on_results)
                 break
             except OtherTournamentError as error:
-                print(f"{agent.name}: {error.folder.name} is played anew: {error}", file=sys.stderr)
+                print(f"{agent.name}: {error.folder.name} is played again: {error}", file=sys.stderr)
                 shutil.rmtree(error.folder)
                 done = 0
     return measure(evaluation)
@@ -122,22 +130,11 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
 def page(measured: Sequence[AgentMeasures], most: int) -> str:
     """Return the text of docs/reference/card.md; `most` is that of `play`."""
     command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
-    lines = (
-        "# The agents that come with the package",
-        HEAD.format(suite=SUITE.name, digest=SUITE.digest),
-        METHOD.format(machine=machine(), blocks=SUITE.blocks, command=command),
-        f"| {' | '.join(HEADINGS)} |\n{'|---' * len(HEADINGS)}|",
-    )
-    return "\n".join(
-        (
-            "\n\n".join(lines),
-            *map(summary, measured),
-            KEY,
-            *of_scenarios(measured, held_out=False),
-            *of_scenarios(measured, held_out=True),
-            *(line for one in measured for line in section(one)),
-        )
-    )
+    about = {"suite": SUITE.name, "digest": SUITE.digest, "blocks": SUITE.blocks, "machine": machine()}
+    head = HEAD.format(**about, command=command, headings=" | ".join(HEADINGS), rule="|---" * len(HEADINGS) + "|")
+    tables = [*of_scenarios(measured, held_out=False), *of_scenarios(measured, held_out=True)]
+    sections = [line for one in measured for line in section(one)]
+    return "\n".join([head, *map(summary, measured), KEY, *tables, *sections])
 
 
 def merged(card: str, page: str, most: int) -> str:
@@ -147,13 +144,14 @@ def merged(card: str, page: str, most: int) -> str:
         ConfigError: the card is of another suite, so its figures cannot be compared with these.
     """
     if f"(digest {SUITE.digest})" not in card:
-        raise ConfigError(f"{PAGE} is of another suite than {SUITE.digest}: make the whole card, by `make card`")
+        raise ConfigError(f"{PAGE} is of another suite than {SUITE.digest}; make the whole card: make card")
     head, *old = SECTIONS.split(card)
     sections = {name_in(one): one.rstrip() for one in old}
     for one in SECTIONS.split(page)[1:]:
         name = name_in(one)
-        apart = f"- Measured by itself, by `scripts/card.py --blocks {most} {name}` on {machine()}."
-        sections[name] = f"{one.rstrip()}\n{apart}"
+        sections[name] = (
+            f"{one.rstrip()}\n- Measured alone, by `scripts/card.py --blocks {most} {name}` on {machine()}."
+        )
     tables = [
         {name_in(row): row for row in (*before.splitlines(), *rows.splitlines())}
         for before, rows in zip(TABLE.findall(head), TABLE.findall(page), strict=True)
@@ -182,7 +180,7 @@ def summary(one: AgentMeasures) -> str:
         figure(one.gap),
         f"{first[True]} / {first[None]} / {first[False]}" if one.blocks == SUITE.blocks else "?",
         str(one.forfeits),
-        time_of(one),
+        f"{one.move_ms:.2f} ms",
     )
     return f"| {' | '.join(cells)} |"
 
@@ -190,42 +188,31 @@ def summary(one: AgentMeasures) -> str:
 def of_scenarios(measured: Sequence[AgentMeasures], *, held_out: bool) -> Iterator[str]:
     """Yield the lines of the table of held-out or of training scenarios."""
     scenarios = SUITE.part(held_out=held_out)
-    yield f"## {'Held-out scenarios' if held_out else 'Training scenarios'}"
-    yield ""
-    yield "Normalised score, and the share of matches won."
-    yield ""
+    yield f"## {'Held-out' if held_out else 'Training'} scenarios\n"
+    yield "Normalised score, and the share of matches won.\n"
     yield f"| agent | {' | '.join(f'`{one.name}`' for one in scenarios)} |"
     yield "|---" * (len(scenarios) + 1) + "|"
     for one in measured:
-        cells = [cell(of) for of in one.scenarios if of.held_out == held_out]
+        part = [of for of in one.scenarios if of.held_out == held_out]
+        cells = [f"{figure(of.score)}, {100 * of.win_share.mean:.0f} %" for of in part]
         yield f"| `{one.agent.name}` | {' | '.join(cells)} |"
     yield ""
-
-
-def cell(of: ScenarioMeasures) -> str:
-    """Return the cell of a scenario: the score with its interval, and the share of wins."""
-    return f"{figure(of.score)}, {100 * of.win_share.mean:.0f} %"
 
 
 def section(one: AgentMeasures) -> Iterator[str]:
     """Yield the lines of an agent's section: its description, results and weaknesses."""
     module = importlib.import_module(one.agent.spec.partition(":")[0])
-    about, _, more = (module.__doc__ or "").strip().partition("\n\n")
     trained = one.agent.name.startswith(TRAINED)
-    yield f"### {one.agent.name}"
-    yield ""
-    yield " ".join(about.split())
-    if more:
-        yield ""
-        yield "\n\n".join(" ".join(part.split()) for part in more.split("\n\n"))
-    yield ""
+    yield f"### {one.agent.name}\n"
+    for part in (module.__doc__ or "").strip().split("\n\n"):
+        yield f"{' '.join(part.split())}\n"
     yield f"- Control: {one.agent.control}. {'Trained' if trained else 'Scripted'}. Source: digest {one.agent.digest}."
-    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {time_of(one)} a move."
+    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {one.move_ms:.2f} ms a move."
     yield f"- Matches: {sum(of.matches for of in one.scenarios)}, of which it forfeited {one.forfeits}."
     yield f"- Not good at: {weaknesses(one)}."
     for opponents, kind in ((TRAINING_OPPONENTS, "a training opponent"), (HELD_OUT_OPPONENTS, "a held-out opponent")):
         if one.agent.name in opponents:
-            yield f"- It is {kind} of the suite, and meets itself there."
+            yield f"- It is {kind} of the suite, and plays against itself there."
     yield ""
 
 
@@ -244,11 +231,6 @@ def weaknesses(one: AgentMeasures) -> str:
 def figure(estimate: Estimate) -> str:
     """Return an estimate with its interval."""
     return f"{estimate.mean:.2f} ({interval(estimate, '.2f')})"
-
-
-def time_of(one: AgentMeasures) -> str:
-    """Return the time of a move."""
-    return f"{one.move_ms:.2f} ms"
 
 
 def machine() -> str:

@@ -5,7 +5,7 @@ and the best moments of all matches. Each step is a command of `catch-arena`, wh
 from catch_arena import interrupts
 
 if __name__ == "__main__":
-    interrupts.listen()  # before the imports below, which take a second
+    interrupts.listen()  # before the imports below
 
 import argparse
 import json
@@ -24,27 +24,11 @@ FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", 
 """Agents that play; a fixed list, so that new agents do not change the demo."""
 SEED: Final = 7
 PICTURE: Final = ("--size", "1280x720", "--fps", "30")
-BEGAN: Final = "demo.began"
+MARK: Final = "demo.began"
 """File that marks a folder as made by the demo, which may therefore remove its contents."""
 NOT_OURS: Final = """\
-{folder} was not made by the demo, and is left as it is.
+{folder} was not made by the demo, and stays as it is.
 Remove it, or name another folder:  --out FOLDER"""
-COMMAND: Final = str(Path(sys.executable).with_name("catch-arena"))
-
-
-def parse() -> argparse.Namespace:
-    """Read the command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument(
-        "--out", type=Path, default=Path("out/demo"), help="the folder to write to; one that the demo made is made anew"
-    )
-    parser.add_argument(
-        "--open",
-        action=argparse.BooleanOptionalAction,
-        default=has_desktop(),
-        help="open what was made; the default where there is a desktop",
-    )
-    return parser.parse_args()
 
 
 def has_desktop() -> bool:
@@ -56,40 +40,20 @@ def has_desktop() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def begin(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
-    """Show a command and start it; `quietly` keeps its output in pipes, since two progress bars need two terminals.
+def run(*words: object) -> None:
+    """Show a command and run it, in its own session, so that Ctrl-C reaches only this process.
 
-    The command has its own session, so that Ctrl-C reaches only this process.
+    Raises:
+        SystemExit: the command failed; the code is the command's.
     """
     line = [str(word) for word in words]
     print(f"\n$ catch-arena {shlex.join(line)}", flush=True)
-    pipe = subprocess.PIPE if quietly else None
-    return subprocess.Popen([COMMAND, *line], text=True, stdout=pipe, stderr=pipe, start_new_session=True)
+    command = str(Path(sys.executable).with_name("catch-arena"))
+    if code := subprocess.Popen([command, *line], start_new_session=True).wait():  # after Ctrl-C `interrupts` ends it
+        sys.exit(code)
 
 
-def wait_for(process: subprocess.Popen[str]) -> None:
-    """Wait for a command.
-
-    Raises:
-        SystemExit: the command failed; the code is the command's.
-    """
-    if process.wait():
-        sys.exit(process.returncode)
-
-
-def tell(process: subprocess.Popen[str]) -> None:
-    """Wait for a quiet command; print its progress, and its output at the end.
-
-    Raises:
-        SystemExit: the command failed; the code is the command's.
-    """
-    for line in process.stderr or ():
-        print(line, end="", file=sys.stderr, flush=True)
-    print(process.stdout.read() if process.stdout else "", end="", flush=True)
-    wait_for(process)
-
-
-def make_anew(out: Path) -> None:
+def make_folder(out: Path) -> None:
     """Make the folder, and remove the files of an earlier demo from it.
 
     Raises:
@@ -98,13 +62,13 @@ def make_anew(out: Path) -> None:
     try:
         out.mkdir(parents=True, exist_ok=True)
         left = list(out.iterdir())
-        if left and not (out / BEGAN).exists():
+        if left and not (out / MARK).exists():
             sys.exit(NOT_OURS.format(folder=out))
-        (out / BEGAN).touch()
+        (out / MARK).touch()
         for path in left:
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
-            elif path.name != BEGAN:  # the mark stays, so that an interrupted removal can be repeated
+            elif path.name != MARK:  # the mark stays, so that an interrupted removal can be repeated
                 path.unlink()
     except FileExistsError:
         sys.exit(NOT_OURS.format(folder=out))
@@ -114,41 +78,31 @@ def make_anew(out: Path) -> None:
 
 def demo(out: Path) -> dict[str, Path]:
     """Play the matches, and make the videos and the report; return the path of each result by its title."""
-    started: list[subprocess.Popen[str]] = []
-
-    def run(*words: object, quietly: bool = False) -> subprocess.Popen[str]:
-        started.append(begin(*words, quietly=quietly))
-        return started[-1]
-
-    make_anew(out)
+    make_folder(out)
     replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
-    try:
-        wait_for(run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out))
-        # at the same time as the final, so that two cores are busy
-        filming = run("highlights", out / "replays", "--count", 3, *PICTURE, "-o", moments, quietly=True)
-        best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
-        wait_for(run("match", *best, "--seed", SEED, "-o", replay))
-        wait_for(run("render", replay, *PICTURE, "-o", video))
-        print("\nthe best moments of all matches:", flush=True)
-        tell(filming)
-    except BaseException:
-        for process in started:
-            process.kill()  # a command's own processes end with it
-        raise
+    run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out)
+    best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
+    run("match", *best, "--seed", SEED, "-o", replay)
+    run("render", replay, *PICTURE, "-o", video)
+    run("highlights", out / "replays", "--count", 3, *PICTURE, "-o", moments)
     return {"report": out / "report.html", "final": video, "best moments": moments}
 
 
-def main() -> int:
-    """Run the demo; return the exit code."""
-    args = parse()
+def main() -> None:
+    """Run the demo."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    about = "folder to write to; the files of an earlier demo in it are removed"
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), help=about)
+    about = "open the results; the default if there is a desktop"
+    parser.add_argument("--open", action=argparse.BooleanOptionalAction, default=has_desktop(), help=about)
+    args = parser.parse_args()
     began = time.monotonic()
     made = demo(args.out)
-    print(f"\nAll of it took {time.monotonic() - began:.0f} s. Look at:")
+    print(f"\nThe demo took {time.monotonic() - began:.0f} s. Look at:")
     for name, path in made.items():
         print(f"  {name + ':':<14}{path}")
         if args.open:
             typer.launch(str(path))
-    return 0
 
 
 if __name__ == "__main__":

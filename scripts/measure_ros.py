@@ -2,9 +2,8 @@
 
 python scripts/measure_ros.py [--bus rclpy] [--seconds 60] [--hunters 4] [--targets 16]
 
-Three processes use the loopback interface: `catch-arena ros serve`; a node that drives all hunters ten times a second,
-receives all poses, and calls /hunter_0/catch_turtle; and a process that answers calls immediately, whose round trip is
-the bus's part. The arbiter's part is measured in this process. Use the machine for nothing else meanwhile.
+`catch-arena ros serve` plays a match. A node in this process drives all hunters ten times a second, receives all poses,
+and calls /hunter_0/catch_turtle, all on the loopback interface. Use the machine for nothing else meanwhile.
 `make ros` runs it over rclpy with ROS's default middleware.
 """
 
@@ -18,15 +17,12 @@ import time
 from collections import Counter
 from random import uniform
 from statistics import median, quantiles
-from typing import Any
 
 from catch_arena.core.physics import TICK_MS
-from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Call
+from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray
+from catch_arena.ros.middleware.bus import BACKENDS, Bus, Call
 from catch_arena.ros.middleware.interfaces import CLOCK, TWIST, Interfaces, TwistMessage
-from catch_arena.ros.middleware.names import BACKENDS, Backend
 from catch_arena.ros.middleware.opening import open_bus
-from catch_arena.service import ArenaService
 
 JUST_NOT_ONE = "1.000001"
 """Simulation speed: a millionth above real time, so that /clock is published; a gap in it is a lost message."""
@@ -37,16 +33,16 @@ class Driver:
 
     def __init__(self, bus: Bus, hunters: int) -> None:
         self.poses: dict[str, Pose] = {}
-        self.heard: Counter[str] = Counter()
+        self.received: Counter[str] = Counter()
         self.turtles: TurtleArray = TurtleArray(())
         self.times: list[int] = []
         self.drive = {}
         types = bus.interfaces(Interfaces())
         for hunter in (f"hunter_{seat}" for seat in range(hunters)):
             self.drive[hunter] = bus.publisher(f"/{hunter}/cmd_vel", TWIST)
-            bus.subscribe(f"/{hunter}/pose", types.pose, lambda pose, hunter=hunter: self._hear(hunter, pose))
+            bus.subscribe(f"/{hunter}/pose", types.pose, lambda pose, hunter=hunter: self._receive(hunter, pose))
         bus.subscribe("/alive_turtles", types.turtle_array, lambda turtles: setattr(self, "turtles", turtles))
-        bus.subscribe("/clock", CLOCK, lambda told: self._tick(told.clock.sec * 1000 + told.clock.nanosec // 10**6))
+        bus.subscribe("/clock", CLOCK, lambda time: self._tick(time.clock.sec * 1000 + time.clock.nanosec // 10**6))
         self.ask = bus.client("/hunter_0/catch_turtle", types.catch_turtle)
 
     def act(self) -> str:
@@ -63,10 +59,10 @@ class Driver:
                 wanted = near.name
         return wanted
 
-    def _hear(self, hunter: str, pose: Pose) -> None:
+    def _receive(self, hunter: str, pose: Pose) -> None:
         self.poses[hunter] = pose
         if self.times and self.times[-1] > 0:
-            self.heard[hunter] += 1
+            self.received[hunter] += 1
 
     def _tick(self, time_ms: int) -> None:
         if not self.times or time_ms > self.times[-1]:
@@ -76,33 +72,12 @@ class Driver:
 def main() -> None:
     """Measure, and print the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bus", choices=BACKENDS, help="the first that works here if it is left out")
-    parser.add_argument("--seconds", type=int, default=60)
-    parser.add_argument("--hunters", type=int, default=4)
-    parser.add_argument("--targets", type=int, default=16)
-    parser.add_argument("--answer", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--bus", choices=BACKENDS, help="middleware; without it, the first that works")
+    parser.add_argument("--seconds", type=int, default=60, help="length of the match")
+    parser.add_argument("--hunters", type=int, default=4, help="number of hunters")
+    parser.add_argument("--targets", type=int, default=16, help="number of targets")
     given = parser.parse_args()
     os.environ |= {"ROS_LOCALHOST_ONLY": "1", "ROS_DOMAIN_ID": os.environ.get("ROS_DOMAIN_ID", "77")}
-    if given.answer:
-        answer(given.bus)
-    else:
-        play(given)
-
-
-def answer(backend: Backend) -> None:
-    """Answer calls immediately, until the process is ended."""
-    bus = open_bus(backend)
-    bus.serve(
-        "/at_once",
-        bus.interfaces(Interfaces()).catch_turtle,
-        lambda one: one.answer(CatchTurtleResponse(success=False)),
-    )
-    while True:
-        bus.spin(1.0)
-
-
-def play(given: argparse.Namespace) -> None:
-    """Play one match, and then make calls that are answered immediately."""
     settings = {
         "hunters": given.hunters,
         "initial_targets": given.targets,
@@ -117,19 +92,12 @@ def play(given: argparse.Namespace) -> None:
         driver = Driver(bus, given.hunters)
         calls, busy = round_trips(bus, driver, arena, given.seconds)
         out = arena.communicate()[0]
-    with subprocess.Popen([sys.executable, __file__, "--answer", "--bus", bus.backend]) as answering:
-        at_once = bus_trips(bus)
-        answering.kill()
     steps = len(driver.times) - 1
     lost = sum(late - early != TICK_MS for early, late in zip(driver.times[1:], driver.times[2:], strict=False))
     print(re.search(r".* ticks were late .*", out)[0])
-    print(f"{steps} steps on /clock, {lost} gaps; poses heard: {dict(driver.heard)}")
-    tell("catch_turtle, round trip", calls)
-    tell("a call that is answered at once", at_once)
-    judged = judging_steps(settings)
-    tell("a step that judges a request, processor time", judged)
-    waited_s = median(calls) - median(at_once) - median(judged)
-    print(f"the rest is the wait for the next step: {1e3 * waited_s:.2f} ms")
+    print(f"{steps} steps on /clock, {lost} gaps; poses received: {dict(driver.received)}")
+    late = quantiles(calls, n=100)[98]
+    print(f"catch_turtle, round trip: {len(calls)}, median {1e3 * median(calls):.2f} ms, p99 {1e3 * late:.2f} ms")
     print(f"processor time of the arena: {100 * busy:.0f} % of one core")
 
 
@@ -161,46 +129,11 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
     return calls, busy
 
 
-def bus_trips(bus: Bus) -> list[float]:
-    """Return the round trips [s] of calls to the process that answers immediately."""
-    client = bus.client("/at_once", bus.interfaces(Interfaces()).catch_turtle)
-    while not client.ready:
-        bus.spin(0.05)
-    found = []
-    for _ in range(500):
-        asked = time.perf_counter()
-        call = client.call(CatchTurtleRequest("nothing"))
-        while call.response is None:
-            bus.spin(0.01)
-        found.append(time.perf_counter() - asked)
-        time.sleep(0.005)
-    return found
-
-
-def judging_steps(settings: dict[str, Any]) -> list[float]:
-    """Return the processor times [s] of steps of the same arena, each with one request; no step waits for a process."""
-    service = ArenaService(**settings, control_period_ms=TICK_MS)
-    service.reset(1)
-    found = []
-    for _ in range(500):
-        (first, *_) = service.alive_turtles().turtles
-        begin = time.thread_time()
-        service.step({}, [("hunter_0", CatchTurtleRequest(first.name))])
-        found.append(time.thread_time() - begin)
-    return found
-
-
 def processor_time(pid: int) -> float:
     """Return the processor time of all threads of a process [s]."""
     with open(f"/proc/{pid}/stat", encoding="utf-8") as file:  # noqa: PTH123 - two hundred times a second
         fields = file.read().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def tell(what: str, seconds: list[float]) -> None:
-    """Print the median and the 99th percentile."""
-    late = quantiles(seconds, n=100)[98]
-    print(f"{what}: {len(seconds)}, median {1e3 * median(seconds):.2f} ms, p99 {1e3 * late:.2f} ms")
 
 
 if __name__ == "__main__":

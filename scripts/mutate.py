@@ -27,8 +27,6 @@ from catch_arena.files import tomllib
 
 ROOT = Path(__file__).parent.parent
 SETTINGS = tomllib.loads((ROOT / "tests" / "mutation" / "equivalent.toml").read_text(encoding="utf-8"))
-TIMES_SLOWER, SPARE_S = 5, 5
-"""Limit of a test's processor time: a multiple of the unchanged core's, plus seconds; some mutants never end."""
 OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     ast.Lt: (ast.LtE, ast.NotEq, ast.Eq, ast.GtE, ast.Gt),
     ast.LtE: (ast.Lt, ast.Eq, ast.NotEq, ast.Gt, ast.GtE),
@@ -47,10 +45,6 @@ OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     ast.LShift: (ast.RShift,),
     ast.RShift: (ast.LShift,),
 }
-NOT_CALCULATED = frozenset({"annotation", "returns", "decorator_list", "body", "orelse"})
-"""Fields of a statement that hold other statements, or that are not evaluated in a step."""
-
-
 Mutant = tuple[str, str, str, int]
 """Mutant, named by its text, so that it keeps its name when lines move: `module.function`, the statement's first
 line, its replacement, and its number, from 1, among mutants of the function with the same text.
@@ -71,37 +65,36 @@ def changes(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
             yield from ((test, ast.Constant(always)) for always in (True, False))
         case ast.While(test=test):  # a loop whose condition is always true never ends
             yield test, ast.Constant(value=False)
-        case ast.AugAssign(target=target, op=operator, value=value):
-            yield from ((node, ast.AugAssign(target, other(), value)) for other in OTHERS[type(operator)])
         case ast.AnnAssign(value=ast.Call() as call):
             yield from ((call, ast.BinOp(call, operator, one)) for operator in (ast.Add(), ast.Sub()))
-        case ast.Compare(left=left, ops=[operator], comparators=[right]):
+        case ast.AugAssign(target, operator, value):
+            yield from ((node, ast.AugAssign(target, other(), value)) for other in OTHERS[type(operator)])
+        case ast.Compare(left, [operator], [right]):
             yield from ((node, ast.Compare(left, [other()], [right])) for other in OTHERS[type(operator)])
-        case ast.BinOp(left=left, op=operator, right=right):
+        case ast.BinOp(left, operator, right):
             yield from ((node, ast.BinOp(left, other(), right)) for other in OTHERS.get(type(operator), ()))
-        case ast.BoolOp(op=operator, values=values):
+        case ast.BoolOp(operator, values):
             yield node, ast.BoolOp(ast.Or() if isinstance(operator, ast.And) else ast.And(), values)
             yield from ((node, value) for value in values)
         case ast.UnaryOp(operand=operand):
             yield node, operand
         case ast.IfExp(body=body, orelse=orelse) | ast.Call(func=ast.Name(id="select"), args=[_, body, orelse]):
             yield from ((node, body), (node, orelse))
-        case ast.Constant(value=bool(value)):
+        case ast.Constant(bool(value)):
             yield node, ast.Constant(not value)
-        case ast.Constant(value=int(value) | float(value)):
+        case ast.Constant(int(value) | float(value)):
             yield from ((node, ast.Constant(value + 1)), (node, ast.Constant(value - 1)))
         case ast.Name(id=name, ctx=ast.Load()) if re.fullmatch(r"_?[A-Z][A-Z0-9_]*", name):
             yield node, ast.BinOp(node, ast.Add(), one)
 
 
-def parts(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield a statement and its expressions, without the statements within it."""
-    yield node
-    for name, value in ast.iter_fields(node):
-        if not (isinstance(node, ast.stmt) and name in NOT_CALCULATED):
+def parts(statement: ast.stmt) -> Iterator[ast.AST]:
+    """Yield a statement and its expressions, without its annotation and the statements within it."""
+    yield statement
+    for name, value in ast.iter_fields(statement):
+        if name not in {"annotation", "body", "orelse"}:
             for child in value if isinstance(value, list) else [value]:
-                if isinstance(child, ast.AST):
-                    yield from parts(child)
+                yield from ast.walk(child) if isinstance(child, ast.AST) else ()
 
 
 def swap(function: ast.FunctionDef, old: ast.AST, new: ast.AST) -> None:
@@ -140,41 +133,37 @@ def mutants_of(module: str) -> Iterator[tuple[Mutant, CodeType]]:
                     yield (*name, met[name]), code
 
 
-class Trial:
-    """A plugin of pytest that runs the collected tests on one mutant after the other, each in a process of its own."""
-
-    def __init__(self, codes: dict[Mutant, CodeType], processes: int) -> None:
-        self.mutants, self.codes, self.processes = list(codes), codes, processes
-        self.survivors: list[Mutant] = []
-        self.noticed: Counter[tuple[str, int]] = Counter()
-        """Number of noticed mutants by test and function; tests with more per second run first."""
-
-    def pytest_runtestloop(self, session: Any) -> bool:
-        """Run all tests once on the core as it is, then on each mutant those that call its function."""
-        global trial
-        trial, self.items = self, session.items
-        fork = multiprocessing.get_context("fork")
-        with fork.Pool(1) as pool:
-            self.known = pool.apply(run_all)
-        with progress_bar("mutants", len(self.mutants)) as show, fork.Pool(self.processes, maxtasksperchild=1) as pool:
-            for done, place in enumerate(pool.imap(try_out, range(len(self.mutants)))):
-                mutant = self.mutants[done]
-                show(done + 1, len(self.mutants))
-                if place is None:
-                    print(f"no test notices: {shown(mutant)}", file=sys.stderr)
-                    self.survivors.append(mutant)
-                else:
-                    self.noticed[mutant[0], place] += 1
-        return True
-
-
-trial: Trial
-
-
 def function_of(name: str) -> Any:
     """Return a function of the core, without its decorators."""
     module, function = name.split(".")
     return inspect.unwrap(getattr(importlib.import_module(f"catch_arena.core.{module}"), function))
+
+
+class Trial:
+    """A plugin of pytest that runs the collected tests on one mutant after the other, each in a process of its own."""
+
+    def __init__(self, codes: dict[Mutant, CodeType]) -> None:
+        self.codes = codes
+        self.survivors: list[Mutant] = []
+
+    def pytest_runtestloop(self, session: Any) -> bool:
+        """Run all tests once on the core as it is, then on each mutant those that call its function."""
+        global trial
+        trial, self.items, total = self, session.items, len(self.codes)
+        fork = multiprocessing.get_context("fork")
+        with fork.Pool(1) as pool:
+            self.known = pool.apply(run_all)
+        with progress_bar("mutants", total) as show, fork.Pool(maxtasksperchild=1) as pool:
+            for done, (mutant, noticed) in enumerate(zip(self.codes, pool.imap(is_noticed, self.codes), strict=True)):
+                show(done + 1, total)
+                if not noticed:
+                    print(f"no test notices: {shown(mutant)}", file=sys.stderr)
+                    self.survivors.append(mutant)
+        return True
+
+
+trial: Trial
+"""Trial of this process; the processes of its pools are forked, and have it too."""
 
 
 def passes(item: Any) -> bool:
@@ -186,7 +175,7 @@ def passes(item: Any) -> bool:
 def run_all() -> list[tuple[set[str], float]]:
     """Run all tests on the unchanged core; return the functions that each calls, and its processor time [s]."""
     called: set[str] = set()
-    for module in {mutant[0].partition(".")[0] for mutant in trial.mutants}:
+    for module in {mutant[0].partition(".")[0] for mutant in trial.codes}:
         for function in functions_of(module):
             name = f"{module}.{function.name}"
             function.body.insert(0, ast.parse(f"_called.add({name!r})").body[0])
@@ -197,35 +186,32 @@ def run_all() -> list[tuple[set[str], float]]:
         called.clear()
         begun = time.process_time()
         if not passes(item):
-            raise RuntimeError(f"the core as it is fails {item.nodeid}")
+            raise RuntimeError(f"the core as it is fails {item.nodeid}; mend that first")
         found.append((set(called), time.process_time() - begun))
     return found
 
 
-def try_out(number: int) -> int | None:
-    """Make a mutant, and return the index of the test that notices it, or None."""
+def is_noticed(mutant: Mutant) -> bool:
+    """Make a mutant, and return whether a test notices it; tests that take less time run first."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     signal.signal(signal.SIGVTALRM, signal.default_int_handler)  # KeyboardInterrupt: no test catches it
-    mutant = trial.mutants[number]
-    name = mutant[0]
-    function_of(name).__code__ = trial.codes[mutant]
-    callers = [(place, seconds) for place, (called, seconds) in enumerate(trial.known) if name in called]
-    for place, seconds in sorted(callers, key=lambda one: (-trial.noticed[name, one[0]] / one[1], one[1])):
-        signal.setitimer(signal.ITIMER_VIRTUAL, SPARE_S + TIMES_SLOWER * seconds)
+    function_of(mutant[0]).__code__ = trial.codes[mutant]
+    callers = [(s, place) for place, (called, s) in enumerate(trial.known) if mutant[0] in called]
+    for seconds, place in sorted(callers):
+        signal.setitimer(signal.ITIMER_VIRTUAL, 5 + 5 * seconds)  # of processor time, since some mutants never end
         try:
             if not passes(trial.items[place]):
-                return place
+                return True
         except KeyboardInterrupt:
-            return place
-    return None
+            return True
+    return False
 
 
 def main() -> None:
-    """Try the mutants; end with 1 if one that is not listed survives, or if the list is out of date."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    """Try the mutants; exit with 1 if one that is not listed survives, or if the list is out of date."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--only", default="", metavar="TEXT", help='mutants whose name or text contains this ("prey.")')
-    parser.add_argument("--equivalents", action="store_true", help="try those that are listed, and no others")
-    parser.add_argument("--processes", type=int, default=2, metavar="N", help="number of mutants tried at a time")
+    parser.add_argument("--equivalents", action="store_true", help="try only the mutants that are listed as equivalent")
     options = parser.parse_args()
     os.chdir(ROOT)
     os.environ |= {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -236,21 +222,19 @@ def main() -> None:
     listed = [one for one in listed if options.only in shown(one)]
     made = [one for module in SETTINGS["modules"] for one in mutants_of(module)]
     possible = {mutant: code for mutant, code in made if options.only in shown(mutant)}
-    tried = {mutant: code for mutant, code in possible.items() if (mutant in listed) == options.equivalents}
-    plugin = Trial(tried, options.processes)
+    plugin = Trial({one: code for one, code in possible.items() if (one in listed) == options.equivalents})
     flags = ("-x", "-q", "--capture=no", "-p", "no:cacheprovider", "--assert=plain", "-k", SETTINGS["without"])
-    if tried and pytest.main([*flags, *SETTINGS["tests"]], [plugin]) != 0:
+    if plugin.codes and pytest.main([*flags, *SETTINGS["tests"]], [plugin]) != 0:
         sys.exit(1)
-    complaints = [f"listed, but there is no such mutant: {shown(one)}" for one in listed if one not in possible]
-    complaints += [f"listed twice: {shown(one)}" for one, count in Counter(listed).items() if count > 1]
+    wrong = [f"listed, but there is no such mutant: {shown(one)}" for one in listed if one not in possible]
     if options.equivalents:
-        noticed = [one for one in tried if one not in plugin.survivors]
-        complaints += [f"listed, but a test notices it: {shown(one)}" for one in noticed]
+        noticed = plugin.codes.keys() - plugin.survivors
+        wrong += [f"listed, but a test notices it: {shown(one)}" for one in plugin.codes if one in noticed]
     else:
-        complaints += [f"no test notices: {shown(one)}" for one in plugin.survivors]
-    print(*complaints, sep="\n")
-    print(f"{len(tried)} mutants: {len(plugin.survivors)} not noticed; {len(listed)} are listed as equivalent")
-    sys.exit(1 if complaints else 0)
+        wrong += [f"no test notices: {shown(one)}" for one in plugin.survivors]
+    print(*wrong, sep="\n")
+    print(f"{len(plugin.codes)} mutants: {len(plugin.survivors)} not noticed; {len(listed)} are listed as equivalent")
+    sys.exit(bool(wrong))
 
 
 if __name__ == "__main__":

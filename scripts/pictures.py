@@ -33,7 +33,7 @@ def main() -> None:
     size = picture.stat().st_size + animation.stat().st_size
     print(f"{picture.name}, {animation.name}: {size / 1e6:.2f} MB together")
     if size > MOST_BYTES:
-        raise SystemExit(f"the pictures must stay under {MOST_BYTES / 1e6:g} MB together")
+        raise SystemExit(f"the pictures must have at most {MOST_BYTES / 1e6:g} MB together; choose a shorter clip")
 
 
 def recorded() -> Replay:

@@ -63,15 +63,8 @@ def try_python(python: Path, wheel: Path, version: str, *, newest: bool) -> bool
     folder = OUT / f"{version}-{'newest' if newest else 'oldest'}"
     log, environment, played = OUT / f"{folder.name}.log", folder / "venv", folder / "played"
     played.mkdir(parents=True)
-    install = [
-        UV,
-        "pip",
-        "install",
-        "--python",
-        environment / "bin" / "python",
-        "--group",
-        f"{ROOT}/pyproject.toml:test",
-    ]
+    install = [UV, "pip", "install", "--python", environment / "bin" / "python"]
+    install += ["--group", f"{ROOT}/pyproject.toml:test"]
     install += [f"{wheel}[video]"] if newest else ["--resolution", "lowest-direct", "--editable", f"{ROOT}[video]"]
     tests = (environment / "bin" / "pytest", "-q", "-n", "2", "-p", "no:cacheprovider", "-m", "not nightly")
     passed = (
@@ -87,7 +80,11 @@ def try_python(python: Path, wheel: Path, version: str, *, newest: bool) -> bool
 def main() -> int:
     """Try every version found, or with `--ends` the two that differ most; return 1 if one fails."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--ends", action="store_true", help="only the lowest version, oldest, and the highest, newest")
+    parser.add_argument(
+        "--ends",
+        action="store_true",
+        help="try only the lowest version with the oldest dependencies, and the highest with the newest",
+    )
     ends = parser.parse_args().ends
     found = {version: python for version in promised_versions() if (python := find_python(version))}
     print("found:", *found, "| not found:", *(set(promised_versions()) - set(found) or ["none"]), flush=True)

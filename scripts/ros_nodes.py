@@ -66,19 +66,18 @@ def environment_of(python: Path) -> Path:
     folder = ENVIRONMENTS / version
     if platform.system() != "Linux" or platform.machine() != "x86_64" or version not in VERSIONS:
         raise SystemExit(
-            f"real ROS 2 nodes are not tested: there are wheels for Linux on x86-64, Python {' and '.join(VERSIONS)}; "
-            f"this is {platform.system()} on {platform.machine()}, Python {version}"
+            f"real ROS 2 nodes are not tested: wheels need Linux on x86-64 and Python {', '.join(VERSIONS)}, "
+            f"got {platform.system()} on {platform.machine()} and Python {version}"
         )
     if missing := [one for one in ("c++", "make") if shutil.which(one) is None]:
         raise SystemExit(
-            f"real ROS 2 nodes are not tested: interface packages need {' and '.join(missing)}: "
-            "apt-get install build-essential"
+            f"real ROS 2 nodes are not tested: {' and '.join(missing)} missing; apt-get install build-essential"
         )
     files = [path for path in sorted(INTERFACES.rglob("*")) if path.is_file()]
     state = hashlib.sha256(b"".join(path.read_bytes() for path in (Path(__file__), *files))).hexdigest()
     ready = folder / "ready"
     if not ready.exists() or ready.read_text() != state:
-        print(f"making {folder.relative_to(ROOT)} (a few minutes; kept)", flush=True)
+        print(f"making {folder.relative_to(ROOT)} (takes a few minutes)", flush=True)
         shutil.rmtree(folder, ignore_errors=True)
         folder.parent.mkdir(exist_ok=True)
         make(folder, python, version)
@@ -125,7 +124,7 @@ def run(folder: Path, *command: str | Path) -> None:
         print("$", *command, file=file, flush=True)
         result = subprocess.run(command, stdout=file, stderr=file, env=environment, check=False)
     if result.returncode:
-        raise SystemExit(f"real ROS 2 nodes are not tested: {Path(command[0]).name} failed, see {log}")
+        raise SystemExit(f"real ROS 2 nodes are not tested: {Path(command[0]).name} failed; see {log}")
 
 
 def output(*command: str | Path) -> str:
@@ -137,9 +136,9 @@ def output(*command: str | Path) -> str:
 def main() -> int:
     """Test one Python, or all of VERSIONS that are found; return 1 if a test fails."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--all", action="store_true", help="each Python that has wheels, as far as it is found")
+    parser.add_argument("--all", action="store_true", help="test each installed Python that has wheels")
     parser.add_argument(
-        "--if-possible", action="store_true", help="without wheels or a compiler, say so in one line and end with 0"
+        "--if-possible", action="store_true", help="without wheels or a compiler, print the reason and exit with 0"
     )
     given, rest = parser.parse_known_args()
     own = sysconfig.get_python_version()

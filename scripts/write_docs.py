@@ -13,7 +13,7 @@ from dataclasses import fields, is_dataclass
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from catch_arena.config import ArenaConfig
 from catch_arena.layout import Column, columns, prey_columns, state_columns
@@ -67,61 +67,34 @@ def limits_table(kind: type[Limits | PreyLimits]) -> str:
     return "\n".join(lines)
 
 
-class Setting(NamedTuple):
-    """One setting as a row of docs/reference/settings.md."""
+def settings() -> Iterator[tuple[int, str]]:
+    """Yield every setting, with its chapter of the rulebook and its row of docs/reference/settings.md.
 
-    chapter: int
-    """Chapter of the rulebook."""
-    name: str
-    unit: str
-    default: str
-    meaning: str
-
-
-def words_for(owner: type, name: str) -> str:
-    """Return the docstring of a setting.
-
-    Raises:
-        SystemExit: the setting has no docstring.
+    A setting without a clause has the chapter of the setting before it. All need a docstring.
     """
-    words = words_below(owner)
-    if name not in words:
-        raise SystemExit(f"{owner.__name__}.{name} has no docstring, which docs/reference/settings.md needs")
-    return words[name]
-
-
-def settings() -> Iterator[Setting]:
-    """Yield every setting, also those of groups. A setting without a clause has the chapter of the one before it."""
     chapter = 2  # of the first setting, `hunters`: chapter 2 has the starts
-    kinds = get_type_hints(ArenaConfig)
+    kinds, words = get_type_hints(ArenaConfig), words_below(ArenaConfig)
     for field in fields(ArenaConfig):
         kind: Any = kinds[field.name]
         if is_dataclass(kind):
-            clause = (kind.__doc__ or "").partition(":")[0]
+            clause, parts = (kind.__doc__ or "").partition(":")[0], words_below(kind)
             for part in fields(kind):
-                meaning, unit = split_unit(words_for(kind, part.name))
-                default = shown(getattr(kind(), part.name))
-                yield Setting(
-                    chapter_of(clause), f"{field.name}.{part.name}", unit, default, f"{clause}: {as_in_a_line(meaning)}"
-                )
+                meaning, unit = split_unit(parts[part.name])
+                row = (f"`{field.name}.{part.name}`", unit, shown(getattr(kind(), part.name)))
+                yield chapter_of(clause), f"| {' | '.join(row)} | {clause}: {meaning[0].lower()}{meaning[1:]} |"
             continue
-        meaning = words_for(ArenaConfig, field.name)
+        meaning = words[field.name]
         chapter = chapter_of(meaning) or chapter
-        choices = words_of(kind)
-        if choices:
+        if choices := words_of(kind):
             meaning += f" One of {', '.join(f'`{word}`' for word in choices)}."
-        yield Setting(chapter, field.name, UNITS.get(field.name.rpartition("_")[2], ""), shown(field.default), meaning)
+        row = (f"`{field.name}`", UNITS.get(field.name.rpartition("_")[2], ""), shown(field.default))
+        yield chapter, f"| {' | '.join(row)} | {meaning} |"
 
 
 def chapter_of(words: str) -> int:
     """Return the chapter of the clause at the beginning of the words, or 0 without one."""
     clause = re.match(r"R(\d+)\.", words)
     return 0 if clause is None else int(clause[1])
-
-
-def as_in_a_line(words: str) -> str:
-    """Return a sentence with a small first letter."""
-    return words[0].lower() + words[1:]
 
 
 def words_of(kind: Any) -> tuple[str, ...]:
@@ -142,16 +115,14 @@ def settings_tables() -> str:
     titles = dict(
         re.findall(r"^## Chapter (\d+): (.+)$", (DOCS / "reference" / "rulebook.md").read_text(), re.MULTILINE)
     )
-    rows = list(settings())
-    parts = []
-    for chapter in sorted({row.chapter for row in rows}):
-        lines = [f"## {titles[str(chapter)]} (chapter {chapter})", "", "| setting | unit | default | meaning |"]
-        lines += ["|---|---|---|---|"]
-        lines += [
-            f"| `{row.name}` | {row.unit} | {row.default} | {row.meaning} |" for row in rows if row.chapter == chapter
-        ]
-        parts.append("\n".join(lines))
-    return "\n\n".join(parts)
+    chapters: dict[int, list[str]] = {}
+    for chapter, row in settings():
+        chapters.setdefault(chapter, []).append(row)
+    head = "| setting | unit | default | meaning |\n|---|---|---|---|"
+    return "\n\n".join(
+        f"## {titles[str(chapter)]} (chapter {chapter})\n\n{head}\n" + "\n".join(rows)
+        for chapter, rows in sorted(chapters.items())
+    )
 
 
 TABLES: dict[str, Callable[[], str]] = {

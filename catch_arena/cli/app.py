@@ -20,7 +20,10 @@ from catch_arena.cli.outputs import reservations
 from catch_arena.cli.terminal import WIDE, own_console, own_streams, say
 from catch_arena.errors import CatchArenaError
 
-_EXIT_ERROR = 2
+EXIT_NO: Final = 1
+"""Exit code if the answer of a command is no (docs/reference/command_line.md)."""
+EXIT_ERROR: Final = 2
+"""Exit code for any error."""
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 """Click's class of usage errors; newer versions of typer contain Click."""
@@ -65,7 +68,7 @@ class _Commands(TyperGroup):
             except OSError as error:
                 with suppress(OSError):  # stderr may be full too
                     _say_error(_in_words(error))
-            sys.exit(_EXIT_ERROR)
+            sys.exit(EXIT_ERROR)
 
 
 def _say_error(text: str, hint: str | None = None) -> None:

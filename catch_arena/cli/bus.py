@@ -10,11 +10,12 @@ from typer.core import TyperCommand
 
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError
-from catch_arena.ros.middleware.names import BRIDGE_URL, INTERFACES, TURTLESIM, Backend
+from catch_arena.ros.middleware.bus import Backend
+from catch_arena.ros.middleware.bus import Bus as JoinedBus
+from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
+from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, described, is_service, open_bus
 
 if TYPE_CHECKING:
-    from catch_arena.ros.middleware.bus import Bus as JoinedBus
-    from catch_arena.ros.middleware.interfaces import Interfaces
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
 _ROS_ARGS: Final = "--ros-args"
@@ -66,15 +67,12 @@ class Packages:
         typer.Option(metavar="PACKAGE", help="The package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
     ] = TURTLESIM
 
-    def types(self) -> "Interfaces":
+    def types(self) -> Interfaces:
         """Return the types of these packages.
 
         Raises:
             ConfigError: for a name that no package can have.
         """
-        from catch_arena.ros.middleware.interfaces import Interfaces
-        from catch_arena.ros.middleware.opening import checked_package
-
         return Interfaces(
             checked_package("--interfaces", self.interfaces), checked_package("--turtlesim", self.turtlesim)
         )
@@ -94,26 +92,22 @@ class Bus(Packages):
     ] = None
     url: Url = None
 
-    def opened(self, node: str) -> "JoinedBus":
+    def opened(self, node: str) -> JoinedBus:
         """Join the bus, with a node of this name on it.
 
         Raises:
             BusError: if the bus cannot be reached.
         """
-        from catch_arena.ros.middleware.opening import open_bus
-
         return open_bus(self.bus, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True))
 
     @contextmanager
-    def joined(self, node: str) -> "Iterator[JoinedBus]":
+    def joined(self, node: str) -> Iterator[JoinedBus]:
         """Join the bus, print its description, and leave it at the end.
 
         Raises:
             ConfigError: for a name that no package can have.
             BusError: if it cannot be reached.
         """
-        from catch_arena.ros.middleware.opening import described
-
         types = self.types()
         bus = self.opened(node)
         try:
@@ -153,7 +147,6 @@ class NodeUnderTestOptions:
             ConfigError: for a name that no service can have.
             BusError: if the bus cannot be reached.
         """
-        from catch_arena.ros.middleware.opening import is_service
         from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
         service = word.removeprefix(SERVICE)

@@ -6,13 +6,12 @@ from typing import Annotated, Any
 
 import typer
 
-from catch_arena.cli.app import main
+from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import own_console, say
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
-_EXIT_FAILED = 1
 _LIMIT_S = 60.0
 """Time limit of a case [s]; a case that takes longer fails."""
 
@@ -94,7 +93,7 @@ def conformance(
         write_whole(junit, report.junit().encode())
         say(f"JUnit XML: {junit}")
     if not report.passed:
-        raise typer.Exit(_EXIT_FAILED)
+        raise typer.Exit(EXIT_NO)
 
 
 def _function(spec: str) -> Any:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catch_arena.cli.app import main
+from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.options import MAX_FORFEITS, Agent, SettingOption, Trust, arena, say_level
 from catch_arena.cli.outputs import Force, output_file
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
     from catch_arena.tournament.grading_spec import GradingSpec
     from catch_arena.tournament.isolation.limits import AgentLimits
-
-_EXIT_NOT_PASSED = 1
 
 
 @main.command(name="check-agent")
@@ -53,7 +51,7 @@ def check_agent(
             wrong += finding.level == "error"
             say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if wrong:
-        raise typer.Exit(_EXIT_NOT_PASSED)
+        raise typer.Exit(EXIT_NO)
     say(f"{agent} is fit to play")
 
 
@@ -114,7 +112,7 @@ def grade(
     if seeds is not None:
         write_whole(seeds, seeds_text(exercise).encode(), private=True)
     if any(one.failures for one in grades):
-        raise typer.Exit(_EXIT_NOT_PASSED)
+        raise typer.Exit(EXIT_NO)
 
 
 def _grade_agent(

@@ -9,7 +9,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.matches import print_logs, print_result
 from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agents
-from catch_arena.cli.outputs import REPLAY, Force, free_file, output_file
+from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
@@ -94,14 +94,14 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
         prepare_folder(Path.cwd())
 
     def save(replay: "Replay") -> str:
-        target = record or free_file("match.replay", force=force)
+        target = record or output_file(None, force=force, usual="match.replay")
         replay.save(target)
         return str(target)
 
     seed = arena_seed(window.seed)
     shown = show_match(config, seed, lineup, limits, title=window.scenario, size=_SIZE, save=save)
-    print_logs(shown.replay.names, shown.logs)
-    print_result(Parties.of(config), shown, shown.names)
+    print_logs(shown.names, shown.result.logs)
+    print_result(Parties.of(config), shown.result, shown.names)
     if record is not None:
         say(f"replay: {save(shown.replay)}")
 

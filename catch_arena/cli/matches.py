@@ -30,7 +30,6 @@ from catch_arena.cli.terminal import own_console, say, shown
 from catch_arena.errors import ConfigError, NoContest, OutputError, StoreError
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.live.session import SessionResult
     from catch_arena.policy import Side
     from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.match import Forfeit, MatchResult
@@ -311,7 +310,7 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
             say(f"{name} printed:\n{log}", err=True)
 
 
-def print_result(parties: "Parties", result: "MatchResult | SessionResult", names: Sequence[str]) -> None:
+def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
     """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters."""
     from catch_arena.explanation.seats import with_seat
 

@@ -21,28 +21,14 @@ _RESERVED: Final[list[Path]] = []
 @contextmanager
 def reservations() -> Iterator[None]:
     """Remove at the end of a command the files that it reserved but did not write."""
-    before = len(_RESERVED)
     try:
         yield
     finally:
-        while len(_RESERVED) > before:
+        while _RESERVED:
             path = _RESERVED.pop()
             with suppress(OSError):
                 if not path.stat().st_size:
                     path.unlink()
-
-
-def require_ending(path: Path, *endings: str) -> None:
-    """Check that a file's name has one of the endings of its format.
-
-    Raises:
-        ConfigError: for any other ending.
-    """
-    ending = path.suffix.lower()
-    if ending not in endings:
-        *others, last = endings
-        wanted = f"{', '.join(others)} or {last}" if others else last
-        raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
 
 
 def require_free(path: Path, *, force: bool) -> None:
@@ -69,8 +55,12 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
         OutputError: if the file cannot be written, or exists already.
     """
     if path is None:
-        return free_file(usual, force=force)
-    require_ending(path, *endings)
+        return _first_free(Path(usual).absolute(), force=force)
+    ending = path.suffix.lower()
+    if ending not in endings:
+        *others, last = endings
+        wanted = f"{', '.join(others)} or {last}" if others else last
+        raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
     prepare_folder(path.parent)
     try:
         _reserve(regular_file(path))
@@ -81,25 +71,16 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
     return path
 
 
-def free_file(usual: str, *, force: bool) -> Path:
-    """Reserve and return the first free name of «name.end», «name-2.end», «name-3.end» and so on.
-
-    Args:
-        usual: default name, «name.end».
-        force: True to take the default name even if the file exists.
-
-    Raises:
-        OutputError: if the working folder cannot be written to.
-    """
-    prepare_folder(Path.cwd())
-    free, number = Path(usual).absolute(), 1
+def _first_free(usual: Path, *, force: bool) -> Path:
+    prepare_folder(usual.parent)
+    free, number = usual, 1
     while not force:
         try:
             _reserve(free)
             break
         except FileExistsError:
             number += 1
-            free = free.with_stem(f"{Path(usual).stem}-{number}")
+            free = usual.with_stem(f"{usual.stem}-{number}")
     return free
 
 

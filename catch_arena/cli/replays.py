@@ -6,13 +6,10 @@ from typing import Annotated
 
 import typer
 
-from catch_arena.cli.app import main
+from catch_arena.cli.app import EXIT_ERROR, EXIT_NO, main
 from catch_arena.cli.options import Recorded
 from catch_arena.cli.terminal import WIDE, own_console, say
 from catch_arena.errors import ConfigError, ReplayError
-
-_EXIT_DIFFERENT = 1
-_EXIT_UNREADABLE = 2
 
 
 @main.command()
@@ -30,7 +27,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         try:
             replay = Replay.load(path)
         except ReplayError as error:
-            codes.append(_EXIT_UNREADABLE)
+            codes.append(EXIT_ERROR)
             say(f"error: {error}", err=True)
             continue
         with progress_bar("verifying", late=True) as show:
@@ -38,7 +35,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         for fault in faults:
             say(f"{path}: {fault}", err=True)
         if faults:
-            codes.append(_EXIT_DIFFERENT)
+            codes.append(EXIT_NO)
         else:
             say(f"{path}: all of {replay.steps} steps play as recorded")
     if codes:
@@ -63,7 +60,7 @@ def diff(replays: Annotated[tuple[Path, Path], typer.Argument(metavar="A B", hel
         return
     for line in (f"A: {a}", f"B: {b}", *lines):
         say(line)
-    raise typer.Exit(_EXIT_DIFFERENT)
+    raise typer.Exit(EXIT_NO)
 
 
 @main.command()

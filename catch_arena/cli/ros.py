@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import Program, main
+from catch_arena.cli.app import EXIT_NO, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
+from catch_arena.ros.middleware.opening import is_service
+from catch_arena.scenarios import SCENARIOS
 from catch_arena.text import in_short, name_fault
 
 if TYPE_CHECKING:
@@ -154,7 +156,6 @@ def controller(
     The agents nearest and first are true and false of the exercise's catch_closest_turtle_first; with one of them this
     is a parameter of the node.
     """
-    from catch_arena.ros.middleware.opening import is_service
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
     from catch_arena.ros.nodes.parameters import CLOSEST_FIRST, parameters_from
     from catch_arena.ros.nodes.rate import Rate
@@ -164,7 +165,7 @@ def controller(
     values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
     if values:
         agent = _CLOSEST if values[CLOSEST_FIRST] else _OLDEST
-    config = arena("capstone", None)
+    config = SCENARIOS["capstone"]
     turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
@@ -221,8 +222,10 @@ def spawner(
         if turtles.count(name) > 1:
             raise ConfigError(f"--turtle {name} must be given once")
     values = parameters_from(ros_args or (), {SPAWN_FREQUENCY: spawn_frequency, NAME_PREFIX: name_prefix})
-    config = arena("capstone", [f"reach_m={reach}"]).replace(
-        spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX]))
+    config = SCENARIOS["capstone"].replace(
+        reach_m=reach,
+        spawn_frequency_hz=values[SPAWN_FREQUENCY],
+        name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX])),
     )
     types = bus.types()
     with bus.joined("turtle_spawner") as joined:
@@ -260,7 +263,7 @@ def doctor(*, bus: Bus) -> None:
     for line in (*facts, *(f"problem: {one}" for one in problems)):
         say(line)
     if problems:
-        raise typer.Exit(1)
+        raise typer.Exit(EXIT_NO)
     say("no problem found")
 
 

@@ -104,7 +104,7 @@ def suite(
             f"an interval (? below) needs {FEWEST_BLOCKS}"
         )
     takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of which are kept already"
-    say(f"{_agents(len(agents))}, {total} matches, {takes}")
+    say(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
 
     done = 0
 
@@ -209,7 +209,3 @@ def _figure(estimate: "Estimate", digits: int = 3) -> str:
     from catch_arena.cli.tables import interval
 
     return f"{estimate.mean:.{digits}f} ({interval(estimate, f'.{digits}f')})"
-
-
-def _agents(count: int) -> str:
-    return "1 agent" if count == 1 else f"{count} agents"

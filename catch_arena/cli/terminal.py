@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path
-from typing import IO, Any, Final, cast
+from typing import IO, Any, Final
 
 import typer
 from rich import box
@@ -15,13 +15,12 @@ from rich.console import Console
 from rich.file_proxy import FileProxy
 from rich.table import Table
 
-from catch_arena.streams import lasting
 from catch_arena.text import printable_lines
 
 WIDE: Final = 80
 """Largest width of our tables and texts [columns]."""
-_OWN: Final[dict[bool, IO[str] | None]] = {}
-"""Streams of this command, stdout at False and stderr at True: see `own_streams`."""
+_OWN: Final[list[IO[str] | None]] = []
+"""Streams of this command, stdout and stderr; empty if no command runs."""
 _FOLDER: Final[list[str]] = []
 """Folder that this command was started in; empty if it does not exist."""
 
@@ -59,32 +58,22 @@ def plain_table(*headings: str, text: str = "", **options: Any) -> Table:
 
 
 def _stream(*, err: bool) -> IO[str] | None:
-    current: Any = sys.stderr if err else sys.stdout
-    with suppress(AttributeError, OSError, ValueError):
-        current.flush()  # text that a trusted agent has printed comes first
-    if isinstance(current, FileProxy):  # Rich's stream, while it shows a bar
-        return cast(IO[str], current)
-    return _OWN.get(err, current)
+    current = sys.stderr if err else sys.stdout
+    # Rich's proxy prints above a bar while the bar is shown
+    return _OWN[err] if _OWN and not isinstance(current, FileProxy) else current
 
 
 @contextmanager
 def own_streams() -> Iterator[None]:
-    """Print to copies of stdout and stderr in this context: a trusted agent may close or replace those in sys."""
-    copies = []
+    """Print to the present stdout and stderr in this context, even if a trusted agent replaces those in sys."""
+    _OWN[:] = sys.stdout, sys.stderr
     _FOLDER.clear()
     with suppress(FileNotFoundError):
         _FOLDER.append(str(Path.cwd()))
-    for err, stream in ((False, sys.stdout), (True, sys.stderr)):
+    for stream in _OWN:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # a letter that a terminal cannot show becomes a question mark
-        _OWN[err] = stream
-        with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
-            copies.append(lasting(stream, os.dup(stream.fileno())))
-            _OWN[err] = copies[-1]
     try:
         yield
     finally:
         _OWN.clear()
-        for copy in copies:
-            with suppress(OSError):  # a full disk, which has been reported
-                copy.close()

@@ -1,21 +1,23 @@
 """`catch-arena render`, `mosaic` and `highlights`: videos of recorded matches."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
 
 import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import VIDEO, Force, output_file, require_ending
+from catch_arena.cli.outputs import VIDEO, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
 
 if TYPE_CHECKING:
-    from catch_arena.explanation.highlights import Highlight
     from catch_arena.render.video import RenderReport
+    from catch_arena.replay import Replay
+
+_T = TypeVar("_T")
 
 _MOST_IN_ONE = 64
 
@@ -41,12 +43,12 @@ class Picture:
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
 
     def arguments(self) -> dict[str, Any]:
-        """Return the arguments of functions that draw.
+        """Return these options as arguments of functions that draw.
 
         Raises:
             ConfigError: for a size of another form.
         """
-        return {"size": width_and_height(self.size), "fps": self.fps}
+        return {**vars(self), "size": _width_and_height(self.size)}
 
 
 @dataclass(frozen=True)
@@ -57,14 +59,6 @@ class Film(Picture):
         "broadcast"
     )
     speed: Speed = 1.0
-
-    def arguments(self) -> dict[str, Any]:
-        """Return the arguments of functions that draw.
-
-        Raises:
-            ConfigError: for a size of another form.
-        """
-        return {**super().arguments(), "layout": self.layout, "speed": self.speed}
 
 
 @main.command()
@@ -117,23 +111,13 @@ def mosaic(
     """Show all matches of a folder at the same time, in a grid."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.render.mosaic import render_mosaic
-    from catch_arena.replay import Replay
 
-    require_ending(output, *VIDEO)
-    paths = _replays_in(folder)
-    found: dict[str, Replay] = {}
-    for path in paths:
-        if len(found) == (count or _MOST_IN_ONE):
-            break
-        try:
-            found[path.stem] = Replay.load(path)
-        except ReplayError as error:
-            say(f"left out: {error}", err=True)
-    _require_some(folder, len(found), len(paths))
     output_file(output, *VIDEO, force=force)
+    matches, there = _from_replays(folder, lambda replay: replay, count or _MOST_IN_ONE)
+    found = {path.stem: replay for path, replay in matches.items()}
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
-    say(f"matches: {len(found)} of {len(paths)}{_fewer(len(found), count, 'the folder has no more')}")
+    say(f"matches: {len(found)} of {there}{_fewer(len(found), count, 'the folder has no more')}")
     print_report(report)
 
 
@@ -158,16 +142,22 @@ def highlights(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.formatting import seconds
-    from catch_arena.explanation.highlights import select_highlights
+    from catch_arena.explanation.highlights import (
+        extract_events,
+        find_highlights,
+        select_highlights,
+        win_rates,
+        win_records,
+    )
     from catch_arena.render.highlight_video import render_highlights
 
     drawn = picture.arguments()
-    if output is not None:
-        require_ending(output, *VIDEO)
-        if not listing:
-            output_file(output, *VIDEO, force=force)
-    found = _highlights_in(folder)
-    selected = select_highlights({str(path): highlights for path, highlights in found.items()}, count)
+    if output is not None and not listing:
+        output_file(output, *VIDEO, force=force)
+    matches, _ = _from_replays(folder, extract_events)
+    known = win_records(matches.values())
+    found = {str(path): find_highlights(events, win_rates(known, events)) for path, events in matches.items()}
+    selected = select_highlights(found, count)
     if not selected:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
     for path, highlight in selected:
@@ -187,12 +177,8 @@ def print_report(report: "RenderReport") -> None:
     say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 
-def width_and_height(text: str | None) -> tuple[int, int] | None:
-    """Return the width and height in a text like «1280x720»; None for None.
-
-    Raises:
-        ConfigError: for a text of another form.
-    """
+def _width_and_height(text: str | None) -> tuple[int, int] | None:
+    """Return the width and height in a text like «1280x720»; None for None."""
     if text is None:
         return None
     width, cross, height = text.lower().partition("x")
@@ -206,41 +192,33 @@ def _fewer(got: int, asked: int | None, why: str) -> str:
     return f", not {asked}: {why}" if asked is not None and got < asked else ""
 
 
-def _highlights_in(folder: Path) -> "Mapping[Path, Sequence[Highlight]]":
-    """Return the highlights of a folder's matches, by path; a replay that cannot be played is reported and left out."""
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.explanation.highlights import extract_events, find_highlights, win_rates, win_records
-    from catch_arena.replay import Replay
+def _from_replays(folder: Path, read: "Callable[[Replay], _T]", most: int | None = None) -> tuple[dict[Path, _T], int]:
+    """Return what `read` makes of a folder's replays, by path, and the number of replays in the folder.
 
-    paths = _replays_in(folder)
-    matches = {}
-    with progress_bar("looking", late=True) as show:
-        for done, path in enumerate(paths, start=1):
-            try:
-                matches[path] = extract_events(Replay.load(path))
-            except ReplayError as error:
-                named = "" if str(error).startswith(str(path)) else f"{path}: "
-                say(f"left out: {named}{error}", err=True)
-            show(done, len(paths))
-    _require_some(folder, len(matches), len(paths))
-    known = win_records(matches.values())
-    return {path: find_highlights(events, win_rates(known, events)) for path, events in matches.items()}
-
-
-def _replays_in(folder: Path) -> list[Path]:
-    """Return the replays of a folder, by name.
+    A replay that cannot be played is reported and left out. At most `most` are read, the first by name.
 
     Raises:
-        ReplayError: if there are none.
+        ReplayError: if the folder has no replay that can be played.
     """
+    from catch_arena.cli.progress import progress_bar
+    from catch_arena.replay import Replay
+
     if not folder.is_dir():
         raise ReplayError(f"{folder}: is no folder")
     paths = sorted(folder.glob("*.replay"))
     if not paths:
         raise ReplayError(f"{folder}: holds no replays (files that end in .replay)")
-    return paths
-
-
-def _require_some(folder: Path, good: int, paths: int) -> None:
-    if not good:
-        raise ReplayError(f"{folder}: none of {paths} replays can be played")
+    found: dict[Path, _T] = {}
+    with progress_bar("reading", late=True) as show:
+        for done, path in enumerate(paths, start=1):
+            try:
+                found[path] = read(Replay.load(path))
+            except ReplayError as error:
+                named = "" if str(error).startswith(str(path)) else f"{path}: "
+                say(f"left out: {named}{error}", err=True)
+            if len(found) == most:
+                break
+            show(done, len(paths))
+    if not found:
+        raise ReplayError(f"{folder}: none of {len(paths)} replays can be played")
+    return found, len(paths)

@@ -1,4 +1,4 @@
-"""Recorder of an env's episodes as replays."""
+"""Recorder of the episodes of an env or a service as replays."""
 
 from bisect import insort
 from collections.abc import Sequence

@@ -5,7 +5,6 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.core.jit import entry
 from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.explanation.facts import Claim, Contest
 from catch_arena.replay import Replay
@@ -30,17 +29,18 @@ def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling
     tied = [ruling.hunter for ruling in rulings if ruling.distance_um == nearest]
     lots: dict[int, int] = {}
     seed, step = np.uint64(replay.seed), world.step - 1
-    if replay.config.policy == "capstone":
-        clause = "R9.1"
-    elif replay.config.policy == "first_come":
-        clause = "R5.9"
-        lots = {ruling.hunter: int(_service_lot(seed, step, ruling.hunter)) for ruling in rulings}
-    elif len(tied) > 1:
-        clause = "R5.5"
-        number = int(target.removeprefix(replay.config.name_prefix))
-        lots = {seat: int(_tie_lot(seed, step, number, seat)) for seat in tied}
-    else:
-        clause = "R5.4"
+    with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
+        if replay.config.policy == "capstone":
+            clause = "R9.1"
+        elif replay.config.policy == "first_come":
+            clause = "R5.9"
+            lots = {ruling.hunter: int(service_lot(seed, step, ruling.hunter)) for ruling in rulings}
+        elif len(tied) > 1:
+            clause = "R5.5"
+            number = int(target.removeprefix(replay.config.name_prefix))
+            lots = {seat: int(tie_lot(seed, step, number, seat)) for seat in tied}
+        else:
+            clause = "R5.4"
     team = replay.config.team_by_seat
     claims = tuple(
         Claim(
@@ -53,15 +53,3 @@ def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling
         for ruling in rulings
     )
     return Contest(world.step, world.time_ms - replay.config.control_period_ms, target, clause, claims)
-
-
-@entry
-def _tie_lot(seed: np.uint64, step: int, number: int, seat: int) -> np.uint64:
-    """R5.5: return the lot of a seat in a tie: the core's rule, callable from Python."""
-    return tie_lot(seed, step, number, seat)
-
-
-@entry
-def _service_lot(seed: np.uint64, step: int, seat: int) -> np.uint64:
-    """R5.9: return the lot of a seat in the queue of `first_come`: the core's rule, callable from Python."""
-    return service_lot(seed, step, seat)

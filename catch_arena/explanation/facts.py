@@ -1,16 +1,10 @@
 """Data of explanations: contests, refusals and captures, summaries of hunters and prey, and actions in a step."""
 
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import asdict, dataclass, field, is_dataclass
+from typing import Any
 
 from catch_arena.explanation.seen_targets import Unseen
-from catch_arena.verdicts import Verdict
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-_JSON_KEYS: Final = {"hunters": "asked", "prey_by_target": "played"}
-"""Names in JSON of the fields that have another name there."""
+from catch_arena.verdicts import Ruling, Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +61,6 @@ class Refusals:
     """Name of the target; None for a rank without a target, or a requested name that was no string."""
     by_name: bool = False
     """True if the requests were by name, without a rank (R8.4)."""
-    other_names: bool = False
-    """True if these are requests for several names: those after the first few that the hunter asked for."""
     times: int = 0
     nearest_um: int | None = None
     farthest_um: int | None = None
@@ -149,18 +141,8 @@ class PreySummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """R8.4: one request of a hunter by name, in addition to its action's rank, and the verdict."""
-
-    target: str | None
-    verdict: Verdict
-    reason: str
-    distance_um: int | None
-
-
-@dataclass(frozen=True, slots=True)
 class HunterAction:
-    """Action of one hunter in a step, and the verdict on its request."""
+    """Action of one hunter in a step, and the rulings on its requests."""
 
     seat: int
     control: str
@@ -168,14 +150,8 @@ class HunterAction:
     """Action in words."""
     chosen: str | None
     """Target of the rank in the action; None if the rank has no target."""
-    target: str | None
-    """Target that the hunter requested; None without a request, or for a rank without a target."""
-    verdict: Verdict | None
-    """Verdict on the request; None without a request."""
-    reason: str | None
-    distance_um: int | None
-    """Distance in the arbiter's evidence; None unless reach was tested."""
-    winner: int | None
+    ruling: Ruling | None
+    """Ruling on the request; None without a request."""
     mate: bool
     """True if the hunter lost to its own team-mate (R11.3)."""
     out: str | None
@@ -184,8 +160,8 @@ class HunterAction:
     """Number of targets that the hunter saw (R7.5)."""
     unseen: tuple[Unseen, ...]
     """Targets that the hunter did not see, the nearest first."""
-    by_name: tuple[Answer, ...]
-    """Requests of the hunter by name, in their order."""
+    by_name: tuple[Ruling, ...]
+    """R8.4: Rulings on the hunter's requests by name, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,13 +181,12 @@ class PreyAction:
     withdrawn: bool
 
 
-def facts_as_json(facts: "DataclassInstance") -> dict[str, Any]:
-    """Return facts as JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-    return {_JSON_KEYS.get(name, name): json_ready(value) for name, value in asdict(facts).items()}
-
-
 def json_ready(value: Any) -> Any:
-    """Return a JSON-ready value: verdicts by name, lots in hexadecimal, since JSON readers may lack 64-bit integers."""
+    """Return facts as JSON-ready values: verdicts by name, distances in micrometres, and lots in hexadecimal digits,
+    since JSON readers may lack 64-bit integers.
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        return json_ready(asdict(value))
     if isinstance(value, Verdict):
         return value.name
     if isinstance(value, dict):

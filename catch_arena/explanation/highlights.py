@@ -100,7 +100,7 @@ class Highlight:
         return self.start_ms < other.end_ms and other.start_ms < self.end_ms
 
 
-def extract_events(replay: Replay, progress: Callable[[int, int], None] | None = None) -> MatchEvents:
+def extract_events(replay: Replay) -> MatchEvents:
     """Play a match again and return its events.
 
     Raises:
@@ -110,7 +110,7 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
     catches: list[Catch] = []
     contests: list[Contest] = []
     prey = PreyRecord(replay)
-    for step, world in enumerate(replay.worlds()):
+    for world in replay.worlds():
         contests += contests_of(replay, world)
         prey.note(world)
         catches += [
@@ -118,8 +118,6 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
             for ruling in world.rulings
             if ruling.success
         ]
-        if progress is not None:
-            progress(step, replay.steps)
     hunters, teams = replay.hunter_names, replay.config.teams
     names, entrants = labels(hunters), hunters
     if teams is not None:
@@ -130,7 +128,7 @@ def extract_events(replay: Replay, progress: Callable[[int, int], None] | None =
         prey=prey_labels(replay),
         names=names,
         entrants=entrants,
-        duration_ms=replay.steps * period_ms,
+        duration_ms=replay.duration_ms,
         reach_um=replay.config.reach_um,
         catches=tuple(catches),
         contests=tuple(contests),

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from catch_arena.explanation.facts import (
     PreySummary,
     Refusals,
     TeamSummary,
-    facts_as_json,
+    json_ready,
 )
 from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels, team_label
 from catch_arena.explanation.seen_targets import SeenTargets
@@ -32,12 +32,6 @@ from catch_arena.explanation.sentences import (
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
-
-_MOST_NAMES: Final = 8
-"""Largest number of names with runs of their own, for one hunter and one verdict: a node may ask for thousands."""
-_RANKED: Final = ""
-_OTHER_NAMES: Final = "others"
-"""Keys of the runs that are not of one name; the key of a name is its `repr`, in quotes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +49,7 @@ class Explanation:
     prey_names: tuple[str, ...]
     """Labels of the prey, by index."""
     prey_by_target: dict[str, str]
-    """Label of the prey by the name of each target that it played; in JSON `played`."""
+    """Label of the prey by the name of each target that it played."""
     scores: tuple[int, ...]
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
@@ -83,7 +77,8 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        return facts_as_json(self)
+        found: dict[str, Any] = json_ready(self)
+        return found
 
 
 def explain(
@@ -139,7 +134,7 @@ def explain(
         policy=replay.config.policy,
         reaches_um=replay.config.reaches_um,
         steps=replay.steps,
-        duration_ms=replay.steps * replay.config.control_period_ms,
+        duration_ms=replay.duration_ms,
         names=names,
         prey_names=prey_labels(replay),
         prey_by_target=prey.by_target,
@@ -166,43 +161,30 @@ def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
 
 
 class _RefusalRuns:
-    """Collector of refusals in runs. A hunter that asks by rank has one run at a time. A node may ask for several names
-    in each step: each of the first _MOST_NAMES names has a run of its own, and the other names share one run.
-    """
+    """Collector of refusals in runs: one at a time for a hunter's requests by rank, and one for each requested name."""
 
     def __init__(self) -> None:
         self.found: list[Refusals] = []
-        self._running: dict[tuple[int, Verdict, str], Refusals] = {}
-        self._names: Counter[tuple[int, Verdict]] = Counter()
+        self._running: dict[tuple[int, Verdict, object], Refusals] = {}
 
     def note(self, by_rank: Sequence[Ruling], by_name: Sequence[Ruling], judged_ms: int, contested: set[int]) -> None:
-        """Add a step's refusals to runs. A catch or contest ends the hunter's runs, except `others`."""
-        told_elsewhere = {ruling.hunter for ruling in by_rank if ruling.success or ruling.hunter in contested}
-        for seat, verdict, name in list(self._running):
-            if seat in told_elsewhere and name != _OTHER_NAMES:
-                del self._running[seat, verdict, name]
+        """Add a step's refusals to runs. A catch or contest ends the hunter's runs."""
+        busy = contested.union(ruling.hunter for ruling in by_rank if ruling.success)
+        self._running = {key: run for key, run in self._running.items() if run.seat not in busy}
         for ruling in by_rank:
-            if ruling.hunter not in told_elsewhere:
-                self._add(ruling, judged_ms, _RANKED)
+            if ruling.hunter not in busy:
+                self._add(ruling, judged_ms, by_name=False)
         for ruling in by_name:
-            self._add(ruling, judged_ms, self._run_of_name(ruling))
+            self._add(ruling, judged_ms, by_name=True)
 
-    def _run_of_name(self, ruling: Ruling) -> str:
-        name = repr(ruling.target)
-        if (ruling.hunter, ruling.verdict, name) not in self._running:
-            if self._names[ruling.hunter, ruling.verdict] == _MOST_NAMES:
-                return _OTHER_NAMES
-            self._names[ruling.hunter, ruling.verdict] += 1
-        return name
-
-    def _add(self, ruling: Ruling, judged_ms: int, which: str) -> None:
-        target = None if ruling.target is None or which == _OTHER_NAMES else str(ruling.target)
-        run = self._running.get((ruling.hunter, ruling.verdict, which))
+    def _add(self, ruling: Ruling, judged_ms: int, *, by_name: bool) -> None:
+        target = None if ruling.target is None else str(ruling.target)
+        key = (ruling.hunter, ruling.verdict, (target,) if by_name else "rank")
+        run = self._running.get(key)
         if run is None or run.target != target:
             step = ruling.step + 1
-            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target)
-            run.by_name, run.other_names = which != _RANKED, which == _OTHER_NAMES
-            self._running[ruling.hunter, ruling.verdict, which] = run
+            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target, by_name)
+            self._running[key] = run
             self.found.append(run)
         run.times += 1
         run.last_step, run.last_ms = ruling.step + 1, judged_ms

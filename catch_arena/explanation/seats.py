@@ -7,9 +7,9 @@ from catch_arena.errors import ConfigError, require_type, suggest
 from catch_arena.replay import Replay
 
 
-def labels(names: Sequence[str], kind: str = "hunter") -> tuple[str, ...]:
-    """Return unique labels of agents, by seat or by index of prey; a name that occurs twice gets its seat or index."""
-    return tuple(f"{name} ({kind}_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
+def labels(names: Sequence[str]) -> tuple[str, ...]:
+    """Return unique labels of hunters, by seat; a name that occurs twice gets its seat."""
+    return tuple(f"{name} (hunter_{seat})" if names.count(name) > 1 else name for seat, name in enumerate(names))
 
 
 def prey_labels(replay: Replay) -> tuple[str, ...]:

@@ -1,7 +1,6 @@
 """R7.5: targets that each hunter saw, and the reasons why it did not see the others."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -97,10 +96,7 @@ class SeenTargets:
 
     def unseen(self, world: World, seat: int) -> list[Unseen]:
         """Return the targets out of a seat's sight, the nearest first."""
-        return sorted(self._unseen(world, seat), key=lambda one: one.distance_um)
-
-    def _unseen(self, world: World, seat: int) -> Iterator[Unseen]:
-        config, me = self._config, world.hunters[seat]
+        config, me, found = self._config, world.hunters[seat], []
         for target, seen in zip(world.targets, self.of(world, seat), strict=True):
             if seen:
                 continue
@@ -109,4 +105,5 @@ class SeenTargets:
             too_far = config.view_radius_um is not None and um >= config.view_radius_um
             # a target within the radius can only be outside the cone
             outside = not too_far or abs(math.degrees(off)) > config.view_angle_deg / 2.0
-            yield Unseen(target.name, um, abs(math.degrees(off)), too_far, outside)
+            found.append(Unseen(target.name, um, abs(math.degrees(off)), too_far, outside))
+        return sorted(found, key=lambda one: one.distance_um)

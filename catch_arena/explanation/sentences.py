@@ -109,7 +109,7 @@ def refusals_sentence(run: Refusals, match: "Explanation") -> str:
     farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
     place = f"{_from(run.nearest_um)}{farthest}"
     if run.by_name:
-        target = "other names" if run.other_names else name_in_words(run.target)
+        target = name_in_words(run.target)
     else:
         target = _EMPTY_RANK if run.target is None else _called(run.target, prey)
     return f"{when} {name} {often} for {_answered(target, place, run.verdict, reach_um)}."
@@ -207,16 +207,16 @@ def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
 
 def _requested(one: HunterAction, step: "StepExplanation") -> str:
     parts, reach_um = [], step.reaches_um[one.seat]
-    if one.verdict is not None:
+    if (ruling := one.ruling) is not None:
         winner = ""
-        if one.verdict is Verdict.LOST_CONTEST and one.winner is not None:
+        if ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             mate = ", its own team-mate (R11.3)" if one.mate else ""
-            winner = f"; the winner is {step.names[one.winner]}{mate}"
-        parts.append(f"{_answered(one.target or _EMPTY_RANK, _from(one.distance_um), one.verdict, reach_um)}{winner}")
-    parts += [
-        _answered(name_in_words(other.target), _from(other.distance_um), other.verdict, reach_um)
-        for other in one.by_name
-    ]
+            winner = f"; the winner is {step.names[ruling.winner]}{mate}"
+        target = _EMPTY_RANK if ruling.target is None else str(ruling.target)
+        parts.append(f"{_answered(target, _from(ruling.distance_um), ruling.verdict, reach_um)}{winner}")
+    for other in one.by_name:
+        name = name_in_words(None if other.target is None else str(other.target))
+        parts.append(_answered(name, _from(other.distance_um), other.verdict, reach_um))
     return f"It requested {'; then '.join(parts) or 'nothing'}."
 
 

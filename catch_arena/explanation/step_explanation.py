@@ -9,7 +9,7 @@ from typing import Any
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Answer, Contest, HunterAction, PreyAction, facts_as_json
+from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels
 from catch_arena.explanation.seen_targets import SeenTargets
@@ -22,7 +22,7 @@ from catch_arena.explanation.sentences import (
 from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
 from catch_arena.text import with_type
-from catch_arena.verdicts import REASONS, Ruling, Verdict
+from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 
@@ -37,11 +37,11 @@ class StepExplanation:
     names: tuple[str, ...]
     """Labels of the hunters, by seat."""
     hunters: tuple[HunterAction, ...]
-    """Actions of the hunters that the explanation is about; in JSON `asked`."""
+    """Actions of the hunters that the explanation is about."""
     prey: tuple[PreyAction, ...]
     """Actions of the prey that the explanation is about."""
     prey_by_target: dict[str, str]
-    """Label of the prey by the name of each target that it plays; in JSON `played`."""
+    """Label of the prey by the name of each target that it plays."""
     distances_um: dict[str, tuple[int, ...]]
     """Distances of all hunters, by seat, to each target that these agents play, chose or requested (R5.3)."""
     out_of_sight: dict[str, tuple[int, ...]]
@@ -65,7 +65,8 @@ class StepExplanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        return facts_as_json(self)
+        found: dict[str, Any] = json_ready(self)
+        return found
 
 
 def step_at(replay: Replay, at_s: float) -> int:
@@ -120,9 +121,9 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     )
     prey = tuple(_prey_action(replay, before, after, index) for index in prey_indices)
     played = {one.target for one in prey if one.target is not None}
-    chosen = {name for one in hunters for name in (one.chosen, one.target) if name is not None}
-    asked = {one.target for hunter in hunters for one in hunter.by_name if one.target is not None}
-    named = (played | chosen | asked) & {target.name for target in before.targets}
+    chosen = {one.chosen for one in hunters}
+    asked = {ruling.target for one in hunters for ruling in (one.ruling, *one.by_name) if ruling is not None}
+    named = {target.name for target in before.targets if target.name in played | chosen | asked}
     unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
@@ -137,7 +138,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
             if one.target is not None
         },
         distances_um={
-            target.name: tuple(_distances(before, (target.x, target.y)))
+            target.name: tuple(int(measure_um(target.x - hunter.x, target.y - hunter.y)) for hunter in before.hunters)
             for target in before.targets
             if target.name in named
         },
@@ -187,11 +188,7 @@ def _hunter_action(
         control=replay.config.controls[seat],
         action=replay.action(step, seat),
         chosen=view[rank - 1] if 0 < rank <= len(view) else None,
-        target=None if ruling is None or ruling.target is None else str(ruling.target),
-        verdict=None if ruling is None else ruling.verdict,
-        reason=None if ruling is None else REASONS[ruling.verdict],
-        distance_um=None if ruling is None else ruling.distance_um,
-        winner=None if ruling is None else ruling.winner,
+        ruling=ruling,
         mate=(
             ruling is not None
             and ruling.verdict is Verdict.LOST_CONTEST
@@ -201,13 +198,5 @@ def _hunter_action(
         out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,
-        by_name=tuple(
-            Answer(None if one.target is None else str(one.target), one.verdict, one.reason, one.distance_um)
-            for one in by_name
-            if one.hunter == seat
-        ),
+        by_name=tuple(one for one in by_name if one.hunter == seat),
     )
-
-
-def _distances(world: World, place: tuple[float, float]) -> list[int]:
-    return [int(measure_um(place[0] - hunter.x, place[1] - hunter.y)) for hunter in world.hunters]

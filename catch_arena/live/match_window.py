@@ -2,13 +2,13 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Final
 
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import OutputError
 from catch_arena.live import overlays
 from catch_arena.live.user_input import InputState, UserCommand, user_command
-from catch_arena.render import hud
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
@@ -17,8 +17,9 @@ from catch_arena.render.viewport import Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
 from catch_arena.replay.motion import StepMotion, step_motion
+from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.match_loop import MatchStopped
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.world import World
 
 SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -32,11 +33,7 @@ _SETTLED_S: Final = 0.2
 """Time after which a resized window is drawn at its new size [s]."""
 
 
-class QuitRequested(Exception):  # noqa: N818 - no error: a person's request
-    """Request of the window's user to end the match."""
-
-
-class RestartRequested(Exception):  # noqa: N818
+class RestartRequested(Exception):  # noqa: N818 - no error: a person's request
     """Request of the window's user to play the match from its beginning."""
 
 
@@ -44,13 +41,13 @@ class MatchWindow:
     """Window for a match at its own pace, which `tournament.match_loop.play` takes as `watch`.
 
     Between two steps it draws the way from one to the other, while the person steers the next step. Its calls raise
-    QuitRequested and RestartRequested.
+    MatchStopped if its user ends the match, and RestartRequested.
 
     Args:
         info: names, colours and settings of the match.
         seed: the match's seed, which the window shows.
         size: (width, height) of the window [pixels].
-        inputs: state of the keys of the person in `seat`; None without a person.
+        inputs: state of the keys of the person in `seat`.
         seat: the person's seat, None without a person.
         save: called with the replay so far; returns a text that says where it is.
     """
@@ -60,14 +57,12 @@ class MatchWindow:
         info: MatchInfo,
         seed: int,
         size: tuple[int, int],
-        *,
-        inputs: InputState | None = None,
-        seat: int | None = None,
-        save: Callable[[Replay], str] | None = None,
+        inputs: InputState,
+        seat: int | None,
+        save: Callable[[Replay], str],
     ) -> None:
         self._info, self._seed = info, seed
         self._inputs, self._seat, self._save = inputs, seat, save
-        self._parties = Parties.of(info.config)
         self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
@@ -78,8 +73,8 @@ class MatchWindow:
         self._motions: list[StepMotion] = []
         self._resized_s: float | None = None
         self._resizing = size
-        self._paused = self._helping = False
-        self._helped = inputs is None
+        self._stopped = self._paused = self._helping = False
+        self._helped = seat is None
         self._speed = SPEEDS.index(1.0)
         self._note, self._note_until_s = "", 0.0
         self.notify("H shows the keys")
@@ -89,31 +84,8 @@ class MatchWindow:
         """Replay of the steps played so far."""
         return self._env.replay()
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the teams and the prey, by party (tournament/parties.py)."""
-        return tuple(self._info.called(seats[0]) for seats in self._parties.seats)
-
-    @property
-    def scores(self) -> tuple[int, ...]:
-        """Scores by party at the last state: catches, then the number of times that each prey was caught."""
-        return (*self._last.team_scores, *(prey.times_caught for prey in self._last.prey))
-
-    @property
-    def catches(self) -> tuple[int, ...]:
-        """Catches by seat, as in `MatchResult.catches`; empty if no team has several hunters."""
-        agents = hud.standings_of(self._last)
-        return tuple(one.score for one in agents) if len(self._parties) < len(agents) else ()
-
-    @property
-    def ranks(self) -> tuple[int, ...]:
-        """Ranks by party, separate for each side as in a tournament; a party that forfeited comes last."""
-        lasted = {agent: step for step, agent in self.replay.withdrawals}
-        ends = [next((lasted[seat] for seat in seats if seat in lasted), None) for seats in self._parties.seats]
-        return ranks_of_sides(self.scores, ends, self._parties.hunting)
-
     def __call__(self, env: CatchArenaEnv) -> None:
-        """Show the next state of the match; the first one begins it, and the last one shows the result."""
+        """Show the next state of the match; the first one begins it."""
         self._env = env
         world = env.world()
         self._renderer.observe(world.step, env.hunter_observations())
@@ -126,8 +98,6 @@ class MatchWindow:
         self._motions.append(motion)
         self._renderer.enter(motion)
         self._run(motion)
-        if not env.agents:
-            self._end(world)
 
     def wait(self) -> None:
         """Draw one frame while an agent takes long, with the match as played until now."""
@@ -177,21 +147,21 @@ class MatchWindow:
             self._clock.tick(_FPS)
             self._ahead_ms = 0.0
 
-    def _end(self, world: World) -> None:
-        """Show the winner until the user quits or restarts; the standings are in the panel."""
-        title = overlays.verdict(self._info, self._parties, self.ranks, self.scores)
+    def show_result(self, result: MatchResult) -> None:
+        """Show the winner until the user quits or restarts, unless the user has quit; the panel has the standings."""
+        title = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
         card = overlays.card_overlay(self._area, title, (), "R: again    Ctrl-S: save    Esc: end")
-        while True:
-            self._draw(self._motions[-1], world.time_ms, [*card, *self._note_shapes()])
-            self._events()
-            self._clock.tick(_FPS)
+        with suppress(MatchStopped):
+            while not self._stopped:
+                self._draw(self._motions[-1], self._last.time_ms, [*card, *self._note_shapes()])
+                self._events()
+                self._clock.tick(_FPS)
 
     def _events(self) -> list[Any]:
         """Handle the events since the last call and return them."""
         events = list(pygame.event.get())
         for event in events:
-            if self._inputs is not None:
-                self._inputs.handle(event)
+            self._inputs.handle(event)
             if event.type == pygame.JOYDEVICEADDED:
                 self._pads.append(pygame.joystick.Joystick(event.device_index))
             command = user_command(event)
@@ -202,7 +172,8 @@ class MatchWindow:
 
     def _execute(self, command: UserCommand) -> None:
         if command is UserCommand.QUIT:
-            raise QuitRequested
+            self._stopped = True
+            raise MatchStopped
         if command is UserCommand.RESTART:
             raise RestartRequested
         if command is UserCommand.PAUSE:
@@ -236,8 +207,6 @@ class MatchWindow:
         self.notify("nobody's view" if self._view_of is None else f"what {self._info.names[self._view_of]} sees")
 
     def _save_replay(self) -> None:
-        if self._save is None:
-            return
         try:
             self.notify(f"saved: {self._save(self.replay)}")
         except OutputError as error:
@@ -285,7 +254,7 @@ class MatchWindow:
         return overlays.seat_pointer(viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
-        rows = overlays.WINDOW if self._inputs is None else (*overlays.DRIVING, *overlays.WINDOW)
+        rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)
         return overlays.card_overlay(self._area, "Keys", rows, below)
 
     def _note_shapes(self) -> list[Shape]:

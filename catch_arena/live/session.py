@@ -1,24 +1,23 @@
 """Session of one match in the window, which its user may restart any number of times."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from typing import ClassVar, NamedTuple
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.live.match_window import MatchWindow, QuitRequested, RestartRequested
+from catch_arena.live.match_window import MatchWindow, RestartRequested
 from catch_arena.live.patient_players import PatientPlayers
 from catch_arena.live.user_input import InputState
 from catch_arena.policy import Policy, PreyView, View
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
-from catch_arena.text import printable_lines
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.limits import AgentLimits
 from catch_arena.tournament.isolation.playing import in_seats, sandbox_for, start_players
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import Forfeit
+from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
@@ -63,19 +62,13 @@ class Lineup:
         return {seat: entrant for seat, entrant in enumerate(self.entrants) if entrant is not None}
 
 
-class SessionResult(NamedTuple):
-    """Result of the match that was played last, ended or not; tuples are by party (tournament/parties.py)."""
+class ShownMatch(NamedTuple):
+    """Match that was played last, ended or not."""
 
+    result: MatchResult
     replay: Replay
     names: tuple[str, ...]
-    scores: tuple[int, ...]
-    ranks: tuple[int, ...]
-    details: tuple[Forfeit | None, ...]
-    """Forfeit of each party, None without one."""
-    catches: tuple[int, ...]
-    """Catches by seat, as in `MatchResult`."""
-    logs: tuple[str, ...]
-    """Texts that isolated agents printed, by seat."""
+    """Names of the teams and the prey, by party (tournament/parties.py)."""
 
 
 def show_match(
@@ -87,7 +80,7 @@ def show_match(
     title: str,
     size: tuple[int, int],
     save: Callable[[Replay], str],
-) -> SessionResult:
+) -> ShownMatch:
     """Play a match in a window until its user has seen enough.
 
     Args:
@@ -104,50 +97,25 @@ def show_match(
         NoContest: if isolated agents could not be held.
     """
     inputs = InputState()
-    window = MatchWindow(
-        MatchInfo.of(config, lineup.names, title),
-        seed,
-        size,
-        inputs=None if lineup.person is None else inputs,
-        seat=lineup.person,
-        save=save,
-    )
+    info = MatchInfo.of(config, lineup.names, title)
+    window = MatchWindow(info, seed, size, inputs, lineup.person, save)
     try:
         with sandbox_for(limits) as sandbox:
             while True:
-                forfeits: dict[int, Forfeit] = {}
-
-                def on_forfeit(seat: int, forfeit: Forfeit, forfeits: dict[int, Forfeit] = forfeits) -> None:
-                    forfeits[seat] = forfeit
-                    window.notify(f"{lineup.names[seat]} is out: {forfeit}")
-
-                with _players(lineup, inputs, sandbox, window) as players:
-                    try:
-                        play(
-                            config,
-                            seed,
-                            players,
-                            lineup.names,
-                            title=title,
-                            record=BytesIO(),  # a recorded match can be saved at any time
-                            watch=window,
-                            on_forfeit=on_forfeit,
-                        )
-                    except RestartRequested:
-                        continue
-                    except QuitRequested:
-                        pass
-                    logs = players.logs()
-                parties = Parties.of(config).seats
-                return SessionResult(
-                    window.replay,
-                    window.names,
-                    window.scores,
-                    window.ranks,
-                    tuple(next((forfeits[seat] for seat in seats if seat in forfeits), None) for seats in parties),
-                    window.catches,
-                    tuple(printable_lines(logs.get(seat, "")) for seat in range(len(lineup.names))),
-                )
+                with suppress(RestartRequested), _players(lineup, inputs, sandbox, window) as players:
+                    result = play(
+                        config,
+                        seed,
+                        players,
+                        lineup.names,
+                        title=title,
+                        record=BytesIO(),  # a recorded match can be saved at any time
+                        watch=window,
+                        on_forfeit=lambda seat, forfeit: window.notify(f"{lineup.names[seat]} is out: {forfeit}"),
+                    )
+                    window.show_result(result)
+                    names = tuple(info.called(seats[0]) for seats in Parties.of(config).seats)
+                    return ShownMatch(result, window.replay, names)
     finally:
         window.close()
 

@@ -15,7 +15,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.config import ArenaConfig
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.seats import labels, prey_labels
@@ -55,8 +54,8 @@ def encode_bundle(replay: Replay) -> bytes:
     Raises:
         ReplayError: if it is no replay, or a damaged one.
     """
-    info = MatchInfo.of_replay(replay)
-    names, prey_names = labels(replay.hunter_names), labels(replay.prey_names, "prey")
+    config, info = replay.config, MatchInfo.of_replay(replay)
+    names, prey_names = labels(replay.hunter_names), prey_labels(replay)
     hunters: list[Track] = [[] for _ in names]
     lives: list[list[int]] = [[] for _ in prey_names]
     targets: dict[int, tuple[int, Track]] = {}
@@ -64,7 +63,6 @@ def encode_bundle(replay: Replay) -> bytes:
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
-    prey_names = prey_labels(replay)
     left = {agent: before for before, agent in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
         for seat, (hunter, poses) in enumerate(zip(world.hunters, hunters, strict=True)):
@@ -82,17 +80,17 @@ def encode_bundle(replay: Replay) -> bytes:
     facts = {
         "title": replay.title,
         "seed": str(replay.seed),  # seeds may exceed JavaScript's exact integers
-        "side": replay.config.side_m,
-        "period": replay.config.control_period_ms,
+        "side": config.side_m,
+        "period": config.control_period_ms,
         "steps": replay.steps,
         "grid": GRID,
         "turn": TURN,
-        "view": _view(replay.config),
+        "view": {"radius": config.view_radius_m, "angle": config.view_angle_deg} if config.partial_view else None,
         "hunters": [
             {
                 "name": name,
                 "color": css(info.color(seat)),
-                "reach": replay.config.reaches[seat],
+                "reach": config.reaches[seat],
                 "pieces": info.rings[seat],
             }
             for seat, name in enumerate(names)
@@ -108,17 +106,12 @@ def encode_bundle(replay: Replay) -> bytes:
     }
     bodies = [*hunters, *(poses for _, poses in targets.values())]
     head = json.dumps(facts, separators=(",", ":"), ensure_ascii=False).encode()
-    return head + b"\n" + _tracks(bodies, replay.config.side_m)
+    return head + b"\n" + _tracks(bodies, config.side_m)
 
 
 def css(color: Color) -> str:
     """Return a colour in the notation of style sheets."""
     return "#{:02x}{:02x}{:02x}".format(*color)
-
-
-def _view(config: ArenaConfig) -> dict[str, float | None] | None:
-    """R7.5: return the radius and angle of hunters' views; None if they see everything."""
-    return {"radius": config.view_radius_m, "angle": config.view_angle_deg} if config.partial_view else None
 
 
 def _contest(contest: Contest, names: tuple[str, ...], prey: str | None) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Video of highlights: slow motion around the decisive instant, and a caption."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Final
@@ -26,7 +26,6 @@ from catch_arena.render.video import (
     frame_size,
     frames_of,
     observed_worlds,
-    viewed_seats,
     write_video,
 )
 from catch_arena.replay import Replay
@@ -54,17 +53,15 @@ def render_highlights(
     *,
     size: tuple[int, int] | None = None,
     fps: int | None = None,
-    view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`; a match
-    without such a view shows no view. No half-written file is left.
+    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`. No
+    half-written file is left.
 
     Raises:
-        ConfigError: for no highlights, and an invalid ending, size or fps; for a hunter that has no view to show in
-            any of the matches.
+        ConfigError: for no highlights, and an invalid ending, size or fps.
         OutputError: if the video cannot be written.
         ReplayError: if a match does not play as recorded.
     """
@@ -73,9 +70,7 @@ def render_highlights(
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
     frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)
-    paths = list(dict.fromkeys(found for found, _ in highlights))
-    views = dict(zip(paths, viewed_seats(map(Replay.load, paths), view_of), strict=True))
-    return write_video(path, _pictures(highlights, views, within, fps), within, fps, frames, progress)
+    return write_video(path, _pictures(highlights, within, fps), within, fps, frames, progress)
 
 
 def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
@@ -86,9 +81,7 @@ def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
     return [(time_ms, part.speed == SLOW) for part in parts for time_ms in part.times_ms if time_ms < part.end_ms]
 
 
-def _pictures(
-    highlights: Sequence[tuple[str, Highlight]], views: Mapping[str, int | None], size: tuple[int, int], fps: int
-) -> Iterator[Pixels]:
+def _pictures(highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
     below = round(_CAPTION * height)
@@ -97,7 +90,6 @@ def _pictures(
         replay = Replay.load(path)
         info = MatchInfo.of_replay(replay, replay.title or Path(path).stem)
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
-        renderer.view_of = views[path]
         times = slow_motion(highlight, fps)
         pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
         where = f"{Path(path).stem}   {number} of {len(highlights)}"
@@ -106,7 +98,11 @@ def _pictures(
             frame.clear(caption, hud.CARD)
             frame.draw(caption_shapes(caption, highlight, where, slow=slow))
             seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
-            yield frame.pixels if seen == 1.0 else _dimmed(frame.pixels, seen)
+            yield (
+                frame.pixels
+                if seen == 1.0
+                else np.asarray(cv2.convertScaleAbs(frame.pixels, alpha=seen), dtype=np.uint8)
+            )
 
 
 def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bool) -> list[Shape]:
@@ -130,7 +126,3 @@ def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bo
         Label(area.left + pad, lower, highlight.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
         Label(right, lower, about, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
     ]
-
-
-def _dimmed(pixels: Pixels, part: float) -> Pixels:
-    return np.asarray(cv2.convertScaleAbs(pixels, alpha=part), dtype=np.uint8)

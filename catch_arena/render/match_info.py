@@ -87,8 +87,7 @@ class MatchInfo:
     @classmethod
     def of_replay(cls, replay: Replay, title: str | None = None) -> "MatchInfo":
         """Return the facts of a recorded match; `title` replaces its own title."""
-        lasted_ms = replay.steps * replay.config.control_period_ms
-        return cls.of(replay.config, replay.names, replay.title if title is None else title, lasted_ms)
+        return cls.of(replay.config, replay.names, replay.title if title is None else title, replay.duration_ms)
 
     @property
     def has_teams(self) -> bool:

@@ -19,7 +19,6 @@ from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
-    duration_ms,
     frame_rate,
     frame_size,
     pace_of,
@@ -40,6 +39,7 @@ LEAST_SIDE: Final = 72
 """Least side of an arena [pixels]; a smaller one shows nothing."""
 _STRIP: Final = 0.09
 _LABEL: Final = 0.075
+_GAP: Final = 0.025
 _STAYS_S: Final = 2.0
 """Time for which the last result is seen [s of the video]."""
 
@@ -76,16 +76,16 @@ class Grid(NamedTuple):
         return found
 
 
-def fit_grid(count: int, size: tuple[int, int], extra: float, gap: float = 0.025) -> Grid:
-    """Return the grid of `count` cells with the largest squares; `extra` and `gap` are parts of a square's side."""
+def fit_grid(count: int, size: tuple[int, int], extra: float) -> Grid:
+    """Return the grid of `count` cells with the largest squares; `extra` is a part of a square's side."""
     width, height = size
 
     def grid(columns: int) -> Grid:
         rows = -(-count // columns)
-        wide = width / (columns + (columns + 1) * gap)
-        high = height / (rows * (1.0 + extra) + (rows + 1) * gap)
+        wide = width / (columns + (columns + 1) * _GAP)
+        high = height / (rows * (1.0 + extra) + (rows + 1) * _GAP)
         side = int(min(wide, high))
-        return Grid(columns, rows, side - side % 2, round(extra * side), max(2, round(gap * side)))
+        return Grid(columns, rows, side - side % 2, round(extra * side), max(2, round(_GAP * side)))
 
     return max(map(grid, range(1, count + 1)), key=lambda one: one.side)
 
@@ -138,7 +138,7 @@ def render_mosaic(
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
     """Return an instant late enough for the last frame to show the match's end [ms]."""
-    return duration_ms(replay) + math.ceil(1000 * pace / fps)
+    return replay.duration_ms + math.ceil(1000 * pace / fps)
 
 
 def _pictures(

@@ -1,7 +1,7 @@
 """Pictures of a match: successive frames for videos, single ones for `env.render()`, and PNG."""
 
 import base64
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Final, get_args
 
 import numpy as np
@@ -252,22 +252,20 @@ class ArenaPainter:
 
     Args:
         config: the arena's settings.
-        names: the agents' names, hunters by seat and then prey.
         size: (width, height) [pixels].
         layout: "arena" or "broadcast".
 
     Raises:
-        ConfigError: for a size below SMALLEST or above LARGEST, and if there is not one name for each agent.
+        ConfigError: for a size below SMALLEST or above LARGEST.
     """
 
     def __init__(
         self,
         config: ArenaConfig,
-        names: Sequence[str] | None = None,
         size: tuple[int, int] = (500, 500),
         layout: hud.Layout = "arena",
     ) -> None:
-        self._renderer = MatchRenderer(MatchInfo.of(config, names), checked_size(size), layout)
+        self._renderer = MatchRenderer(MatchInfo.of(config), checked_size(size), layout)
         self._last: World | None = None
 
     def paint(self, world: World) -> Pixels:

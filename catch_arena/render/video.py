@@ -139,11 +139,6 @@ def _viewed_seat(replay: Replay, hunter: int | str) -> int:
     return seat
 
 
-def duration_ms(replay: Replay) -> int:
-    """Return the duration of a match [ms]."""
-    return replay.steps * replay.config.control_period_ms
-
-
 def rendered_frames(replay: Replay, renderer: MatchRenderer, clip: Clip) -> Iterator[Pixels]:
     """Yield the frames of a recorded match; see `frames_of`."""
     return frames_of(observed_worlds(replay, renderer), renderer, clip.times_ms)
@@ -176,7 +171,7 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
     """
     fps = frame_rate(kind, fps)
     pace = pace_of(speed)
-    whole_s = duration_ms(replay) / 1000.0
+    whole_s = replay.duration_ms / 1000.0
     until_s = whole_s if end_s is None else end_s
     if not 0.0 <= start_s <= whole_s:
         raise ConfigError(f"the start must lie in the match, [0, {whole_s:g}] s, got {start_s!r}")

@@ -1,47 +1,39 @@
 """Comparison of two replays: the first differences."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import zip_longest
 from typing import Any
 
 import numpy as np
 
+from catch_arena.config import ArenaConfig
 from catch_arena.replay.recording import Replay
 from catch_arena.replay.state_differences import first_lines, state_differences, state_name
 from catch_arena.replay.states import scores
 
 
-def replay_differences(one: Replay, other: Replay, labels: tuple[str, str] = ("in A", "in B")) -> list[str]:
-    """Return the differences of two replays: of headers, first actions, first state with its numbers, and scores.
-
-    The recorded data are compared; `verification.verify` checks them.
-
-    Args:
-        one: the first replay.
-        other: the second replay.
-        labels: the names of the replays in the lines.
-
-    Returns:
-        a line for each difference; [] for equal replays.
+def replay_differences(one: Replay, other: Replay) -> list[str]:
+    """Return a line for each difference of two replays: of headers, first actions, first state with its numbers, and
+    scores; [] for equal replays. The recorded data are compared; `verification.verify` checks them.
     """
-    found = [f"{name}: {ours} {labels[0]}, {theirs} {labels[1]}" for name, ours, theirs in _headers(one, other)]
+    found = [f"{name}: {ours} in A, {theirs} in B" for name, ours, theirs in _headers(one, other)]
     for what in ("hunters", "prey"):
         if getattr(one.config, what) != getattr(other.config, what):
             return [*found, f"with different numbers of {what}, actions and states are not compared"]
     steps = min(one.steps, other.steps)
-    found += _first_actions(one, other, steps, labels)
+    found += _first_actions(one, other, steps)
     if one.config.targets_move == other.config.targets_move:
-        found += _first_state(one, other, steps, labels)
+        found += _first_state(one, other, steps)
     else:
-        found.append(f"targets move {labels[0 if one.config.targets_move else 1]} alone: states are not compared")
+        found.append(f"targets move in {'A' if one.config.targets_move else 'B'} alone: states are not compared")
     if one.steps != other.steps:
-        found.append(f"steps: {one.steps} {labels[0]}, {other.steps} {labels[1]}")
+        found.append(f"steps: {one.steps} in A, {other.steps} in B")
     if found:
         ours, theirs = (scores(each.states[-1], each.config) for each in (one, other))
         for what, *results in zip(("final scores", "times that prey was caught"), ours, theirs, strict=True):
             if results[0]:
                 shown = [", ".join(map(str, result)) for result in results]
-                same = "the same in both" if shown[0] == shown[1] else f"{labels[0]}, {shown[1]} {labels[1]}"
+                same = "the same in both" if shown[0] == shown[1] else f"in A, {shown[1]} in B"
                 found.append(f"{what}: {shown[0]} {same}")
     return found
 
@@ -58,7 +50,7 @@ def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
         for place, names in enumerate(zip_longest(ours, theirs)):
             if names[0] != names[1]:
                 yield f"the agent of {side}_{place}", repr(names[0]), repr(names[1])
-    settings, others = ({**_flat(each.config.to_dict()), "control": None} for each in (one, other))
+    settings, others = ({**flat_settings(each.config), "control": None} for each in (one, other))
     for name in sorted(settings.keys() | others.keys()):
         if settings.get(name) != others.get(name):
             yield name, settings.get(name), others.get(name)
@@ -67,27 +59,27 @@ def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
             yield f"control of hunter_{seat}", *controls
 
 
-def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings with groups as single entries: `gains` becomes `gains.kp_v` and so on."""
+def flat_settings(config: ArenaConfig) -> dict[str, Any]:
+    """Return the settings as one table, with groups as single entries: `gains` becomes `gains.kp_v` and so on."""
     flat: dict[str, Any] = {}
-    for name, value in settings.items():
+    for name, value in config.to_dict().items():
         parts = value.items() if isinstance(value, dict) else None
         flat |= {name: value} if parts is None else {f"{name}.{part}": number for part, number in parts}
     return flat
 
 
-def _first_actions(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
+def _first_actions(one: Replay, other: Replay, steps: int) -> list[str]:
     """Return the differences of actions and withdrawals in the first step that has any; [] if there are none."""
     agents = one.config.hunter_names + one.config.prey_names
     for step in range(steps + 1):
         gone = [set(each.withdrawn_before(step)) for each in (one, other)]
         found = [
-            f"before step {step + 1}: {agents[agent]} is withdrawn {labels[0 if agent in gone[0] else 1]} alone"
+            f"before step {step + 1}: {agents[agent]} is withdrawn in {'A' if agent in gone[0] else 'B'} alone"
             for agent in sorted(gone[0] ^ gone[1])
         ]
         for agent, ours, theirs in zip(agents, *(_actions(each, step) for each in (one, other)), strict=False):
             if ours != theirs:
-                found.append(f"step {step + 1}: {agent} acts otherwise: {ours} {labels[0]}, {theirs} {labels[1]}")
+                found.append(f"step {step + 1}: {agent} acts otherwise: {ours} in A, {theirs} in B")
         if found:
             return found
     return []
@@ -104,7 +96,7 @@ def _actions(replay: Replay, step: int) -> list[str]:
     return hunters + [replay.prey_action(step, index) for index in range(replay.config.prey)]
 
 
-def _first_state(one: Replay, other: Replay, steps: int, labels: tuple[str, str]) -> list[str]:
+def _first_state(one: Replay, other: Replay, steps: int) -> list[str]:
     agents = one.config.hunter_names + one.config.prey_names
     for step in range(steps + 1):
         ours, theirs = one.states[step], other.states[step]
@@ -112,6 +104,6 @@ def _first_state(one: Replay, other: Replay, steps: int, labels: tuple[str, str]
             names = [
                 name if name == twin else seat for name, twin, seat in zip(one.names, other.names, agents, strict=True)
             ]
-            lines = state_differences(one.config, names, ours, theirs, labels)
+            lines = state_differences(one.config, names, ours, theirs, ("in A", "in B"))
             return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]
     return []

@@ -101,7 +101,9 @@ def step_motion(before: World, after: World) -> StepMotion:
     ]
     began = {target.number: target for target in before.targets}
     targets = {
-        end.number: _body_ticks(began.get(end.number, end), end, ticks, after.side_m) if moved else _still(end, ticks)
+        end.number: _body_ticks(began.get(end.number, end), end, ticks, after.side_m)
+        if moved
+        else [(end.x, end.y, end.theta)] * (ticks + 1)
         for end in after.targets
     }
     return StepMotion(
@@ -115,10 +117,6 @@ def step_motion(before: World, after: World) -> StepMotion:
             for tick in range(ticks + 1)
         ),
     )
-
-
-def _still(target: TargetState, ticks: int) -> list[Pose2D]:
-    return [(target.x, target.y, target.theta)] * (ticks + 1)
 
 
 def _body_ticks(

@@ -13,10 +13,10 @@ import numpy as np
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
-from catch_arena.core.jit import entry
 from catch_arena.core.random import kill_service_down
 from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import LENGTH, Reader, pack_columns, pack_json
+from catch_arena.replay.states import USED_UP, QuantisedState, parts_of
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -28,8 +28,6 @@ MOST_CHARACTERS: Final = 1 << 20
 _LONGEST_NAME: Final = 256
 """Number of characters kept of a name, one more than R5.2 allows: a longer name stays too long."""
 _LONGEST_SHOWN: Final = 60
-_MOST_DIGITS: Final = 9
-"""Largest number of digits of a target's number, far more than a replay needs."""
 _LONGEST_TABLE: Final = 1 << 24
 _FOR_A_RANK: Final = frozenset({Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED})
 """Verdicts on targets in reach. Those are always in view (R7.5), so they have a rank."""
@@ -98,6 +96,8 @@ def judge_again(
             state.
     """
     ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings]
+    with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
+        kill_service_up = not kill_service_down(np.uint64(seed), before.step, config.faults.kill_down)
     rulings = arbitrate(
         hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
         targets={target.name: (target.x, target.y) for target in before.targets},
@@ -108,7 +108,7 @@ def judge_again(
         step=before.step,
         caught=caught,
         inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
-        kill_service_up=not _kill_service_down(np.uint64(seed), before.step, config.faults.kill_down),
+        kill_service_up=kill_service_up,
     )[len(ranked) :]
     for ruling in rulings:
         if ruling.verdict in _FOR_A_RANK:
@@ -145,7 +145,9 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
         ReplayError: for requests that no hunter could have made.
     """
     names = reader.json("table of names", _LONGEST_TABLE)
-    if not isinstance(names, list) or not all(map(_is_kept, names)):
+    if not isinstance(names, list) or any(
+        name is not None and not (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
+    ):
         raise ReplayError("holds requests for names that no replay keeps")
     count = reader.length()
     if not 0 < count <= MOST_REQUESTS:
@@ -163,19 +165,10 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
     ]
 
 
-def _is_kept(name: object) -> bool:
-    return name is None or (isinstance(name, str) and len(name) <= _LONGEST_NAME)
-
-
-def number_of(config: ArenaConfig, name: str | None) -> int | None:
-    """Return the number of the target that has or would have this name (R3.4); None for a name of another form."""
-    digits = (name or "").removeprefix(config.name_prefix)
-    if not (digits.isascii() and digits.isdecimal() and len(digits) <= _MOST_DIGITS):
-        return None
-    return int(digits) if config.target_name(int(digits)) == name else None
-
-
-@entry
-def _kill_service_down(seed: np.uint64, step: int, rate: float) -> bool:
-    """R8.3: return whether the kill service is down: the core's rule, callable from Python."""
-    return kill_service_down(seed, step, rate)
+def has_appeared(name: str, states: Sequence[QuantisedState], config: ArenaConfig) -> bool:
+    """R3.4: return whether a target of this name is in one of the states; refused spawns use up numbers, too."""
+    digits = name.removeprefix(config.name_prefix)
+    if not digits.isdecimal() or config.target_name(int(digits)) != name:
+        return False
+    first = bisect_left(states, int(digits), key=lambda state: int(state[USED_UP]))
+    return first < len(states) and int(digits) in parts_of(states[first], config).targets[:, 0]

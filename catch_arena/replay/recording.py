@@ -16,9 +16,9 @@ from catch_arena.engine import Engine
 from catch_arena.equality import equal_fields
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
-from catch_arena.replay.named_requests import NamedRequest, judge_again, name_in_words, number_of, requests_of_step
+from catch_arena.replay.named_requests import NamedRequest, has_appeared, judge_again, name_in_words, requests_of_step
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
-from catch_arena.replay.states import QuantisedState, has_appeared, quantise
+from catch_arena.replay.states import QuantisedState, quantise
 from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
@@ -68,6 +68,11 @@ class Replay:
     def steps(self) -> int:
         """Number of steps played."""
         return len(self.choices)
+
+    @property
+    def duration_ms(self) -> int:
+        """Duration of the steps played [ms]."""
+        return self.steps * self.config.control_period_ms
 
     def action(self, step: int, seat: int) -> str:
         """Return a hunter's action in a step, counted from 0, in words; nine digits distinguish all float32 numbers."""
@@ -170,11 +175,7 @@ class Replay:
             return []
         gone = {one.name for one in requests if one.name is not None} - {target.name for target in before.targets}
         states = self.states[: before.step + 1]
-        caught = {
-            name
-            for name in gone
-            if (number := number_of(self.config, name)) is not None and has_appeared(number, states, self.config)
-        }
+        caught = {name for name in gone if has_appeared(name, states, self.config)}
         return judge_again(self.config, self.seed, requests, caught, before, after)
 
     def _repr_html_(self) -> str:

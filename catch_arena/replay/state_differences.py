@@ -59,7 +59,8 @@ def state_differences(
             continue
         for (what, unit), *values in zip(tables[group].items(), mine, yours, strict=True):
             if values[0] != values[1]:
-                found.append(f"{who}: {what} is {_compared(config, unit, values, labels)}{_apart(what, unit, values)}")
+                shown = [f"{_shown(config, unit, value)} {label}" for value, label in zip(values, labels, strict=True)]
+                found.append(f"{who}: {what} is {' and '.join(shown)}{_apart(what, unit, values)}")
     return found or ["every number by less than a millionth of its unit"]
 
 
@@ -80,10 +81,6 @@ def _called(config: ArenaConfig, names: Sequence[str], group: int, number: int) 
     agent = number if group == _HUNTERS else config.hunters + number
     name = (config.hunter_names + config.prey_names)[agent]
     return name if name == names[agent] else f"{name} ({names[agent]})"
-
-
-def _compared(config: ArenaConfig, unit: str, values: Sequence[int], labels: tuple[str, str]) -> str:
-    return " and ".join(f"{_shown(config, unit, value)} {word}" for value, word in zip(values, labels, strict=True))
 
 
 def _apart(what: str, unit: str, values: Sequence[int]) -> str:

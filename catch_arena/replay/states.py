@@ -4,7 +4,6 @@ Digests show that two states differ; quantised states show the numbers that diff
 bodies as differences from R2.2's motion, which are almost 0, and the numbers of a still target once.
 """
 
-from bisect import bisect_left
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
@@ -61,7 +60,8 @@ _IDENTITY: Final = (0, 4)
 """Columns of a target that never change: its number, and the time at which it appeared."""
 _MOTION: Final = (1, 2, 3, 5, 6, 7)
 """Columns of a moving target that change: in the order of a hunter's first five, and then the wall flag."""
-_USED_UP: Final = 3
+USED_UP: Final = 3
+"""Column of the arena with the number of target numbers that have been used up."""
 _LARGEST: Final = 2**53
 _MOST_TICKS: Final = WATCHDOG_MS // TICK_MS  # R2.4: after it the velocities are zero
 
@@ -112,12 +112,6 @@ def scores(state: QuantisedState, config: ArenaConfig) -> tuple[list[int], list[
     """Return every hunter's score in a state, and the number of times that each prey was caught."""
     parts = parts_of(state, config)
     return parts.hunters[:, _SCORE].tolist(), parts.prey[:, 1].tolist()
-
-
-def has_appeared(number: int, states: Sequence[QuantisedState], config: ArenaConfig) -> bool:
-    """Return whether a target is in one of the states; refused spawns use up numbers, too."""
-    first = bisect_left(states, number, key=lambda state: int(state[_USED_UP]))
-    return first < len(states) and number in parts_of(states[first], config).targets[:, 0]
 
 
 def driven_seats(config: ArenaConfig) -> list[int]:

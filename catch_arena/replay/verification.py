@@ -41,19 +41,14 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
         if not np.array_equal(state, replay.states[step]):
             other_numbers[step] = state
         if before is not None:
-            impossible += _impossible_request(replay, before, engine.world())
+            try:
+                replay.named_rulings(before, engine.world())
+            except ReplayError as error:
+                impossible.append(str(error))
         before = engine.world() if requests_of_step(replay.named_requests, step) else None
         if progress is not None:
             progress(step, replay.steps)
     return [*impossible[:1], *_faults(replay, other_digests, other_numbers)]
-
-
-def _impossible_request(replay: Replay, before: World, after: World) -> list[str]:
-    try:
-        replay.named_rulings(before, after)
-    except ReplayError as error:
-        return [str(error)]
-    return []
 
 
 def _faults(replay: Replay, other_digests: Sequence[int], other_numbers: Mapping[int, QuantisedState]) -> list[str]:

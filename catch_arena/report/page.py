@@ -15,6 +15,7 @@ import jinja2
 from catch_arena.config import RULESET
 from catch_arena.files import write_whole
 from catch_arena.player import element_script, packed_text, page_file, script_json
+from catch_arena.replay.comparison import flat_settings
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
 from catch_arena.report.selection import SelectedMatch, select_matches
@@ -84,7 +85,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
         forfeits=forfeits[:_MOST_WAYS],
         forfeit_count=sum(way["times"] for way in forfeits),
         forfeit_ways=len(forfeits),
-        settings=_settings(data.tournament.config.to_dict()),
+        settings=flat_settings(data.tournament.config),
         ruleset=RULESET,
         shipped_prey=SHIPPED_PREY,
         recorded=len(data.recorded),
@@ -164,14 +165,3 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1
     return sorted(found.values(), key=lambda way: -way["times"])
-
-
-def _settings(config: dict[str, Any]) -> dict[str, Any]:
-    """Return the settings as one table; a setting of a group has the group's name and a dot in front."""
-    flat: dict[str, Any] = {}
-    for name, value in config.items():
-        if isinstance(value, dict):
-            flat |= {f"{name}.{part}": inner for part, inner in value.items()}
-        else:
-            flat[name] = value
-    return flat

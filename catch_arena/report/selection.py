@@ -45,7 +45,7 @@ def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
     best, hunting = data.names.index(data.standings[0].name), data.parties.hunting
     lost = [one for one in recorded if _lost_by(one, best, hunting)]
     orders = {
-        "contests": sorted(recorded, key=_contests, reverse=True),
+        "contests": sorted(recorded, key=lambda one: sum(one.result.contests_lost), reverse=True),
         "close": sorted(recorded, key=lambda one: _margin(one, hunting)),
         f"{data.names[best]} loses": sorted(lost, key=lambda one: _margin(one, hunting), reverse=True),
         "forfeit": [one for one in recorded if any(one.result.forfeits)],
@@ -62,10 +62,6 @@ def _margin(one: PlayedMatch, hunting: int) -> int:
     """Return the difference between the best two scores of the hunting parties."""
     first, second, *_ = (*sorted(one.result.scores[:hunting], reverse=True), 0)
     return first - second
-
-
-def _contests(one: PlayedMatch) -> int:
-    return sum(one.result.contests_lost)
 
 
 def _lost_by(one: PlayedMatch, entrant: int, hunting: int) -> bool:

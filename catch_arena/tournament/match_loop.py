@@ -25,6 +25,10 @@ _Infos = dict[str, dict[str, Any]]
 """Infos of a step, by agent."""
 
 
+class MatchStopped(Exception):  # noqa: N818 - no error: a request
+    """Request to end a match before its end, raised by `watch` or by the players."""
+
+
 def play(
     config: ArenaConfig,
     seed: int,
@@ -51,7 +55,7 @@ def play(
         agent_seeds: seed of each agent, by seat; if empty, these seeds follow from `seed`.
         title: title of the replay.
         record: file or buffer that the replay is written to; None records nothing.
-        watch: called after the reset and after every step.
+        watch: called after the reset and after every step; if it raises MatchStopped, the result so far is returned.
         on_forfeit: called with (seat, forfeit) for each seat of a party that fails.
         most_steps: number of steps after which the match is stopped; None plays to the end.
 
@@ -74,10 +78,13 @@ def play(
     match = _RunningMatch(env, players, parties, on_forfeit)
     seeds = agent_seeds or [agent_seed(seed, seat) for seat in seats]
     match.forfeit(players.reset(seeds, [player_limits(env.config, seat) for seat in seats]), {})
-    watch(env)
-    while env.agents and match.step != most_steps:
-        observations, infos = match.play_step(observations, infos)
+    try:
         watch(env)
+        while env.agents and match.step != most_steps:
+            observations, infos = match.play_step(observations, infos)
+            watch(env)
+    except MatchStopped:
+        pass
     result = match.result()
     if record is not None:
         env.replay().save(record)
@@ -166,7 +173,7 @@ class _RunningMatch:
             verdicts=tuple(dict(sorted(counts.items())) for counts in self._verdicts),
             contests_won=tuple(self._contests_won[party] for party in range(len(parties))),
             contests_lost=tuple(self._contests_lost[party] for party in range(len(parties))),
-            steps=self.step,
+            steps=world.step,
             digest=self._env.digest().hex(),
             forfeits=tuple(None if one is None else one.code for one in forfeits),
             thinking=tuple(map(MoveTimes, self._moves, self._total_s, self._longest_s)),

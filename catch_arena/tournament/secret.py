@@ -1,4 +1,4 @@
-"""Secret of a tournament, and the seeds that follow from it; docs/howto/tournaments.md, "Seeds", describes it in full.
+"""Secret of a tournament, and the seeds that follow from it; docs/reference/seeds.md describes it in full.
 
 Each seed is a keyed hash of its purpose: nothing about a seed can be computed from other seeds.
 """
@@ -80,7 +80,7 @@ class Secret:
 
         Args:
             purpose: what the seed is for.
-            numbers: indices of the draw, as in the table in docs/howto/tournaments.md; each in [0, 2^64).
+            numbers: indices of the draw, as in the table in docs/reference/seeds.md; each in [0, 2^64).
         """
         return int.from_bytes(_hash(self.key, _SEED_BYTES, purpose, numbers), "little") >> 1
 

@@ -448,7 +448,7 @@ def versions() -> dict[str, str]:
 
 
 def store_bytes(parties: int) -> int:
-    """Return the approximate size of a match in the store [bytes] (docs/howto/tournaments.md)."""
+    """Return the approximate size of a match in the store [bytes] (docs/howto/long_runs.md)."""
     return 90 + 84 * parties
 
 

@@ -14,18 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, require_flag
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.envs.actions import choice_array, clipped, command_array
+from catch_arena.envs.actions import clipped
 from catch_arena.envs.saved import SavedState
 from catch_arena.envs.vector import VectorArena
 from catch_arena.equality import equal_fields
-from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.errors import ConfigError, EpisodeError
 from catch_arena.layout import Column, columns, prey_observation_size
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import in_short
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
-from catch_arena.training.prey_players import Place, PreyPlayers, who_plays_prey
+from catch_arena.training.players import Place, Player, PreyPlayers, action_arrays
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -69,7 +69,7 @@ class SavedLearners:
 
     arena: SavedState
     opponents: SavedOpponents | None
-    prey: Mapping[Place, Any] | None
+    prey: Mapping[Place, Player] | None
     """The agents that play prey, by arena and prey; None without prey."""
     seats: NDArray[np.int64]
     """Seats of the learners, (B, learners)."""
@@ -121,7 +121,8 @@ class LearnerBatch:
         normalise, distinct = require_flag("normalise", normalise), require_flag("distinct", distinct)
         if len(set(config.controls)) > 1:
             raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
-        prey_agent = who_plays_prey(config, prey_agent)
+        if prey_agent is not None and not config.prey:
+            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {prey_agent}")
         most = config.hunters - (opponents is not None)
         if not most:
             raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
@@ -138,8 +139,8 @@ class LearnerBatch:
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
         """The opponents, or None; `add` and `weigh` change the pool for the episodes that begin after the call."""
-        self._prey = None if prey_agent is None else PreyPlayers(config, self.num_envs, prey_agent)
-        self._control = CONTROLS[config.controls[0]]
+        self._prey = PreyPlayers(config, self.num_envs, prey_agent) if config.prey else None
+        self._control: Final = config.controls[0]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
         bounds = np.array([(column.low, column.high) for column in self.columns], dtype=np.float32)
@@ -169,7 +170,7 @@ class LearnerBatch:
     @property
     def masks(self) -> NDArray[np.bool_]:
         """Choices that are legal now, (N, K + 1); (N, 0) under velocity control."""
-        if self._control == CONTROLS["velocity"]:
+        if self._control == "velocity":
             return np.ones((self.num_rows, 0), np.bool_)
         return self._flat(self._masks[self._rows, self._seats]).astype(np.bool_)
 
@@ -297,7 +298,7 @@ class LearnerBatch:
         if self.opponents is not None and saved.opponents is not None:
             self.opponents.restore(saved.opponents)
         if self._prey is not None and saved.prey is not None:
-            self._prey.restore(dict(saved.prey))
+            self._prey.restore(saved.prey)
         self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
         self._rng.bit_generator.state = saved.rng
         self._take(observations, infos)
@@ -339,7 +340,7 @@ class LearnerBatch:
         self._seats = self._seats.copy()
         self._seats[arenas] = own
         drawn = opponents.draw(arenas, others, self._rng)
-        controls = np.full((len(arenas), hunters), self._control, dtype=np.int8)
+        controls = np.full((len(arenas), hunters), CONTROLS[self._control], dtype=np.int8)
         np.put_along_axis(controls, others, opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)
 
@@ -349,38 +350,13 @@ class LearnerBatch:
 
     def _place(self, actions: Any) -> None:
         """Write the learners' actions at their seats, and zeros at the other seats; the arena checks them."""
-        named = actions
-        if self._control == CONTROLS["target"]:
-            named = {"catch": actions}
-        elif self._control == CONTROLS["velocity"]:
-            named = {"cmd_vel": actions}
-        elif not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
-            raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {type(actions).__name__}")
+        choices, commands = action_arrays("actions", actions, self.num_rows, self._control)
         self._choices.fill(0)
         self._commands.fill(0)
-        if "catch" in named:
-            self._choices[self._rows, self._seats] = self._of_arenas(named["catch"], choice_array, "iu", ())
-        if "cmd_vel" in named:
-            given = self._of_arenas(named["cmd_vel"], command_array, "fiu", (2,))
-            self._commands[self._rows, self._seats] = clipped(given)
-
-    def _of_arenas(self, given: Any, read: Any, kinds: str, shape: tuple[int, ...]) -> NDArray[Any]:
-        """Return the learners' actions, (N, ...), checked and in the shape (B, learners, ...).
-
-        Raises:
-            ActionError: for another type or shape.
-        """
-        if isinstance(given, Mapping):
-            raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
-        try:
-            table: NDArray[Any] = read(given, 1 + len(shape))
-        except ValueError:
-            raise ActionError(f"actions must be rows of equal length, got {in_short(given)}") from None
-        if table.dtype.kind not in kinds:
-            raise ActionError(f"actions must be {'numbers' if shape else 'whole numbers'}, got {in_short(given)}")
-        if table.shape != (self.num_rows, *shape):
-            raise ActionError(f"actions must have the shape {(self.num_rows, *shape)}, got {table.shape}")
-        return table.reshape(self.num_envs, self.learners, *shape)
+        if choices is not None:
+            self._choices[self._rows, self._seats] = choices.reshape(self._seats.shape)
+        if commands is not None:
+            self._commands[self._rows, self._seats] = clipped(commands).reshape(*self._seats.shape, 2)
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])

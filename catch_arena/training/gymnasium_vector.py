@@ -77,7 +77,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             if (together.all(axis=1) != arenas).any():
                 raise ConfigError("reset_mask must name all learners of an arena or none, got some of them")
         observations, masks = self.batch.reset(first, arenas)
-        return observations, self._told(_masks(masks), np.ones(self.num_envs, np.bool_))
+        return observations, self._with_rows(_masks(masks), np.ones(self.num_envs, np.bool_))
 
     def step(
         self, actions: Any
@@ -97,7 +97,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             EpisodeError: before the first reset.
         """
         step = self.batch.step(actions)
-        infos = self._told(_masks(step.masks), np.ones(self.num_envs, np.bool_))
+        infos = self._with_rows(_masks(step.masks), np.ones(self.num_envs, np.bool_))
         if self._auto_reset and len(step.ended):
             over = np.zeros(self.num_envs, np.bool_)
             over[step.ended] = True
@@ -106,9 +106,9 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
                 figures[name] = self._spread(masks, step.ended)
             final = {
                 "final_obs": self._spread(step.final_observations, step.ended),
-                "final_info": self._told(figures, over),
+                "final_info": self._with_rows(figures, over),
             }
-            infos |= self._told(final, over)
+            infos |= self._with_rows(final, over)
         return step.observations, step.rewards.astype(np.float64), step.terminations, step.truncations, infos
 
     def close_extras(self, **_: Any) -> None:
@@ -116,7 +116,7 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         self.batch.close()
 
     @staticmethod
-    def _told(infos: dict[str, Any], rows: NDArray[np.bool_]) -> dict[str, Any]:
+    def _with_rows(infos: dict[str, Any], rows: NDArray[np.bool_]) -> dict[str, Any]:
         return {**infos, **{f"_{name}": rows.copy() for name in infos}}
 
     def _spread(self, table: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[Any]:

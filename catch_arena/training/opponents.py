@@ -2,48 +2,41 @@
 
 import copy
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Final, NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any, Final, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.envs.actions import checked_action, choice_array, command_array
+from catch_arena.core.controllers import CONTROLS
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
-from catch_arena.training.prey_players import called, copied
+from catch_arena.training.players import Place, Player, action_arrays
 
 Pool = str | object | Iterable[object] | Mapping[str, float]
 """One agent, several, or a mapping from names to the weights with which they are drawn."""
 
 _SEED_LIMIT: Final = 2**63
-_WORDS: Final[dict[int, Control]] = {TARGET_CONTROL: "target", VELOCITY_CONTROL: "velocity", FULL_CONTROL: "full"}
 
 
 class _Opponent(NamedTuple):
     name: str
-    policy: Any
+    player: Player
     """One instance for all hunters if it has `act_batch`; else the original that is copied for each hunter."""
-    control: int
+    control: Control
     in_batches: bool
-
-    @property
-    def said(self) -> str:
-        """Name of the opponent in errors."""
-        return f"opponent {self.name}"
 
 
 class SavedOpponents(NamedTuple):
     """Saved state of `Opponents`, from its `save`, with copies of the agents and of everything that they store."""
 
     pool: tuple[_Opponent, ...]
-    instances: dict[tuple[int, int], Any]
+    instances: dict[Place, Player]
     weights: NDArray[np.float64] | None
     who: NDArray[np.int64]
 
@@ -73,17 +66,15 @@ class Opponents:
         self._distinct = distinct
         self._config = config
         limits = [Limits.of(config, seat) for seat in range(config.hunters)]
-        self._limits = {
-            control: [dataclasses.replace(its, control=word) for its in limits] for control, word in _WORDS.items()
-        }
+        self._limits = {word: [dataclasses.replace(its, control=word) for its in limits] for word in get_args(Control)}
         self._seats_differ = any(dataclasses.replace(its, control=limits[0].control) != limits[0] for its in limits)
         self._who = np.full((num_envs, config.hunters), -1)
-        self._instances: dict[tuple[int, int], Any] = {}
+        self._instances: dict[Place, Player] = {}
 
     @property
     def controls(self) -> NDArray[np.int8]:
         """Control of each agent of the pool, as a number of `controllers.CONTROLS`: (P,)."""
-        return np.array([opponent.control for opponent in self._pool], dtype=np.int8)
+        return np.array([CONTROLS[opponent.control] for opponent in self._pool], dtype=np.int8)
 
     @property
     def weights(self) -> NDArray[np.float64]:
@@ -115,7 +106,7 @@ class Opponents:
         self._pool.append(added)
         self._weights = weights
         if added.in_batches:
-            called(added.said, added.policy, "reset", number)
+            added.player.call("reset", number)
         return number
 
     def weigh(self, weights: ArrayLike) -> None:
@@ -133,7 +124,7 @@ class Opponents:
         """Seed the agents that have `act_batch`."""
         for opponent in self._pool:
             if opponent.in_batches:
-                called(opponent.said, opponent.policy, "reset", int(rng.integers(_SEED_LIMIT)))
+                opponent.player.call("reset", int(rng.integers(_SEED_LIMIT)))
 
     def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
         """Draw and begin the agents in the seats (n, S) of the arenas (n,); the other seats are the learners'.
@@ -158,9 +149,10 @@ class Opponents:
                 continue
             for row, place in np.argwhere(chosen == number).tolist():
                 arena, seat = int(arenas[row]), int(seats[row, place])
-                instance = copied(opponent.said, opponent.policy, {})
-                self._instances[arena, seat] = instance
-                called(opponent.said, instance, "reset", int(rng.integers(_SEED_LIMIT)), _where(arena, seat))
+                player = copy.deepcopy(opponent.player)
+                player.where = _where(arena, seat)
+                self._instances[arena, seat] = player
+                player.call("reset", int(rng.integers(_SEED_LIMIT)))
         return chosen
 
     def save(self) -> SavedOpponents:
@@ -169,17 +161,12 @@ class Opponents:
         Raises:
             AgentError: if an agent cannot be copied; it names the agent.
         """
-        return _kept(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
+        return copy.deepcopy(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
 
     def restore(self, saved: SavedOpponents) -> None:
         """Continue from a saved state of these opponents, or of others with an equal config and number of arenas."""
-        pool, self._instances, self._weights, self._who = _kept(saved)
+        pool, self._instances, self._weights, self._who = copy.deepcopy(saved)
         self._pool = list(pool)
-
-    def __deepcopy__(self, _memo: dict[int, Any]) -> "Opponents":
-        twin = copy.copy(self)
-        twin.restore(self.save())
-        return twin
 
     def act(
         self,
@@ -201,22 +188,14 @@ class Opponents:
             if not opponent.in_batches:
                 for place in zip(arenas.tolist(), seats.tolist(), strict=True):
                     view = View(observations[place].tolist(), masks[place].tolist(), limits[place[1]])
-                    choices[place], commands[place] = self._act_alone(opponent, place, view)
+                    player = self._instances[place]
+                    choices[place], commands[place] = player.act(view, opponent.control, self._config.targets_seen)
                 continue
             for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
                 some, own_seats = arenas[group], seats[group]
                 batch = BatchView(observations[some, own_seats], masks[some, own_seats], limits[int(own_seats[0])])
-                answer = called(opponent.said, opponent.policy, "act_batch", batch)
+                answer = opponent.player.call("act_batch", batch)
                 self._write(opponent, answer, some, own_seats, choices, commands)
-
-    def _act_alone(self, opponent: _Opponent, place: tuple[int, int], view: View) -> tuple[int, tuple[float, float]]:
-        """Return the choice and the command of one hunter; the answer is checked as in an env of one arena."""
-        where, control = _where(*place), _WORDS[opponent.control]
-        answer = called(opponent.said, self._instances[place], "act", view, where)
-        try:
-            return checked_action(control, opponent.said, answer, self._config.targets_seen)
-        except ActionError as error:
-            raise AgentError(f"{error}{where}") from None
 
     def _write(
         self,
@@ -228,33 +207,32 @@ class Opponents:
         commands: NDArray[np.float32],
     ) -> None:
         """Check an answer for many hunters against the legal actions, and write it to their places."""
-        said, count = f"{opponent.said}: act_batch", len(arenas)
-        ranks, velocities = answer, answer
-        if opponent.control == FULL_CONTROL:
-            if not isinstance(answer, Mapping) or set(answer) != {"cmd_vel", "catch"}:
-                raise AgentError(f"{said} must give a mapping with cmd_vel and catch, got {in_short(answer)}")
-            ranks, velocities = answer["catch"], answer["cmd_vel"]
-        if opponent.control != VELOCITY_CONTROL:
-            most = self._config.targets_seen
-            given = _numbers(said, ranks, choice_array, "iu", f"{count} whole numbers from 0 to {most}", (count,))
-            wrong = (given < 0) | (given > most)
-            if wrong.any():
-                row = int(np.argmax(wrong))
-                raise AgentError(
-                    f"{said} must give whole numbers from 0 to {most}, got {given[row]}"
-                    f"{_where(int(arenas[row]), int(seats[row]))}"
-                )
-            choices[arenas, seats] = given
-        if opponent.control != TARGET_CONTROL:
-            given = _numbers(said, velocities, command_array, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
-            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN fails both tests
-            if not legal.all():
-                row = int(np.argmin(legal))
-                raise AgentError(
-                    f"{said} must give numbers in [-1, 1], got {given[row].tolist()}"
-                    f"{_where(int(arenas[row]), int(seats[row]))}"
-                )
-            commands[arenas, seats] = given
+        what, most = f"{opponent.player.name}: actions", self._config.targets_seen
+        try:
+            ranks, velocities = action_arrays(what, answer, len(arenas), opponent.control)
+        except ActionError as error:
+            raise AgentError(str(error)) from None
+        if ranks is not None:
+            legal = (ranks >= 0) & (ranks <= most)
+            _require(f"{what} must be whole numbers from 0 to {most}", ranks, legal, arenas, seats)
+            choices[arenas, seats] = ranks
+        if velocities is not None:
+            within = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
+            _require(f"{what} must be numbers in [-1, 1]", velocities, within, arenas, seats)
+            commands[arenas, seats] = velocities
+
+
+def _require(
+    requirement: str,
+    given: NDArray[Any],
+    legal: NDArray[np.bool_],
+    arenas: NDArray[np.int64],
+    seats: NDArray[np.int64],
+) -> None:
+    """Raise an AgentError for the first hunter whose action is not legal."""
+    if not legal.all():
+        row = int(np.argmin(legal))
+        raise AgentError(f"{requirement}, got {given[row].tolist()}{_where(int(arenas[row]), int(seats[row]))}")
 
 
 def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
@@ -295,36 +273,7 @@ def _opponent(agent: object) -> _Opponent:
     for method in ("reset", "act_batch" if in_batches else "act"):
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"opponent {name}: must have reset and act_batch, or reset and act, got no {method}")
-    return _Opponent(name, policy, CONTROLS[control_of(policy)], in_batches)
-
-
-def _kept(state: SavedOpponents) -> SavedOpponents:
-    """Return a copy of a saved state. Agents that share an object share its copy."""
-    memo: dict[int, Any] = {}
-    pool = tuple(opponent._replace(policy=copied(opponent.said, opponent.policy, memo)) for opponent in state.pool)
-    instances = {
-        place: copied(state.pool[state.who[place]].said, instance, memo) for place, instance in state.instances.items()
-    }
-    return SavedOpponents(pool, instances, None if state.weights is None else state.weights.copy(), state.who.copy())
-
-
-def _numbers(
-    said: str,
-    given: Any,
-    read: Callable[[Any, int], NDArray[Any]],
-    kinds: str,
-    wanted: str,
-    shape: tuple[int, ...],
-) -> NDArray[Any]:
-    try:
-        numbers = read(given, len(shape))
-    except (TypeError, ValueError):
-        numbers = np.array(None)
-    if numbers.shape != shape or numbers.dtype.kind not in kinds:
-        shown = isinstance(given, np.ndarray) or (numbers.shape and numbers.dtype.kind in kinds)
-        what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if shown else in_short(given)
-        raise AgentError(f"{said} must give {wanted}, got {what}")
-    return numbers
+    return _Opponent(name, Player(f"opponent {name}", policy), control_of(policy), in_batches)
 
 
 def _where(arena: int, seat: int) -> str:

@@ -66,10 +66,10 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missi
         step = self.batch.step(self._actions if self._actions is not None else [])
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         if len(step.ended):
-            self._tell_ends(step, infos)
+            self._describe_ends(step, infos)
         return step.observations, step.rewards, step.terminations | step.truncations, infos
 
-    def _tell_ends(self, step: LearnerStep, infos: list[dict[str, Any]]) -> None:
+    def _describe_ends(self, step: LearnerStep, infos: list[dict[str, Any]]) -> None:
         took = round(time.monotonic() - self._began, 6)
         names = ("return", "length", "score", "rank")
         figures = zip(*(step.figures[name].tolist() for name in names), strict=True)

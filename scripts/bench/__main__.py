@@ -22,9 +22,10 @@ from typing import Any
 
 import ours
 import peers
+from side import Side
 from subject import Row
 from tables import written
-from versions import ROOT, UnmeasurableError, Version, checked_out, commit_of, current
+from versions import ROOT, UnmeasurableError, checked_out, commit_of, current
 
 from catch_arena.cli.progress import progress_bar
 from catch_arena.errors import OutputError
@@ -32,47 +33,39 @@ from catch_arena.files import prepare_folder
 
 COMMAND = shlex.join(["python", *(Path(one).name if Path(one).is_absolute() else one for one in sys.argv)])
 """Command line for the page, without the folders of this machine."""
-MARKS = ("<!-- made by make bench -->", "<!-- made until here -->")
-AGAINST_MARKS = ("<!-- made by scripts/bench against a commit -->", "<!-- made against it until here -->")
+BEGIN, END = "<!-- made by make bench -->", "<!-- made until here -->"
+"""Marks of the page between which the tables stand."""
 
 
 def parse() -> argparse.Namespace:
     """Read the command line."""
-    groups = list(dict.fromkeys(row.group for row in ours.rows(quick=False).values()))
+    groups = ["peers", *dict.fromkeys(row.group for row in ours.rows(quick=False).values())]
     parser = argparse.ArgumentParser(prog="bench", description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--only", nargs="+", metavar="ROWS", help=f"of {', '.join(groups)}, and without --against peers; by default all"
-    )
-    parser.add_argument("--rounds", type=int, default=10, help="turns of each row (%(default)s)")
-    parser.add_argument("--seconds", type=float, default=0.25, help="CPU-seconds of a turn (%(default)s)")
-    parser.add_argument(
-        "--quick", action="store_true", help="tiny sizes, to see that it runs; the figures mean nothing"
-    )
-    parser.add_argument("--against", metavar="REF", help="measure that commit and the current version in turn")
-    parser.add_argument("--pufferlib", type=Path, metavar="FOLDER", help="PufferLib's unpacked source package, a peer")
-    parser.add_argument("--json", type=Path, help="write the figures to this file")
-    parser.add_argument("--page", type=Path, help="replace the tables of this page, which stand between two marks")
+    add = parser.add_argument
+    add("--only", nargs="+", choices=groups, metavar="ROWS", help=f"some of {', '.join(groups)}; without it, all")
+    add("--rounds", type=int, default=10, help="turns of each row (%(default)s)")
+    add("--seconds", type=float, default=0.25, help="CPU-seconds of a turn (%(default)s)")
+    add("--quick", action="store_true", help="use tiny sizes, to check that it runs; the figures mean nothing")
+    add("--against", metavar="REF", help="measure that commit and the current version in turn, and no peers")
+    add("--pufferlib", type=Path, metavar="FOLDER", help="PufferLib's unpacked source package, a peer")
+    add("--json", type=Path, metavar="FILE", help="write the figures to this file")
+    add("--page", type=Path, metavar="FILE", help="replace the tables of this page")
     args = parser.parse_args()
-    choices = groups if args.against else ["peers", *groups]
-    args.only = args.only or choices
-    for one in args.only:
-        if one not in choices:
-            parser.error(f"argument --only: invalid choice: {one!r} (choose from {', '.join(choices)})")
+    args.only = args.only or groups[bool(args.against) :]
+    if args.against and ("peers" in args.only or args.page):
+        parser.error("--against measures no peers and writes no page; leave out --only peers and --page")
     if args.rounds < 1 or not args.seconds > 0:
         parser.error(f"--rounds must be at least 1 and --seconds positive, got {args.rounds} and {args.seconds}")
     if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0" and not args.quick:
         parser.error("the benchmark needs compiled code: unset NUMBA_DISABLE_JIT")
     if args.pufferlib and not (args.pufferlib / peers.HEADER).is_file():
         parser.error(f"--pufferlib must be PufferLib's source package, and {args.pufferlib} has no {peers.HEADER}")
-    if args.json:
-        try:
-            prepare_folder(args.json.parent)
-        except OutputError as error:
-            parser.error(str(error))
-    args.marks = AGAINST_MARKS if args.against else MARKS
-    begin, end = args.marks
-    if args.page and not (args.page.is_file() and begin in (text := args.page.read_text()) and end in text):
-        parser.error(f"{args.page} must be a page that holds {begin} and {end}")
+    if args.page and not (args.page.is_file() and BEGIN in (text := args.page.read_text()) and END in text):
+        parser.error(f"--page must be a page that has the marks {BEGIN} and {END}, got {args.page}")
+    try:
+        prepare_folder(args.json.parent) if args.json else None
+    except OutputError as error:
+        parser.error(str(error))
     if args.quick:
         args.rounds, args.seconds = 2, 0.01
     return args
@@ -86,33 +79,33 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
         KeyboardInterrupt: on Ctrl-C or SIGTERM. Processes and temporary folders are removed in any case.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    own = {name: row for name, row in ours.rows(quick=args.quick).items() if row.group in args.only}
+    every = ours.rows(quick=args.quick)
+    compared = {ours.ONE_ARENA, ours.BATCH, ours.LARGE} if "peers" in args.only else set()
+    own = {name: row for name, row in every.items() if row.group in args.only or name in compared}
     with ExitStack() as stack:
         try:
             work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bench-")))
-            chosen: dict[str, tuple[Version, dict[str, Row]]] = {}
+            sides: dict[str, tuple[Side, Mapping[str, Row]]] = {}
+
+            def start(name: str, title: str, root: Path | None, rows: Mapping[str, Row]) -> None:
+                side = Side(title, root, work / name, quick=args.quick, pufferlib=args.pufferlib)
+                stack.callback(side.end)
+                sides[name] = side, rows
+
             what = measured_version()
             if args.against:
                 commit = commit_of(args.against)
                 stack.enter_context(checked_out(commit, work / "older"))
-                older = Version(f"{args.against} ({commit[:12]})", work / "older", work / "before")
-                chosen["before"] = (older, own)
+                start("before", f"{args.against} ({commit[:12]})", work / "older", own)
                 what = f"Before: the commit {commit[:12]}. Now: {what}"
-            else:
-                # our rows that are compared with the peers
-                names = {ours.ONE_ARENA, ours.BATCH, ours.LARGE} if "peers" in args.only else set()
-                own |= {name: row for name, row in ours.rows(quick=args.quick).items() if name in names}
-            chosen["now"] = (Version("the current version", ROOT, work / "now"), own)
+            start("now", "the current version", ROOT, own)
             if "peers" in args.only:
-                others = peers.rows(quick=args.quick, pufferlib=args.pufferlib)
-                chosen["peers"] = (Version("it", None, work / "peers"), others)
-            for version, _ in chosen.values():
-                stack.enter_context(version.running(quick=args.quick, pufferlib=args.pufferlib))
-            skipped = play(list(chosen.values()), args.rounds, args.seconds)
+                start("peers", "it", None, peers.rows(quick=args.quick, pufferlib=args.pufferlib))
+            skipped = play(list(sides.values()), args.rounds, args.seconds)
         finally:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)  # a second Ctrl-C would prevent the removal of the checkout
-    if not any(version.rows for version, _ in chosen.values()):
+    if not any(side.rows for side, _ in sides.values()):
         raise UnmeasurableError(next(iter(skipped.values())))
     return {
         "machine": machine(),
@@ -120,54 +113,52 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
         "command": COMMAND,
         "rounds": f"Medians of {args.rounds} rounds, in turn",
         "skipped": skipped,
-        "versions": {name: version.rows for name, (version, _) in chosen.items()},
+        "versions": {name: side.rows for name, (side, _) in sides.items()},
     }
 
 
-def play(chosen: Sequence[tuple[Version, Mapping[str, Row]]], rounds: int, seconds: float) -> dict[str, str]:
+def play(chosen: Sequence[tuple[Side, Mapping[str, Row]]], rounds: int, seconds: float) -> dict[str, str]:
     """Play all rounds of all rows, and return the rows that could not be made, each with the reason."""
     names = list(dict.fromkeys(name for _, rows in chosen for name in rows))
     skipped: dict[str, str] = {}
     print("compiling", file=sys.stderr)
     with progress_bar("measuring", total := (1 + rounds) * len(names)) as show:
         for done, name in enumerate(names):
-            sides = [(version, rows[name]) for version, rows in chosen if name in rows]
-            for version, _ in sides:  # at the same time, since compiling takes long
-                version.ask("make", name, seconds)
-            for version, row in sides:
+            sides = [(side, rows[name]) for side, rows in chosen if name in rows]
+            for side, _ in sides:  # at the same time, since compiling takes long
+                side.ask("make", name, seconds)
+            for side, row in sides:
                 try:
-                    version.rows[name] = {"unit": row.unit, **version.answer(), "cpu": [], "wall": []}
+                    side.rows[name] = {"unit": row.unit, **side.answer(), "cpu": [], "wall": []}
                 except UnmeasurableError as error:
                     skipped[name] = str(error)
             show(done + 1, total)
-        for version, _ in chosen:
-            version.rows = {name: row for name, row in version.rows.items() if name not in skipped}
+        for side, _ in chosen:
+            side.rows = {name: row for name, row in side.rows.items() if name not in skipped}
         for number in range(rounds):
             for done, name in enumerate(names):
-                sides = [version for version, _ in chosen if name in version.rows]
-                for version in sides if number % 2 == 0 else reversed(sides):
-                    version.play(name, seconds)
+                sharing = [side for side, _ in chosen if name in side.rows]
+                for side in sharing if number % 2 == 0 else reversed(sharing):
+                    side.play(name, seconds)
                 show((1 + number) * len(names) + done + 1, total)
     return skipped
 
 
 def machine() -> str:
     """Return the processor, the number of arenas in one of its registers, and the versions that affect the results."""
-    model = platform.processor() or platform.machine()
     known = Path("/proc/cpuinfo")
-    if known.exists():
-        names = [line.partition(":")[2].strip() for line in known.read_text().splitlines() if line[:10] == "model name"]
-        model = names[0] if names else model
-    versions = [f"Python {platform.python_version()}"]
-    for package in ("numpy", "numba", "pettingzoo", "mpe2", "torch", "vmas", "jax", "jaxmarl"):
-        try:
-            versions.append(f"{package} {importlib.metadata.version(package)}")
-        except importlib.metadata.PackageNotFoundError:
-            continue
+    lines = known.read_text().splitlines() if known.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    model = names[0] if names else platform.processor() or platform.machine()
+    installed = {found.name: found.version for found in importlib.metadata.distributions()}
+    packages = ("numpy", "numba", "pettingzoo", "mpe2", "torch", "vmas", "jax", "jaxmarl")
+    versions = ", ".join(f"{name} {installed[name]}" for name in packages if name in installed)
     from catch_arena.core.vectors import PLAYED  # not part of what an older commit must have
 
     lanes = f"{len(PLAYED)} arenas in a register"
-    return f"{model}, {os.cpu_count()} cores, {lanes}, {platform.system()}; {', '.join(versions)}"
+    return (
+        f"{model}, {os.cpu_count()} cores, {lanes}, {platform.system()}; Python {platform.python_version()}, {versions}"
+    )
 
 
 def measured_version() -> str:
@@ -191,16 +182,13 @@ def main() -> None:
         sys.exit(130)
     text = written(figures)
     if args.quick:
-        text = (
-            f"Measured with `--quick`: all sizes are tiny, whatever the rows say; the figures mean nothing.\n\n{text}"
-        )
+        text = f"Measured with `--quick`: all sizes are tiny, and the figures mean nothing.\n\n{text}"
     print(text)
     if args.json:
         args.json.write_text(json.dumps(figures, indent=2) + "\n")
     if args.page:
-        begin, end = args.marks
         page = args.page.read_text()
-        args.page.write_text(f"{page.partition(begin)[0]}{begin}\n\n{text}\n{end}{page.partition(end)[2]}")
+        args.page.write_text(f"{page.partition(BEGIN)[0]}{BEGIN}\n\n{text}\n{END}{page.partition(END)[2]}")
 
 
 if __name__ == "__main__":

@@ -3,14 +3,12 @@
 They use public names only, since `--against` measures older versions with this file.
 """
 
-import mmap
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-import tracemalloc
 from collections.abc import Callable, Sequence
 from functools import partial
 from inspect import signature
@@ -32,6 +30,15 @@ _FIRST_STEP = (
     "import catch_arena as c; assert c.__file__.startswith({root!r}), c.__file__; "
     "env = c.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
 )
+_MEMORY = """
+import catch_arena, resource
+def taken(): return int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize()
+catch_arena.VectorArena("standard", 2).reset(1)
+before = taken()
+arena = catch_arena.VectorArena("standard", {envs})
+arena.reset(1)
+print((taken() - before) / {envs})
+"""
 _AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
 
 
@@ -183,18 +190,8 @@ def video() -> Subject:
     """Make a process that renders a match of 10 s, at 60 frames a second."""
     folder = tempfile.TemporaryDirectory()
     replay = Path(folder.name, "match.replay")
-    _process(
-        "-m",
-        "catch_arena",
-        "match",
-        "nearest",
-        "first",
-        "--scenario=duel",
-        "--set=time_limit_s=10",
-        "--seed=1",
-        "-o",
-        str(replay),
-    )()
+    match = ("-m", "catch_arena", "match", "nearest", "first", "--scenario=duel", "--set=time_limit_s=10", "--seed=1")
+    _process(*match, "-o", str(replay))()
     step = _process("-m", "catch_arena", "render", str(replay), "--size=1280x720", "--fps=60", "-o", "match.mp4")
     return Subject(lambda: (folder, step()))  # the folder lives as long as the step
 
@@ -223,8 +220,10 @@ def tournament(isolation: str) -> Subject:
     return Subject(play, value=wall_s)
 
 
-def _process(*words: str, cold: bool = False) -> Callable[[], object]:
-    def step() -> None:
+def _process(*words: str, cold: bool = False) -> Callable[[], str]:
+    """Return a function that runs Python with these arguments in a new folder, and returns the output."""
+
+    def step() -> str:
         folder = tempfile.mkdtemp()
         try:
             environment = {**os.environ, "NUMBA_CACHE_DIR": folder} if cold else os.environ
@@ -232,39 +231,15 @@ def _process(*words: str, cold: bool = False) -> Callable[[], object]:
                 [sys.executable, *words], cwd=folder, env=environment, check=False, capture_output=True, text=True
             )
             if done.returncode:
-                raise RuntimeError((done.stderr.strip().splitlines() or ["it failed without a word"])[-1])
+                raise RuntimeError((done.stderr.strip().splitlines() or ["it failed, and printed no error"])[-1])
+            return done.stdout
         finally:
             shutil.rmtree(folder)
 
     return step
 
 
-class _Pages(mmap.mmap):
-    """Memory map that counts its bytes, since tracemalloc does not count them."""
-
-    taken = 0
-    """Bytes of all maps together."""
-
-    def __new__(cls, fileno: int, length: int, *arguments: Any, **options: Any) -> "_Pages":
-        cls.taken += length
-        return super().__new__(cls, fileno, length, *arguments, **options)
-
-
 def memory(envs: int) -> Subject:
-    """Make the measurement of the bytes that a batch of that size holds for each arena."""
-    return Subject(lambda: None, value=partial(bytes_of_an_arena, envs))
-
-
-def bytes_of_an_arena(envs: int) -> float:
-    """Return the bytes per arena of a batch of that size, without the memory that all batches share."""
-    catch_arena.VectorArena("standard", 2).reset(1)
-    usual, _Pages.taken = mmap.mmap, 0
-    mmap.mmap = _Pages  # type: ignore[misc]
-    tracemalloc.start()
-    try:
-        arena = catch_arena.VectorArena("standard", envs)
-        arena.reset(1)
-        return (tracemalloc.get_traced_memory()[0] + _Pages.taken) / envs
-    finally:
-        tracemalloc.stop()
-        mmap.mmap = usual  # type: ignore[misc]
+    """Make a process that measures the memory which a batch of that size holds for each arena (Linux)."""
+    measure = _process("-c", _MEMORY.format(envs=envs))
+    return Subject(measure, value=lambda: float(measure()))

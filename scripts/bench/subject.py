@@ -7,13 +7,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 
-class Turn(NamedTuple):
-    """Times of one step in a turn of a subject [s]: CPU time of all threads and processes, and wall time."""
-
-    cpu_s: float
-    wall_s: float
-
-
 @dataclass
 class Subject:
     """Object with a step that is measured, made for one process."""
@@ -29,10 +22,13 @@ class Subject:
     value: Callable[[], float] | None = None
     """Function that measures something other than time, such as bytes; None measures time."""
 
-    def turn(self, seconds: float) -> Turn:
-        """Call the step for about `seconds` of CPU time; return its times. Clocks are read rarely for a short step."""
+    def turn(self, seconds: float) -> tuple[float, float]:
+        """Call the step for about `seconds` of CPU time; return the times of one step [s]: CPU time and wall time.
+
+        CPU time is that of all threads and processes. Clocks are read rarely for a short step.
+        """
         if self.value:
-            return Turn(self.value(), 0.0)
+            return self.value(), 0.0
         calls, chunk, wall, cpu = 0, 1, time.perf_counter(), cpu_seconds()
         while (spent := cpu_seconds() - cpu) < seconds:
             for _ in range(chunk):
@@ -41,7 +37,7 @@ class Subject:
             if spent < 0.02 * seconds:
                 chunk *= 2
         steps = calls * self.steps_per_call * self.envs
-        return Turn(spent / steps, (time.perf_counter() - wall) / steps)
+        return spent / steps, (time.perf_counter() - wall) / steps
 
 
 def cpu_seconds() -> float:

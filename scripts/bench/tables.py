@@ -7,16 +7,6 @@ from typing import Any
 from ours import BATCH, LARGE, ONE_ARENA
 from subject import UNITS
 
-WITHIN = (
-    ("two threads, times as fast as one, on the clock", LARGE, f"{LARGE}, two threads", "wall"),
-    ("velocity control, times as fast as target control", LARGE, f"{LARGE}, velocity control", "cpu"),
-    ("full control, times as fast as target control", LARGE, f"{LARGE}, full control", "cpu"),
-    ("cost of an agent-step with 64 hunters, times that with 4", "64 hunters", "4 hunters", "cpu"),
-    ("cost of an agent-step with 64 targets, times that with 4", "64 targets", "4 targets", "cpu"),
-    ("trusted agents, times as fast as in processes", "tournament, processes", "tournament, trusted", "cpu"),
-)
-"""Ratios of two rows of one version: title, numerator, denominator, and clock ("cpu" or "wall")."""
-
 
 def written(figures: Mapping[str, Any]) -> str:
     """Return all results as Markdown."""
@@ -28,21 +18,8 @@ def written(figures: Mapping[str, Any]) -> str:
         text.append(_alone({**versions["now"], **versions.get("peers", {})}))
         if versions.get("peers"):
             text += ["How many times as fast ours are:", _peers(versions["now"], versions["peers"])]
-    ours = [versions[name] for name in ("before", "now") if name in versions]
-    within = [
-        (title, *(f"{_cost(of[above], clock) / _cost(of[below], clock):.3g}" for of in ours))
-        for title, above, below, clock in WITHIN
-        if all({above, below} <= of.keys() for of in ours)
-    ]
-    if within:
-        text.append(table(("within one version", *(["before", "now"] if len(ours) > 1 else ["now"])), within))
     text += [f"Skipped: {name} ({reason})." for name, reason in figures["skipped"].items()]
     return "\n\n".join(text) + "\n"
-
-
-def _cost(row: Mapping[str, Any], clock: str = "cpu") -> float:
-    """Return the median cost of a step of one agent [s]."""
-    return statistics.median(row[clock]) / row["agents"]
 
 
 def _in_unit(row: Mapping[str, Any], seconds: float) -> str:
@@ -61,12 +38,11 @@ def _beside(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
             (
                 f"{name}, {row['unit']}",
                 *(f"{_in_unit(row, statistics.median(one))} ({_in_unit(row, min(one))})" for one in pair),
-                times(statistics.median(pair[0]) / statistics.median(pair[1])),
-                times(min(pair[0]) / min(pair[1])),
+                f"{rounded(statistics.median(pair[0]) / statistics.median(pair[1]))}x",
                 f"{by_round[aside]:.3g} to {by_round[-1 - aside]:.3g}",
             )
         )
-    head = ("median (least)", "before", "now", "times as fast", "by least times", "middle half of the rounds")
+    head = ("median (least)", "before", "now", "times as fast", "middle half of the rounds")
     return table(head, rows)
 
 
@@ -76,7 +52,7 @@ def _alone(rows: Mapping[str, Mapping[str, Any]]) -> str:
     for name, row in rows.items():
         cost = f"{_in_unit(row, statistics.median(row['cpu']))} ({_in_unit(row, min(row['cpu']))})"
         stepped = row["unit"] in {"ns an agent-step", "us a step"}
-        rates = [rate(1 / _cost(row, clock)) for clock in ("cpu", "wall")] if stepped else ["", ""]
+        rates = [rounded(row["agents"] / statistics.median(row[clock])) if stepped else "" for clock in ("cpu", "wall")]
         sizes = [row["agents"] if stepped else "", row["floats"] or ""]
         lines.append((name, *sizes, cost, row["unit"], *rates))
     return table(head, lines)
@@ -91,34 +67,23 @@ def _peers(ours: Mapping[str, Any], peers: Mapping[str, Any]) -> str:
         if row["envs"] == 1 and peer["envs"] > 1:
             return ""
         agents = 1.0 if row["envs"] == 1 else row["agents"] / peer["agents"]
-        return times(agents * statistics.median(b / a for a, b in zip(row["cpu"], peer["cpu"], strict=True)))
+        faster = agents * statistics.median(b / a for a, b in zip(row["cpu"], peer["cpu"], strict=True))
+        return f"{rounded(faster)}x"
 
     units = ["env-steps" if name == ONE_ARENA else "agent-steps" for name in references]
     head = ("peer", *(f"our {name}, in {unit}" for name, unit in zip(references, units, strict=True)))
     return table(head, [(name, *(ratio(one, peer) for one in references)) for name, peer in peers.items()])
 
 
-def rate(value: float) -> str:
-    """Return a rate as text with three digits, the precision of a run."""
-    return f"{float(f'{value:.3g}'):,.0f}"
-
-
-def times(value: float) -> str:
-    """Return a ratio as text, such as «11.8x»."""
-    return f"{float(f'{value:.3g}'):,g}x"
+def rounded(value: float) -> str:
+    """Return a number as text with three digits, the precision of a run."""
+    return f"{float(f'{value:.3g}'):,.12g}"
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """Return a Markdown table with aligned columns, readable on a screen; all but the first are right-aligned."""
     lines = [[str(cell) for cell in row] for row in (head, *rows)]
-    widths = [max(3, *(len(line[column]) for line in lines)) for column in range(len(head))]  # Markdown requires three
-
-    def joined(cells: Sequence[str]) -> str:
-        return f"| {' | '.join(cells)} |"
-
-    text = [
-        joined([(cell.rjust if column else cell.ljust)(widths[column]) for column, cell in enumerate(line)])
-        for line in lines
-    ]
-    rule = joined(["-" * (width - 1) + (":" if column else "-") for column, width in enumerate(widths)])
-    return "\n".join([text[0], rule, *text[1:]])
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    lines.insert(1, [f"{'-' * (width - 1)}{':' if column else '-'}" for column, width in enumerate(widths)])
+    aligned = [[line[0].ljust(widths[0]), *map(str.rjust, line[1:], widths[1:])] for line in lines]
+    return "\n".join(f"| {' | '.join(line)} |" for line in aligned)

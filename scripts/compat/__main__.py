@@ -11,15 +11,15 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = ROOT / "examples"
 PAGE = ROOT / "docs" / "reference" / "compatibility.md"
-LIMIT_S = 900
-"""Time limit of one client's program on a busy machine [s]."""
+ENVIRONMENTS = ROOT / "out" / "compat"
+LIMIT_S = 3600
+"""Time limit of an installation or a training on a busy machine [s]."""
 
 
 class Client(NamedTuple):
@@ -27,7 +27,7 @@ class Client(NamedTuple):
 
     program: str
     requirements: tuple[str, ...]
-    told: tuple[str, ...]
+    reported: tuple[str, ...]
     """Packages whose versions are in the table."""
     without_dependencies: tuple[str, ...] = ()
     """Requirements that are installed last, without their dependencies."""
@@ -49,129 +49,94 @@ CLIENTS = {
 }
 
 
-def run(command: list[object], log: Path, limit_s: float = 3600, folder: str | None = None) -> int:
-    """Run a command with its output in a file; return its exit code."""
+def run(log: Path, *command: object, folder: str | None = None) -> None:
+    """Run a command, and add its output to a file.
+
+    Raises:
+        subprocess.SubprocessError: the command failed, or took longer than the time limit.
+    """
     environment = {**os.environ, "PYTHONWARNINGS": "ignore", "RAY_DEDUP_LOGS": "0"}
-    with log.open("ab") as said:
-        try:
-            words = [str(word) for word in command]
-            options = {"stdout": said, "stderr": said, "env": environment, "cwd": folder, "timeout": limit_s}
-            return subprocess.run(words, check=False, **options).returncode
-        except subprocess.TimeoutExpired:
-            said.write(f"\nnot done after {limit_s:.0f} s\n".encode())
-            return 1
+    with log.open("ab") as output:
+        words = [str(word) for word in command]
+        options = {"stdout": output, "stderr": output, "env": environment, "cwd": folder, "timeout": LIMIT_S}
+        subprocess.run(words, check=True, **options)
 
 
-def folder_of(name: str) -> str:
-    """Return the folder name of a client's environment."""
-    return re.sub(r"\W+", "_", name.lower())
-
-
-def packages_of(environment: Path) -> Path:
-    """Return the folder of an environment's packages."""
-    return environment / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
-
-
-def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None, log: Path) -> bool:
-    """Make an environment, unless it exists with the same packages; return whether it is ready."""
-    wanted, ready = json.dumps(packages), environment / "ready"
-    if ready.exists() and ready.read_text() == wanted:
-        return True
-    python = base or Path(sys.executable)
-    if run([python, "-m", "venv", *(["--without-pip"] if base else []), environment], log):
-        return False
-    if base is not None:
-        (packages_of(environment) / "base.pth").write_text(f"{packages_of(base.parent.parent)}\n{ROOT}\n")
-    for some in packages:
-        if some and run([environment / "bin" / "python", "-m", "pip", "install", "--quiet", *some], log):
-            return False
-    ready.write_text(wanted)
-    return True
-
-
-def versions(environment: Path, names: tuple[str, ...]) -> dict[str, str]:
-    """Return the installed versions of packages by name; empty if one is missing."""
-    program = "import importlib.metadata as m, json, sys; print(json.dumps({n: m.version(n) for n in sys.argv[1:]}))"
-    command = [environment / "bin" / "python", "-c", program, *names]
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
-    return json.loads(done.stdout) if done.returncode == 0 else {}
-
-
-def try_client(name: str, environments: Path, base: Path) -> dict[str, Any]:
-    """Set up a client's environment and train; return its name, result, log, and if it ran, time [s] and versions."""
-    client, environment = CLIENTS[name], environments / folder_of(name)
-    log = environments / f"{folder_of(name)}.log"
+def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None = None) -> Path:
+    """Make an environment that has the packages of `base` too, unless it exists; return its Python."""
+    python, ready, log = environment / "bin" / "python", environment / "ready", environment.with_suffix(".log")
+    wanted = json.dumps(packages)
     log.write_bytes(b"")
-    alone = ("--no-deps", *client.without_dependencies) if client.without_dependencies else ()
-    if not set_up(environment, [client.requirements, alone], base, log):
-        return {"name": name, "result": "could not be installed", "log": str(log)}
-    began = time.monotonic()
-    command = [environment / "bin" / "python", PROGRAMS / f"{client.program}.py", *client.arguments]
-    with tempfile.TemporaryDirectory() as folder:  # files that clients write are not kept
-        failed = run(command, log, LIMIT_S, folder)
-    return {
-        "name": name,
-        "result": "fails" if failed else "trains",
-        "seconds": round(time.monotonic() - began),
-        "versions": versions(environment, client.told),
-        "log": str(log),
-    }
+    if not (ready.exists() and ready.read_text() == wanted):
+        run(log, sys.executable, "-m", "venv", "--clear", *(["--without-pip"] if base else []), environment)
+        if base:
+            part = f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
+            (environment / part / "base.pth").write_text(f"{base / part}\n{ROOT}\n")
+        for some in packages:
+            run(log, python, "-m", "pip", "install", "--quiet", *some)
+        ready.write_text(wanted)
+    return python
 
 
-def page_with(page: str, results: list[dict[str, Any]], common: dict[str, str]) -> str:
+def versions(python: Path, names: tuple[str, ...]) -> str:
+    """Return the names of packages, each with its version, as text."""
+    program = "import importlib.metadata as m, sys; print(', '.join(f'{n} {m.version(n)}' for n in sys.argv[1:]))"
+    return subprocess.run([python, "-c", program, *names], capture_output=True, text=True, check=True).stdout.strip()
+
+
+def try_client(name: str, base: Path) -> tuple[str, str]:
+    """Set up a client's environment and train; return the result and the versions."""
+    client, environment = CLIENTS[name], ENVIRONMENTS / re.sub(r"\W+", "_", name.lower())
+    packages = [client.requirements] if client.requirements else []
+    packages += [("--no-deps", *client.without_dependencies)] if client.without_dependencies else []
+    log, result, found = environment.with_suffix(".log"), "could not be installed", ""
+    try:
+        python = set_up(environment, packages, base)
+        result, found = "fails", versions(python, client.reported)
+        with tempfile.TemporaryDirectory() as folder:  # files that clients write are not kept
+            run(log, python, PROGRAMS / f"{client.program}.py", *client.arguments, folder=folder)
+        result = "trains"
+    except subprocess.SubprocessError as error:
+        print(f"{error}; the end of {log}:", *log.read_text(errors="replace").splitlines()[-12:], sep="\n  ")
+    return result, found
+
+
+def page_with(page: str, results: dict[str, tuple[str, str]], common: str) -> str:
     """Return the page with new rows for these clients."""
     begin, end = "<!-- made by `make compat` -->", "<!-- end -->"
     head, _, rest = page.partition(begin)
     table, _, tail = rest.partition(end)
     rows = {row.split("|")[1].strip(): row for row in table.splitlines() if row.startswith("| ")}
-    for result in results:
-        told = ", ".join(f"{name} {version}" for name, version in result.get("versions", {}).items())
-        rows[result["name"]] = f"| {result['name']} | {result['result']} | {told} |"
-    known = [rows[name] for name in CLIENTS if name in rows]
-    both = ", ".join(f"{name} {version}" for name, version in common.items())
-    lines = [
-        "",
-        f"Each with {both}, where its row names no other.",
-        "",
-        "| client | result | versions |",
-        "|---|---|---|",
-        *known,
-        "",
-    ]
-    return head + begin + "\n" + "\n".join(lines) + "\n" + end + tail
+    rows |= {name: f"| {name} | {result} | {found} |" for name, (result, found) in results.items()}
+    known = "\n".join(rows[name] for name in CLIENTS if name in rows)
+    text = (
+        f"Each with {common}, unless its row names another.\n\n| client | result | versions |\n|---|---|---|\n{known}"
+    )
+    return f"{head}{begin}\n\n{text}\n\n{end}{tail}"
 
 
 def main() -> int:
     """Try the clients; return 0 if all of them train, else 1."""
     parser = argparse.ArgumentParser(prog="python scripts/compat", description=__doc__)
-    parser.add_argument("clients", nargs="*", metavar="CLIENT", help=f"of {', '.join(CLIENTS)}; all without one")
-    parser.add_argument("--environments", type=Path, default=ROOT / "out" / "compat", help="where they are made")
-    parser.add_argument("--torch", default="torch", help="what pip installs as torch, such as torch==2.13.0")
-    parser.add_argument("--page", action="store_true", help="write the results into docs/reference/compatibility.md")
-    given = parser.parse_args()
-    unknown = set(given.clients) - set(CLIENTS)
-    if unknown:
-        parser.error(f"no client is called {', '.join(sorted(unknown))}; there are {', '.join(CLIENTS)}")
-    environments = given.environments.resolve()
-    environments.mkdir(parents=True, exist_ok=True)
-    base, log = environments / "base", environments / "base.log"
-    print(f"the environment that all stand on: {base}", flush=True)
-    if not set_up(base, [(given.torch,), ("--editable", str(ROOT))], None, log):
-        print(f"it could not be made: {log}")
-        return 1
-    results = []
-    for name in given.clients or CLIENTS:
+    about = f"clients to try, of {', '.join(CLIENTS)}; without names, all"
+    parser.add_argument("clients", nargs="*", metavar="CLIENT", help=about)
+    wanted = parser.parse_args().clients or list(CLIENTS)
+    if unknown := set(wanted) - set(CLIENTS):
+        parser.error(f"unknown client {', '.join(sorted(unknown))}; the clients are {', '.join(CLIENTS)}")
+    ENVIRONMENTS.mkdir(parents=True, exist_ok=True)
+    base = ENVIRONMENTS / "base"
+    print(f"base environment: {base}", flush=True)
+    try:
+        python = set_up(base, [("torch",), ("--editable", str(ROOT))])
+    except subprocess.SubprocessError as error:
+        sys.exit(f"{error}; see {base}.log")
+    results = {}
+    for name in wanted:
         print(f"{name} ...", flush=True)
-        result = try_client(name, environments, base / "bin" / "python")
-        results.append(result)
-        told = ", ".join(f"{package} {version}" for package, version in result.get("versions", {}).items())
-        print(f"  {result['result']} ({result.get('seconds', 0)} s): {told or result['log']}", flush=True)
-        if result["result"] != "trains":
-            print("  " + "\n  ".join(Path(result["log"]).read_text(errors="replace").splitlines()[-12:]), flush=True)
-    common = versions(base, ("pettingzoo", "numpy", "numba", "torch"))
-    if given.page:
-        PAGE.write_text(page_with(PAGE.read_text(), results, common))
-    return int(any(result["result"] != "trains" for result in results))
+        results[name] = try_client(name, base)
+        print(f"  {': '.join(results[name])}", flush=True)
+    PAGE.write_text(page_with(PAGE.read_text(), results, versions(python, ("pettingzoo", "numpy", "numba", "torch"))))
+    return int(any(result != "trains" for result, _ in results.values()))
 
 
 if __name__ == "__main__":

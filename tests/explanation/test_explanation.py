@@ -167,20 +167,19 @@ def test_refusals_of_two_targets_are_two_runs(play):
     assert len({target for _, target in found}) > 10
 
 
-def test_thousands_of_names_are_a_few_runs():
-    """A node may ask for another name each time; none of its requests is lost from the count."""
-    service = ArenaService("duel", control_period_ms=16, time_limit_s=5)
+def test_requests_by_name_are_one_line_for_each_name():
+    """A node asks for two targets that never were, in every step."""
+    service = ArenaService("duel", control_period_ms=16, time_limit_s=1)
     service.record(("a", "b"))
     service.reset(1)
     while not service.over:
-        step = service.world.step
-        service.step(requests=[("hunter_0", CatchTurtleRequest(f"turtle{4 * step + k}")) for k in range(4)])
-    told = explain(service.replay)
-    (first,) = [run for run in told.refusals if run.other_names and run.verdict is Verdict.UNKNOWN_TARGET]
-    assert (first.target, first.times) == (None, service.world.step - 8)
-    assert len(told.refusals) == 2 * (8 + 1)
-    assert sum(run.times for run in told.refusals) == 4 * service.world.step
-    assert any("for other names: UNKNOWN_TARGET" in line for line in told.lines())
+        service.step(requests=[("hunter_0", CatchTurtleRequest(f"turtle{k}")) for k in range(2)])
+    told, steps = explain(service.replay), service.world.step
+    assert [(run.target, run.verdict, run.times) for run in told.refusals] == [
+        ("turtle0", Verdict.UNKNOWN_TARGET, steps),
+        ("turtle1", Verdict.DUPLICATE, steps),
+    ]
+    assert any(f' a asked {steps} times for "turtle1": DUPLICATE' in line for line in told.lines())
 
 
 def test_what_was_asked_for_by_name_is_told_with_its_verdict(named):
@@ -270,8 +269,7 @@ def test_a_step_is_told_whole(crowded):
     by_seat = {ruling.hunter: ruling for ruling in after.rulings}
     for one in told.hunters:
         ruling = by_seat.get(one.seat)
-        assert one.verdict == (ruling.verdict if ruling else None)
-        assert one.target == (ruling.target if ruling else None)
+        assert one.ruling == ruling
         assert one.chosen == after.hunters[one.seat].active_target
     target = next(target for target in before.targets if target.name == contest.target)
     for hunter, distance in zip(before.hunters, told.distances_um[contest.target], strict=True):
@@ -317,9 +315,11 @@ def test_explain_prints_paragraphs_of_80_columns(crowded, tmp_path, monkeypatch)
         assert result.exit_code == 0, result.output
         assert max(map(len, result.stdout.splitlines())) <= 80
     assert len(one.stdout) < len(whole.stdout)
-    told = explain_step(crowded, 62).to_dict()
-    assert {"asked", "played", "prey"} < told.keys()
-    assert told["asked"][0]["verdict"] in {verdict.name for verdict in Verdict} | {None}
+    told = explain_step(crowded, explain(crowded).contests[0].step).to_dict()
+    assert {"hunters", "prey_by_target", "prey"} < told.keys()
+    asked = [one["ruling"]["verdict"] for one in told["hunters"] if one["ruling"] is not None]
+    assert asked
+    assert set(asked) <= {verdict.name for verdict in Verdict}
     assert call("--at", "6.1", "--hunter", "ann").stdout == step.stdout
     for words in (
         ["--hunter", "bbo"],
@@ -421,7 +421,7 @@ def test_a_step_says_what_was_out_of_sight(play):
             where = "behind it" if other.off_heading_deg > 90 else "to its side"
             how += [f"{where}, {other.off_heading_deg:.1f} degrees off its heading"] * other.outside_cone
             assert f"{other.target}, {other.distance_um / 1e6:.6f} m away, {' and '.join(how)}" in text
-    assert json.loads(json.dumps(told.to_dict()))["asked"][0]["unseen"][0].keys() == {
+    assert json.loads(json.dumps(told.to_dict()))["hunters"][0]["unseen"][0].keys() == {
         "target",
         "distance_um",
         "off_heading_deg",
@@ -499,8 +499,8 @@ def test_a_refusal_tells_the_hunters_own_reach(play):
         )
 
 
-def test_rivals_are_ranked_as_the_engine_ranks_them_also_where_they_stand_in_one_place():
-    """All chase the nearest target, and most rivals are equally far in the end; the observation says who has a rank."""
+def test_rivals_are_ranked_as_the_engine_ranks_them():
+    """All chase the nearest target, and most rivals are equally far in the end."""
     engine = Engine(scenario("standard"))
     engine.reset([3])
     sight = SeenTargets(engine.config)
@@ -509,10 +509,12 @@ def test_rivals_are_ranked_as_the_engine_ranks_them_also_where_they_stand_in_one
         engine.step(np.ones((1, 4), np.int64), np.zeros((1, 4, 2), np.float32))
         world = engine.world()
         for seat, me in enumerate(world.hunters):
-            scores = [world.hunters[rival].score - me.score for rival in sight.ranked_rivals(world, seat)]
-            ranks = range(1, len(scores) + 1)
-            told = [engine.observations[0, seat, places[f"rival_{rank}.score_difference"]] for rank in ranks]
-            assert told == scores
+            for rank, seen in enumerate(sight.ranked_rivals(world, seat), start=1):
+                rival = world.hunters[seen]
+                ahead = math.cos(me.theta) * (rival.x - me.x) + math.sin(me.theta) * (rival.y - me.y)
+                left = math.cos(me.theta) * (rival.y - me.y) - math.sin(me.theta) * (rival.x - me.x)
+                told = [engine.observations[0, seat, places[f"rival_{rank}.{name}"]] for name in ("forward", "left")]
+                assert told == pytest.approx([ahead, left], abs=1e-5)
 
 
 def test_what_is_no_replay_or_no_step_is_refused(crowded):

@@ -16,7 +16,7 @@ from typing import Any
 from rulebook.adjudicators import Adjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_columns
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_features
 from catch_arena.scenarios import scenario
 
 FOLDER = Path(__file__).parent
@@ -75,7 +75,7 @@ class Match:
 def view(arena: Adjudicator, seat: int) -> str:
     """Where one hunter sees what, in its own frame, the nearest first."""
     config, numbers = arena.config, arena.observation(seat)
-    columns = len(target_columns(config))
+    columns = len(target_features(config)._fields)
     rivals = len(SELF_COLUMNS) + columns * config.targets_seen
     found = [
         " ".join(f"({numbers[at]:.3f}, {numbers[at + 1]:.3f})" for at in places if numbers[at + 2]) or "none"

@@ -73,8 +73,10 @@ def session(monkeypatch, tmp_path):
 def over(monkeypatch):
     """A pause in the script until the match is over: nobody knows how many looks an agent's process takes."""
     ended = []
-    end = match_window.MatchWindow._end
-    monkeypatch.setattr(match_window.MatchWindow, "_end", lambda window, world: (ended.append(1), end(window, world)))
+    show = match_window.MatchWindow.show_result
+    monkeypatch.setattr(
+        match_window.MatchWindow, "show_result", lambda window, result: (ended.append(1), show(window, result))
+    )
     return lambda: bool(ended)
 
 

@@ -22,7 +22,7 @@ from properties.matches import EFFORT, seen, settings_of, some_batch_actions, so
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.layout import SELF_COLUMNS, target_columns
+from catch_arena.layout import SELF_COLUMNS, target_features
 from catch_arena.verdicts import Ruling, Verdict
 
 Case = dict[str, Any]
@@ -409,7 +409,7 @@ def test_what_a_hunter_sees_stands_where_it_says(source: Random, seed: int, acti
     engine = Engine(config)
     engine.reset([seed])
     chosen = Random(actions)
-    width = len(target_columns(config))
+    width = len(target_features(config)._fields)
     for _ in range(STEPS // 3):
         engine.step(*some_batch_actions(chosen, config, 1))
     world = engine.world(0)

@@ -67,26 +67,6 @@ def test_the_video_has_every_frame_of_every_highlight(match, tmp_path):
     assert (caption.max(axis=2) > 200).any()  # there are words
 
 
-def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
-    """And refused where no match has it."""
-    highlights = []
-    for name, names in (("a", ("ann", "bob")), ("b", ("bob", "eve"))):
-        match = play("duel", names=names, view_radius_m=2.0, time_limit_s=2.0)
-        match.save(tmp_path / f"{name}.replay")
-        highlights.append((str(tmp_path / f"{name}.replay"), HIGHLIGHT))
-    plain, seen = (
-        decoded(render_highlights(highlights, tmp_path / f"{who}.mp4", size=(480, 320), fps=5, view_of=who).path)
-        for who in (None, "eve")
-    )
-    changed = [np.abs(one.astype(int) - other).mean() > 0.5 for one, other in zip(plain, seen, strict=True)]
-    half = len(changed) // 2
-    assert not any(changed[:half])
-    assert any(changed[half:])
-    with pytest.raises(ConfigError, match="unknown hunter 'tom'"):
-        render_highlights(highlights, tmp_path / "tom.gif", view_of="tom")
-    assert not (tmp_path / "tom.gif").exists()
-
-
 def test_a_video_of_five_matches_takes_no_more_memory_than_one_of_two(play, tmp_path):
     """While one match is read, the one before it may still be there; no others, and none of their frames."""
     path = tmp_path / "m.replay"

@@ -18,7 +18,7 @@ from catch_arena.layout import (
     SELF_COLUMNS,
     observation_size,
     prey_observation_size,
-    target_columns,
+    target_features,
 )
 from catch_arena.verdicts import Ruling, Verdict
 
@@ -172,12 +172,12 @@ class Adjudicator:
 
     def seen_targets(self, seat: int = 0) -> list[dict[str, float]]:
         """What it sees of the target of each rank."""
-        names, first = target_columns(self.config), len(SELF_COLUMNS)
+        names, first = target_features(self.config)._fields, len(SELF_COLUMNS)
         return rows_by_name(names, self.observation(seat)[first : first + len(names) * self.config.targets_seen])
 
     def seen_rivals(self, seat: int = 0) -> list[dict[str, float]]:
         """What it sees of the rival of each rank."""
-        first = len(SELF_COLUMNS) + len(target_columns(self.config)) * self.config.targets_seen
+        first = len(SELF_COLUMNS) + len(target_features(self.config)._fields) * self.config.targets_seen
         return rows_by_name(RIVAL_COLUMNS, self.observation(seat)[first:])
 
     time = property(lambda self: self.numbers()[0])

@@ -9,7 +9,7 @@ from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, columns, observation_size, state_columns, target_columns
+from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, columns, observation_size, state_columns, target_features
 from catch_arena.policy import Limits, View
 
 STILL = (0.0, 0.0)
@@ -155,7 +155,8 @@ def read_by_name(view: View, config: ArenaConfig) -> dict[str, float]:
     """All that a view shows, under the names of the observation's columns."""
     read = {name: getattr(view, name) for name in SELF_COLUMNS}
     for target in view.targets:
-        its = {name: getattr(target, name, 1.0) for name in target_columns(config)}  # who is in view is present
+        names = target_features(config)._fields
+        its = {name: getattr(target, name, 1.0) for name in names}  # who is in view is present
         read |= {f"target_{target.rank}.{name}": float(value) for name, value in its.items()}
     for rival in view.rivals:
         its = {name: getattr(rival, name, 1.0) for name in RIVAL_COLUMNS}

@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +77,6 @@ def test_the_table_has_every_row_with_its_sizes_and_its_rate(run):
     assert rows["reset of one arena"][3] == "us a reset"
     assert rows["memory"][3] == "bytes an arena"
     assert {len(row) for row in rows.values()} == {6}
-    assert re.search(r"\| cost of an agent-step with 64 hunters, times that with 4 +\| +[\d.]+ \|", page)
 
 
 def test_the_page_keeps_what_is_written_by_hand(run):
@@ -102,14 +102,16 @@ def test_processes_from_their_beginning_to_their_end_are_measured(tmp_path):
     ("arguments", "message"),
     [
         (("--only", "everything"), "invalid choice: 'everything'"),
-        (("--only", "ours"), "choose from peers, batch, threads"),
-        (("--against", "HEAD", "--only", "peers"), "choose from batch, threads"),
+        (("--against", "HEAD", "--only", "peers"), "--against measures no peers"),
         (("--pufferlib", "docs"), "docs has no pufferlib/ocean/target/target.h"),
-        (("--against", "HEAD", "--page", "README.md"), "README.md must be a page that holds"),
+        (
+            ("--against", "HEAD", "--page", "docs/explanation/performance.md"),
+            "--against measures no peers and writes no page",
+        ),
         (("--rounds", 0), "--rounds must be at least 1"),
         (("--json", "README.md/figures.json"), "README.md: cannot be written: is a file, not a folder"),
-        (("--page", "README.md"), "README.md must be a page that holds"),
-        (("--page", "no.md"), "no.md must be a page"),
+        (("--page", "README.md"), "--page must be a page that has the marks"),
+        (("--page", "no.md"), "got no.md"),
     ],
 )
 def test_bad_arguments_are_one_line(arguments, message):
@@ -185,26 +187,19 @@ def repository(tmp_path_factory):
 
 @pytest.mark.nightly
 def test_an_older_commit_and_the_current_version_are_measured_in_turn(repository, tmp_path):
-    """Rows that need no compiler; with uncommitted changes, which the tables name."""
-    shutil.copy(ROOT / "docs" / "explanation" / "performance.md", tmp_path / "page.md")
+    """Rows that need no compiler; with uncommitted changes, which the output names."""
     rows = ("batch", "threads", "hunters", "controls", "one-arena", "learners", "memory")
-    done = repository.bench("HEAD", "--only", *rows, "--json", tmp_path / "bench.json", "--page", tmp_path / "page.md")
+    done = repository.bench("HEAD", "--only", *rows, "--json", tmp_path / "bench.json")
     assert done.returncode == 0, done.stderr
 
     figures = json.loads((tmp_path / "bench.json").read_text())
-    page = (tmp_path / "page.md").read_text()
     before, now = figures["versions"]["before"], figures["versions"]["now"]
     assert repository.git("rev-parse", "HEAD").strip()[:12] in figures["what"]
     assert before.keys() == now.keys()
     assert {len(row["cpu"]) for row in (*before.values(), *now.values())} == {2}
-    assert "with changes that are not committed" in page
+    assert "with changes that are not committed" in done.stdout
     for what in ("batch of 1,024, ns an agent-step", "one arena, full control, us a step", "memory, bytes an arena"):
-        assert f"| {what}" in page
-    for what in ("two threads", "cost of an agent-step with 64 hunters", "velocity control", "full control"):
-        assert re.search(rf"\n\| {what}, times[^|]+\| +[\d.]+ \| +[\d.]+ \|", page)
-    assert page.startswith(
-        (ROOT / "docs" / "explanation" / "performance.md").read_text().partition("<!-- made by scripts/bench")[0]
-    )
+        assert f"| {what}" in done.stdout
     assert repository.left() == []
 
 
@@ -238,7 +233,7 @@ def test_without_git_or_history_it_says_so(repository, tmp_path):
     unpacked = bench("--against", "HEAD", "--quick", folder=tmp_path / "unpacked", environment=environment)
     without = bench("--against", "HEAD", "--quick", folder=repository.folder, environment={**environment, "PATH": ""})
 
-    assert re.fullmatch(r"bench: --against needs .*, and \S*unpacked is no git checkout\n", unpacked.stderr)
+    assert re.fullmatch(r"bench: --against needs .*, and \S*unpacked is not a git checkout\n", unpacked.stderr)
     assert without.stderr == "bench: --against needs git, which is not installed here\n"
     assert unpacked.returncode == without.returncode == 1
 
@@ -258,8 +253,11 @@ def test_an_interrupt_leaves_no_checkout_and_no_process_behind(repository, numbe
     assert process.returncode == 130
     assert words.splitlines()[-1] == "bench: interrupted"
     assert repository.left() == []
-    assert len(sides) == 2
-    assert not any(Path("/proc", side).exists() for side in sides)
+    assert len(sides) >= 2
+    late = time.monotonic() + 10
+    while any(Path("/proc", side).exists() for side in sides):  # Python's own helper ends a moment later
+        assert time.monotonic() < late
+        time.sleep(0.05)
 
 
 def children_of(pid):
@@ -313,9 +311,7 @@ def test_pufferlib_is_compiled_and_driven_where_its_source_lies(tmp_path, monkey
         peers.compiled(tmp_path)
 
 
-@pytest.mark.parametrize("arenas", [8, 2048])
-def test_the_memory_of_a_batch_is_counted_whoever_it_is_asked_of(arenas, monkeypatch):
-    """Large batches have pages of their own, of which tracemalloc hears nothing."""
-    of_an_arena = module("ours", monkeypatch).bytes_of_an_arena(arenas)
-    batch = catch_arena.VectorArena("standard", arenas)
-    assert batch.reset(seed=1)[0].nbytes / arenas < of_an_arena < 50_000
+def test_the_memory_of_a_batch_is_counted(monkeypatch):
+    measured = module("ours", monkeypatch).memory(2048).value()
+    batch = catch_arena.VectorArena("standard", 2048)
+    assert batch.reset(seed=1)[0].nbytes / 2048 < measured < 50_000

@@ -59,7 +59,7 @@ def test_the_page_says_what_was_measured():
     assert "- Not good at: any scenario" in page
     assert f"- Matches: {8 * len(SUITE.scenarios)}, of which it forfeited 0." in page
     assert shipped()["patrol"] in page
-    assert "It is a training opponent of the suite, and meets itself there." in page
+    assert "It is a training opponent of the suite, and plays against itself there." in page
 
 
 def test_a_scenario_with_forfeits_is_a_weakness():
@@ -83,7 +83,7 @@ def test_an_agent_is_put_into_the_card_and_the_others_stay():
         assert re.findall(r"^\| \[?`(\w+)`", table, re.MULTILINE) == ["patrol", "first", "idle"]
     added = re.search(r"^### first\n(.*?)\n\n### ", merged, re.MULTILINE | re.DOTALL)[1]
     assert "0.25 ms" in added
-    assert "\n- Measured by itself, by `scripts/card.py --blocks 4 first` on " in added
+    assert "\n- Measured alone, by `scripts/card.py --blocks 4 first` on " in added
     others = "".join(line for line in merged.splitlines(keepends=True) if "`first`" not in line)
     assert others.replace(f"### first\n{added}\n\n", "") == card
 

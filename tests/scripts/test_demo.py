@@ -1,8 +1,6 @@
-"""The demo: what it says while it works, and what it leaves alone."""
+"""The demo: its output, and the files that it leaves alone."""
 
 import runpy
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,41 +8,32 @@ import pytest
 DEMO = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "demo.py"), run_name="loaded")
 
 
-def quiet(code):
-    pipe = subprocess.PIPE
-    return subprocess.Popen([sys.executable, "-c", f"import sys; {code}"], text=True, stdout=pipe, stderr=pipe)
+def test_a_command_that_fails_ends_the_demo(capfd):
+    with pytest.raises(SystemExit) as ended:
+        DEMO["run"]("match", "nobody")
+    assert ended.value.code != 0
+    printed = capfd.readouterr()
+    assert printed.out == "\n$ catch-arena match nobody\n"
+    assert "nobody" in printed.err
 
 
-def test_a_quiet_command_tells_how_far_it_is_and_in_the_end_what_it_made(capfd):
-    with quiet("print('video: m.mp4'); print('rendering: 10 of 90, 11 s', file=sys.stderr)") as process:
-        DEMO["tell"](process)
-    assert capfd.readouterr() == ("video: m.mp4\n", "rendering: 10 of 90, 11 s\n")
-
-
-def test_a_quiet_command_that_fails_says_why_and_ends_the_demo(capfd):
-    with quiet("sys.exit('catch-arena: no moments')") as process, pytest.raises(SystemExit) as ended:
-        DEMO["tell"](process)
-    assert ended.value.code == 1
-    assert capfd.readouterr().err == "catch-arena: no moments\n"
-
-
-def test_what_an_earlier_demo_left_goes(tmp_path):
+def test_files_of_an_earlier_demo_are_removed(tmp_path):
     out = tmp_path / "out" / "demo"
     for _ in range(2):
-        DEMO["make_anew"](out)
+        DEMO["make_folder"](out)
         assert [path.name for path in out.iterdir()] == ["demo.began"]
         (out / "replays").mkdir()
 
 
 @pytest.mark.parametrize("content", ["a file", "a tournament"])
-def test_what_the_demo_did_not_make_stays(tmp_path, content):
+def test_other_folders_stay(tmp_path, content):
     out = tmp_path / "mine"
     precious = out
     if content == "a tournament":
         out.mkdir()
         precious = out / "tournament.sqlite"
     precious.write_text("mine")
-    with pytest.raises(SystemExit, match=f"{out} was not made by the demo, and is left as it is"):
+    with pytest.raises(SystemExit, match=f"{out} was not made by the demo, and stays as it is"):
         DEMO["demo"](out)
     assert precious.read_text() == "mine"
 
@@ -52,4 +41,4 @@ def test_what_the_demo_did_not_make_stays(tmp_path, content):
 def test_a_folder_that_cannot_be_written_is_one_line(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(SystemExit, match=f"{tmp_path}/file/out: Not a directory"):
-        DEMO["make_anew"](tmp_path / "file" / "out")
+        DEMO["make_folder"](tmp_path / "file" / "out")

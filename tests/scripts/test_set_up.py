@@ -36,13 +36,8 @@ def test_a_python_that_is_too_old_is_named_with_a_way_out(set_up, tmp_path):
 
 def test_a_python_without_venv_names_the_package_and_leaves_no_environment(set_up, tmp_path):
     printed = set_up('test "$1" = -c && exit; mkdir -p .venv/bin; echo "no ensurepip"; exit 1')
-    assert printed == (
-        "making .venv\n"
-        f"{tmp_path}/python cannot make a virtual environment: see .venv.log; "
-        "on Debian and Ubuntu: apt-get install python3-venv\n"
-    )
+    assert printed == "no ensurepip\ncannot make .venv; on Debian and Ubuntu: apt-get install python3-venv\n"
     assert not (tmp_path / ".venv").exists()
-    assert "no ensurepip" in (tmp_path / ".venv.log").read_text()
 
 
 def test_an_environment_that_works_is_never_made_again(set_up, tmp_path):

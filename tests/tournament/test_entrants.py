@@ -52,7 +52,7 @@ def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file
     assert [one.name for one in twice] == [*files, "nearest", "first/Agent", "ann/hw1/agent#2", "idle/Agent"]
 
 
-@pytest.mark.parametrize("encoding", ["utf-16", "utf-32-be"])
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
 def test_a_file_in_another_encoding_is_told_which(tmp_path, encoding):
     """Trusted or not."""
     path = tmp_path / "mine.py"

@@ -213,7 +213,7 @@ def test_an_opponents_file_stands_beside_the_spec(grade):
 
 
 def test_the_example_in_the_docs_runs(grade):
-    (spec,) = re.findall(r"```toml\n(.*?)```", DOCS.read_text(), re.DOTALL)
+    (spec,) = re.findall(r"```toml file=exercise.toml\n(.*?)```", DOCS.read_text(), re.DOTALL)
     short = spec.replace("hunters = 1", "hunters = 1, time_limit_s = 5")
     short = short.replace('"duel"', '"duel"\nsettings = { time_limit_s = 5 }')
     assert short.count("time_limit_s") == 2
@@ -276,7 +276,7 @@ def test_files_that_an_editor_of_windows_wrote_are_read(tmp_path):
 @pytest.mark.parametrize(
     ("encoding", "why"),
     [
-        ("utf-32", "is text in UTF-32: save it as UTF-8"),
+        ("utf-16", "is text in UTF-16: save it as UTF-8"),
         ("utf-16-le", "is text in UTF-16: save it as UTF-8"),
         ("latin-1", "must be text in UTF-8, and byte 10 is none"),
     ],

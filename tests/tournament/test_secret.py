@@ -22,7 +22,7 @@ from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.secret import Purpose, Secret, agent_seed
 from catch_arena.tournament.store import STORE, Store, Tournament
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "tournaments.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "seeds.md").read_text()
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
 SMALL_NUMBERS = 40
 PURPOSES = get_args(Purpose)
@@ -36,7 +36,7 @@ def in_a_folder_of_its_own(tmp_path, monkeypatch):
 
 
 def test_the_page_lists_every_purpose_and_its_example_is_right():
-    section = PAGE.partition("## Seeds")[2].partition("\n## ")[0]
+    section = PAGE.partition("## How seeds follow")[2]
     assert set(re.findall(r"^\| `([a-z ]+)` \|", section, re.MULTILINE)) == set(PURPOSES)
     assert all(len(words.encode()) <= 16 for words in PURPOSES)
     digits, seed, told = re.search(

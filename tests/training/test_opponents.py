@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.batch_policy import BatchPolicy, BatchView
+from catch_arena.batch_policy import BatchView
 from catch_arena.errors import AgentError, ConfigError, EpisodeError
 from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
@@ -99,7 +99,6 @@ def test_act_and_act_batch_agree(name, scenario):
             looks += 4
         arena.step(choices, commands)
     assert looks == 4 * cycles * config.hunters
-    assert isinstance(one, BatchPolicy)
 
 
 def test_a_batch_view_names_what_a_view_names():
@@ -209,7 +208,7 @@ def test_an_agent_that_acts_alone_has_an_instance_for_each_hunter_and_episode():
         batch.step(hold(batch))
 
     assert Fixed.made == 9
-    assert {instance.steps for instance in batch.opponents._instances.values()} == {0}
+    assert {player.policy.steps for player in batch.opponents._instances.values()} == {0}
 
 
 def test_a_run_is_repeated_by_its_seed():
@@ -248,16 +247,16 @@ RAISES = BatchFixed(out_of_ideas)
     ("opponent", "message"),
     [
         (RAISES, "opponent BatchFixed: act_batch raised IndexError: no more ideas"),
-        (BatchFixed(nonsense((), 9)), "must give whole numbers from 0 to 8, got 9 for hunter_1 in arena 2"),
-        (BatchFixed(nonsense((), -1)), "must give whole numbers from 0 to 8, got -1 for hunter_1 in arena 2"),
-        (BatchFixed(nonsense((), 1.0)), "must give 3 whole numbers from 0 to 8, got an array of float64 of the shape"),
-        (BatchFixed(None), "must give 3 whole numbers from 0 to 8, got None"),
+        (BatchFixed(nonsense((), 9)), "actions must be whole numbers from 0 to 8, got 9 for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((), -1)), "actions must be whole numbers from 0 to 8, got -1 for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((), 1.0)), "actions must be 3 whole numbers, got an array of float64 of the shape"),
+        (BatchFixed(None), "opponent BatchFixed: actions must be 3 whole numbers, got None"),
         (BatchFixed([1, 2]), r"got an array of int64 of the shape \(2,\)"),
-        (BatchFixed([[1], [1, 2]]), "must give 3 whole numbers from 0 to 8"),
+        (BatchFixed([[1], [1, 2]]), "actions must be 3 whole numbers"),
         (BatchFixed(nonsense((2,), [np.nan, 0.0]), "velocity"), r"got \[nan, 0.0\] for hunter_1 in arena 2"),
         (BatchFixed(nonsense((2,), [0.0, 1.5]), "velocity"), r"got \[0.0, 1.5\] for hunter_1 in arena 2"),
-        (BatchFixed(np.zeros(3), "velocity"), r"must give \(3, 2\) numbers in \[-1, 1\], got an array of float64"),
-        (BatchFixed(np.zeros(3), "full"), "must give a mapping with cmd_vel and catch, got"),
+        (BatchFixed(np.zeros(3), "velocity"), r"actions must be \(3, 2\) numbers, got an array of float64"),
+        (BatchFixed(np.zeros(3), "full"), "actions must be a mapping with cmd_vel and catch, got"),
     ],
 )
 def test_an_opponent_that_raises_or_answers_nonsense_in_one_row_is_told_in_one_line(opponent, message):

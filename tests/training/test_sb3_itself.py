@@ -62,7 +62,7 @@ def test_ppo_learns_velocities_under_vec_normalize():
 
 
 def test_the_network_of_the_docs_example_decides_in_numpy_as_in_torch(tmp_path, monkeypatch):
-    page = (Path(__file__).parents[2] / "docs" / "howto" / "training.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "tutorials" / "train_an_agent.md").read_text()
     (example,) = [code for code in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "sb3_contrib" in code]
     monkeypatch.chdir(tmp_path)
     names = {}

@@ -38,7 +38,6 @@ from catch_arena import (
     parallel_env,
     scenario,
 )
-from catch_arena.batch_policy import BatchPolicy
 from catch_arena.envs.aec import CatchArenaAecEnv, SavedTurn
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
@@ -200,11 +199,10 @@ class All(Nearest):
         return np.ones(len(view.masks), np.int64)
 
 
-def prey_and_batches(prey: PreyPolicy, batch: BatchPolicy) -> None:
-    assert_type(prey.act(PreyView([0.0], PreyLimits.of(scenario("tag")))), Any)
-    prey_and_batches(Runaway(), All())
-    prey_and_batches(Blind(), batch)  # pyright: ignore[reportArgumentType]
-    prey_and_batches(prey, Nearest())  # pyright: ignore[reportArgumentType]
+def prey(agent: PreyPolicy) -> None:
+    assert_type(agent.act(PreyView([0.0], PreyLimits.of(scenario("tag")))), Any)
+    prey(Runaway())
+    prey(Blind())  # pyright: ignore[reportArgumentType]
 
 
 def by_names() -> None:

@@ -10,8 +10,7 @@ from catch_arena.replay import Replay
 from catch_arena.replay.motion import Pose2D, StepMotion, step_motion
 from catch_arena.ros.bags.files import BagWriter, Storage, whole_bag
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, RULINGS, TURTLE, pose_of
-from catch_arena.ros.middleware.interfaces import RULING, Interfaces
-from catch_arena.ros.middleware.rulings import ruling_message
+from catch_arena.ros.middleware.interfaces import RULING, Interfaces, RulingMessage
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, World
 
@@ -110,4 +109,4 @@ class _MatchWriter:
         """Write a ruling; half of a surrogate pair in a name is no UTF-8, and is written as an escape."""
         if ruling.target is not None:
             ruling = replace(ruling, target=str(ruling.target).encode(errors="backslashreplace").decode())
-        self._bag.write(RULINGS, time_ms * _MS, *ruling_message(ruling, time_ms, self._hunters))
+        self._bag.write(RULINGS, time_ms * _MS, *RulingMessage.of(ruling, time_ms, self._hunters))

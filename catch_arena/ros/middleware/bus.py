@@ -3,11 +3,13 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol
+from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, get_args
 
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType
-from catch_arena.ros.middleware.names import Backend
 
+Backend = Literal["rclpy", "cyclonedds", "rosbridge"]
+BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
+"""Back-ends in the order in which they are tried."""
 DEPTH: Final = 10
 """Number of unread messages that each topic keeps, as usual in ROS; after that the oldest is lost."""
 SERVICE_DEPTH: Final = 64

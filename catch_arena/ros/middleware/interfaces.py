@@ -4,16 +4,22 @@ A definition is the text of a .msg or .srv file. It follows from the tuple, and 
 it, so that a field and its width stand in one place.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 from catch_arena import messages
-from catch_arena.ros.middleware.names import INTERFACES, TURTLESIM
+from catch_arena.verdicts import CLAUSES, Ruling
 
+INTERFACES: Final = "my_robot_interfaces"
+"""Name of the exercise's package, with Turtle, TurtleArray and CatchTurtle."""
+TURTLESIM: Final = "turtlesim"
+"""Name of the package with Pose; turtlesim_msgs from Kilted on."""
 OWN_PACKAGE: Final = "catch_arena_interfaces"
 """Name of our package of types: ros2/catch_arena_interfaces."""
+_LONGEST_TARGET: Final = 255
+"""Largest length of a target's name in a ruling [characters]."""
 
 UInt8 = Annotated[int, "uint8"]
 Int32 = Annotated[int, "int32"]
@@ -135,7 +141,7 @@ class RulingMessage(NamedTuple):
     step: UInt32
     hunter: str
     target: str
-    """The requested name, cut to 255 characters."""
+    """The requested name, cut to 255 characters; empty for a rank that has no target."""
     verdict: str
     success: bool
     distance: float
@@ -144,6 +150,28 @@ class RulingMessage(NamedTuple):
     """The hunter that won the target, if the request was granted or lost a contest; else empty."""
     clause: str
     reason: str
+
+    @classmethod
+    def of(cls, ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> "RulingMessage":
+        """Return the message of one ruling.
+
+        Args:
+            ruling: the ruling.
+            time_ms: beginning of the step in which it was judged [ms].
+            hunters: their names, by seat.
+        """
+        return cls(
+            time=time_ms / 1000.0,
+            step=ruling.step,
+            hunter=hunters[ruling.hunter],
+            target="" if ruling.target is None else str(ruling.target)[:_LONGEST_TARGET],
+            verdict=ruling.verdict.name,
+            success=ruling.success,
+            distance=-1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,
+            winner="" if ruling.winner is None else hunters[ruling.winner],
+            clause=CLAUSES[ruling.verdict],
+            reason=ruling.reason,
+        )
 
 
 class StandingMessage(NamedTuple):

@@ -8,11 +8,12 @@ from importlib import import_module
 from typing import Final
 
 from catch_arena.errors import BusError, ConfigError, install_hint
-from catch_arena.ros.middleware.bus import Bus, Log
-from catch_arena.ros.middleware.interfaces import Interfaces
-from catch_arena.ros.middleware.names import BACKENDS, BRIDGE_URL, INTERFACES, Backend
+from catch_arena.ros.middleware.bus import BACKENDS, Backend, Bus, Log
+from catch_arena.ros.middleware.interfaces import INTERFACES, Interfaces
 from catch_arena.text import one_line
 
+BRIDGE_URL: Final = "ws://127.0.0.1:9090"
+"""Usual address of rosbridge's server."""
 _HIGHEST_DOMAIN: Final = 232
 """The highest DDS domain id; the ports of higher ones do not exist."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy.node"}

@@ -10,8 +10,14 @@ from typing import Any, Final
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE
-from catch_arena.ros.middleware.interfaces import OWN_PACKAGE, Field, Interfaces, MessageType, ServiceType
-from catch_arena.ros.middleware.names import INTERFACES
+from catch_arena.ros.middleware.interfaces import (
+    INTERFACES,
+    OWN_PACKAGE,
+    Field,
+    Interfaces,
+    MessageType,
+    ServiceType,
+)
 
 _KINDS: Final[Mapping[str, str]] = {
     "string": "text",

@@ -20,11 +20,11 @@ from catch_arena.ros.middleware.interfaces import (
     Interfaces,
     MessageType,
     Name,
+    RulingMessage,
     SpawnRequest,
     StandingMessage,
     Time,
 )
-from catch_arena.ros.middleware.rulings import ruling_message
 from catch_arena.ros.nodes.advice import Advice
 from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.neighbours import Neighbours, run_line
@@ -166,7 +166,7 @@ class ArenaNode:
         by_name = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in by_name]
         for ruling in (*rulings, *hosted):
-            self._rulings(ruling_message(ruling, before.time_ms, self._service.config.hunter_names))
+            self._rulings(RulingMessage.of(ruling, before.time_ms, self._service.config.hunter_names))
         self._publish_state(world)
 
     def standings(self) -> tuple[tuple[int, ...], tuple[int, ...]]:

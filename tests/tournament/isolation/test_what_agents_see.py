@@ -250,7 +250,9 @@ def test_any_runtime_plays_as_pythons_nearest_does(sandbox, tmp_path, runtime):
         (tmp_path / "Bot.java").write_text(JAVA)
         command = f"cmd:java -XX:+UseSerialGC {tmp_path}/Bot.java"
     else:
-        (script,) = re.findall(r"```sh\n(while .*?)```", DOCS.read_text(), re.DOTALL)
+        (script,) = re.findall(
+            r"```sh file=bot.sh\n(while .*?)```", (DOCS.parent / "other_languages.md").read_text(), re.DOTALL
+        )
         (tmp_path / "bot.sh").write_text(script)
         command = f"cmd:sh {tmp_path}/bot.sh"
     config = scenario("duel", time_limit_s=10)

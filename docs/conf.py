@@ -1,0 +1,74 @@
+"""Sphinx's configuration of the site: `make site` writes out/site/index.html.
+
+Pages are plain Markdown, so that they read well in the repository and by `catch-arena docs`. Two directives add what
+only a site can show: `replay` plays a match, and `commands` lists the command line.
+"""
+
+import re
+from importlib.metadata import version as installed_version
+from pathlib import Path
+from typing import Any
+
+import typer.cli
+from docutils import nodes
+from sphinx.util.docutils import SphinxDirective
+from typer.testing import CliRunner
+
+from catch_arena.cli import main
+from catch_arena.player import bundle_text, element_script
+from catch_arena.replay import Replay
+
+project = "Catch Arena"
+author = "the Catch Arena authors"
+copyright = author  # noqa: A001 - Sphinx's name
+version = release = installed_version("catch-arena")
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+
+myst_heading_anchors = 4
+default_role = "code"
+autodoc_member_order = "bysource"
+autodoc_default_options = {"members": True}
+
+html_theme = "furo"
+html_title = "Catch Arena"
+REPOSITORY = "https://github.com/OWNER/catch-arena/"
+html_theme_options = {"source_repository": REPOSITORY, "source_branch": "main", "source_directory": "docs/"}
+
+
+class PlayedMatch(SphinxDirective):
+    """Directive `replay`: a match that plays in the page, given by the arguments of `catch-arena match`."""
+
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        (words,) = self.content
+        file = Path(self.env.doctreedir) / f"{re.sub(r'[^a-z0-9]+', '-', words)}.replay"
+        if not file.exists():
+            done = CliRunner().invoke(main, ["match", *words.split(), "-o", str(file)], catch_exceptions=False)
+            if done.exit_code:
+                raise self.error(done.output)
+        html = f'{element_script()}<catch-replay bundle="{bundle_text(Replay.load(file))}"></catch-replay>'
+        return [nodes.raw("", html, format="html"), *self.parse_text_to_nodes(f"`catch-arena match {words}`")]
+
+
+class CommandList(SphinxDirective):
+    """Directive `commands`: every command of `catch-arena` with its options, from Typer."""
+
+    def run(self) -> list[nodes.Node]:
+        command = typer.main.get_command(main)
+        text = typer.cli.get_docs_for_click(obj=command, ctx=typer.Context(command), name="catch-arena")
+        sections = text[text.index("## ") :]
+        return self.parse_text_to_nodes(sections, allow_section_headings=True)
+
+
+def link_to_repository(_app: Any, page: str, source: list[str]) -> None:
+    """Let links to files outside docs/ lead to the repository."""
+    up = re.escape("../" * (page.count("/") + 1))
+    source[0] = re.sub(rf"\]\({up}([^)]*)\)", rf"]({REPOSITORY}blob/main/\1)", source[0])
+
+
+def setup(app: Any) -> None:
+    """Add the directives, and the links."""
+    app.add_directive("replay", PlayedMatch)
+    app.add_directive("commands", CommandList)
+    app.connect("source-read", link_to_repository)
