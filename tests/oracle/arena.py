@@ -1,6 +1,6 @@
 """The oracle: a second arena in plain Python with one object per turtle.
 
-It was written from docs/reference/rulebook.md alone.
+It was written from docs/reference/rulebook.md and its appendix, bit_exact.md, alone.
 
 It shares no code with the package. Where it and the engine differ, the book decides which of them is wrong.
 """

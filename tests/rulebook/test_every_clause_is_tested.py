@@ -7,13 +7,14 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 BOOK = ROOT / "docs" / "reference" / "rulebook.md"
+APPENDIX = ROOT / "docs" / "reference" / "bit_exact.md"
 PACKAGE = ROOT / "catch_arena"
 
 
 @cache
 def clauses() -> list[str]:
-    """The clauses that the book defines, in its order."""
-    return re.findall(r"^\*\*(R\d+\.\d+)\*\*", BOOK.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    """The clauses that the book defines, in its order: each has a heading, so that one can link to it."""
+    return re.findall(r"^### (R\d+\.\d+) \w", BOOK.read_text(encoding="utf-8"), flags=re.MULTILINE)
 
 
 @cache
@@ -77,4 +78,13 @@ def test_the_code_cites_no_clause_that_the_book_does_not_have() -> None:
     known = set(clauses())
     for path in (*PACKAGE.rglob("*.py"), *ROOT.glob("tests/**/*.py")):
         cited = set(re.findall(r"\bR\d+\.\d+\b", path.read_text(encoding="utf-8")))
+        assert sorted(cited - known) == [], path
+
+
+def test_the_code_and_the_book_cite_no_section_that_the_appendix_does_not_have() -> None:
+    """Sections are A.1, A.2 and so on; A.7 has subsections."""
+    section = r"\bA\.\d+(?:\.\d+)?\b"
+    known = set(re.findall(rf"^###? ({section}) \w", APPENDIX.read_text(encoding="utf-8"), flags=re.MULTILINE))
+    for path in (BOOK, APPENDIX, *PACKAGE.rglob("*.py"), *ROOT.glob("tests/**/*.py")):
+        cited = set(re.findall(section, path.read_text(encoding="utf-8")))
         assert sorted(cited - known) == [], path
