@@ -4,8 +4,8 @@ from functools import cached_property
 from typing import Any, Final, Protocol, runtime_checkable
 
 from catch_arena.errors import ConfigError, require_type
-from catch_arena.layout import SelfFeatures
-from catch_arena.policy import Limits, first_rival_column, numbers_seen, rival_features, target_features
+from catch_arena.layout import SelfFeatures, first_rival_column, observation_size, rival_features, target_features
+from catch_arena.policy import Limits
 from catch_arena.text import in_short
 
 TYPE_CHECKING = False  # agents that do not use NumPy need not load it
@@ -27,7 +27,7 @@ class BatchView:
 
     def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
         require_type("limits", limits, Limits, "Limits.of(config)")
-        size = numbers_seen(limits)
+        size = observation_size(limits)
         if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
             raise ConfigError(
                 f"observations must be an array whose last axis has {size} numbers, got {in_short(observations)}"

@@ -198,20 +198,40 @@ MOST_SEEN_BY_PREY: Final = 8
 """R12.4: largest number of hunters that prey sees, and of other prey."""
 
 
+def target_features(arena: Any) -> Any:
+    """R7.1, R7.4: return the table of a target's columns; `arena` is a config, or a hunter's `policy.Limits`."""
+    return MovingTargetFeatures if arena.targets_move else TargetFeatures
+
+
+def rival_features(arena: Any) -> Any:
+    """R7.1, R7.4: return the table of a rival's columns; `arena` is a config, or a hunter's `policy.Limits`."""
+    return TeamRivalFeatures if arena.teams else RivalFeatures
+
+
 def target_columns(config: ArenaConfig) -> tuple[str, ...]:
     """R7.1, R7.4: return the names of a target's columns."""
-    return MOVING_TARGET_COLUMNS if config.targets_move else TARGET_COLUMNS
+    names: tuple[str, ...] = target_features(config)._fields
+    return names
 
 
 def rival_columns(config: ArenaConfig) -> tuple[str, ...]:
     """R7.1, R7.4: return the names of a rival's columns."""
-    return RIVAL_COLUMNS if config.teams is None else TEAM_RIVAL_COLUMNS
+    names: tuple[str, ...] = rival_features(config)._fields
+    return names
 
 
-def observation_size(config: ArenaConfig) -> int:
-    """Return D, the length of a hunter's observation."""
-    targets = len(target_columns(config)) * config.targets_seen
-    return len(SELF_COLUMNS) + targets + len(rival_columns(config)) * config.hunters_seen
+def first_rival_column(arena: Any) -> int:
+    """Return the index of the first rival column, which follows the hunter's own columns and the targets'; `arena` is a
+    config, or a hunter's `policy.Limits`.
+    """
+    first: int = len(SELF_COLUMNS) + arena.targets_seen * len(target_features(arena)._fields)
+    return first
+
+
+def observation_size(arena: Any) -> int:
+    """Return D, the length of a hunter's observation; `arena` is a config, or a hunter's `policy.Limits`."""
+    size: int = first_rival_column(arena) + arena.hunters_seen * len(rival_features(arena)._fields)
+    return size
 
 
 def hunters_seen_by_prey(config: ArenaConfig) -> int:
@@ -260,8 +280,7 @@ def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaC
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
-    target = _columns_of(MovingTargetFeatures if config.targets_move else TargetFeatures, arena)
-    rival = _columns_of(RivalFeatures if config.teams is None else TeamRivalFeatures, arena)
+    target, rival = _columns_of(target_features(config), arena), _columns_of(rival_features(config), arena)
     return (
         *_columns_of(SelfFeatures, arena),
         *_numbered("target", range(1, config.targets_seen + 1), target),

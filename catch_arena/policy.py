@@ -10,14 +10,14 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError, ConfigError, require_type
 from catch_arena.layout import (
     BodyFeatures,
-    MovingTargetFeatures,
     PreySelfFeatures,
-    RivalFeatures,
     SelfFeatures,
-    TargetFeatures,
-    TeamRivalFeatures,
+    first_rival_column,
     hunters_seen_by_prey,
+    observation_size,
     prey_seen_by_prey,
+    rival_features,
+    target_features,
 )
 from catch_arena.text import in_short
 
@@ -275,26 +275,6 @@ class SeenBody(NamedTuple):
         return math.atan2(self.heading_sin, self.heading_cos)
 
 
-def target_features(limits: Limits) -> Any:
-    """R7.1, R7.4: return the table of `layout` with a target's columns in a hunter's observation."""
-    return MovingTargetFeatures if limits.targets_move else TargetFeatures
-
-
-def rival_features(limits: Limits) -> Any:
-    """R7.1, R7.4: return the table of `layout` with a rival's columns in a hunter's observation."""
-    return TeamRivalFeatures if limits.teams else RivalFeatures
-
-
-def first_rival_column(limits: Limits) -> int:
-    """Return the index of the first rival column, which follows the hunter's own columns and the targets'."""
-    return _OWN + limits.targets_seen * len(target_features(limits)._fields)
-
-
-def numbers_seen(limits: Limits) -> int:
-    """R7.1: return the length of a hunter's observation."""
-    return first_rival_column(limits) + limits.hunters_seen * len(rival_features(limits)._fields)
-
-
 Seen = TypeVar("Seen", SeenTarget, SeenHunter, SeenBody)
 
 _TYPED: Final = {
@@ -395,7 +375,7 @@ class View(_Body):
         """R7.2: 1 for each legal choice; `mask[0]`, hold, is always legal."""
         self.limits = limits
         require_type("limits", limits, Limits, "Limits.of(config)")
-        own = SelfFeatures(*_first_columns(observation, _OWN, numbers_seen(limits)))
+        own = SelfFeatures(*_first_columns(observation, _OWN, observation_size(limits)))
         super().__init__(own)
         self.score = own.score
         """Number of catches granted so far."""

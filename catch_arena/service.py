@@ -3,7 +3,6 @@
 ros/nodes plays on it.
 """
 
-from bisect import insort
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
@@ -17,7 +16,7 @@ from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.plain import as_python, real_number
-from catch_arena.replay import Replay, checked_names, checked_text
+from catch_arena.replay import Recorder, Replay
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
@@ -56,8 +55,7 @@ class ArenaService:
         self._seed: int | None = None
         self._appeared: set[str] = set()
         self._subscribers: list[Callable[[TurtleArray], object]] = []
-        self._record_as: tuple[tuple[str, ...], str] | None = None
-        self._replay: Replay | None = None
+        self._recorder = Recorder(self._config)
         self._budget = RequestBudget(self._config.hunters)
 
     def reset(self, seed: int | None = None) -> None:
@@ -70,10 +68,8 @@ class ArenaService:
         self._seed = episode_seed(seed, self._seed)
         self._engine.reset([self._seed])
         self._appeared = {target.name for target in self.world.targets}
-        if self._record_as is not None:
-            self._replay = Replay(self._config, self._seed, *self._record_as)
-            self._budget = RequestBudget(self._config.hunters)
-            self._replay.note(self._engine)
+        self._recorder.begin(self._seed, self._engine)
+        self._budget = RequestBudget(self._config.hunters)
         self._publish(self.alive_turtles())
 
     def record(self, names: Sequence[str], title: str = "") -> None:
@@ -85,9 +81,7 @@ class ArenaService:
         """
         if self._config.policy == "capstone":
             raise ConfigError("a recorded match must be of another policy than capstone, whose grants need no target")
-        called = checked_names(names, self._config)
-        checked_text("name_prefix", self._config.name_prefix)
-        self._record_as = (called, checked_text("title", title))
+        self._recorder.record(names, title)
 
     @property
     def replay(self) -> Replay:
@@ -96,14 +90,14 @@ class ArenaService:
         Raises:
             EpisodeError: if the episode is not recorded.
         """
-        if self._replay is None:
+        if self._recorder.replay is None:
             raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
-        return self._replay
+        return self._recorder.replay
 
     @property
     def is_recorded(self) -> bool:
         """True if this episode is recorded."""
-        return self._replay is not None
+        return self._recorder.replay is not None
 
     @property
     def requests_left_out(self) -> int:
@@ -175,8 +169,7 @@ class ArenaService:
         seat = self._seat(hunter)
         if not self.world.hunters[seat].withdrawn:
             self._engine.withdraw(0, seat)
-            if self._replay is not None:
-                insort(self._replay.withdrawals, (self._replay.steps, seat))
+            self._recorder.withdraw(seat)
 
     def spawn(self, x: float, y: float, theta: float = 0.0) -> str:
         """Spawn a target outside the timer; return its name, or "" if the arena is full, as turtlesim answers.
@@ -253,9 +246,10 @@ class ArenaService:
         commands = self._commands(cmd_vel or {})
         running = not self.over
         self._engine.step(choices, commands, requests=table)
-        if self._replay is not None and running:
-            self._record_named(self._replay, choices[0], list(zip(seats, names, strict=True)))
-            self._replay.append(choices[0], commands[0], self._engine)
+        replay = self._recorder.replay
+        if replay is not None and running:
+            self._record_named(replay, choices[0], list(zip(seats, names, strict=True)))
+            replay.append(choices[0], commands[0], self._engine)
         self._publish_changes(before)
         return rulings_of(table[: len(seats)], names, before.step)
 
@@ -327,7 +321,7 @@ class ArenaService:
         if self.over:
             why = "no episode has begun" if self._seed is None else "this episode is over"
             raise EpisodeError(f"{what} must fall into an episode that is under way: {why}")
-        if self._replay is not None:
+        if self.is_recorded:
             raise EpisodeError(
                 f"{what} must fall into an episode that is not recorded: a replay could not play it again"
             )

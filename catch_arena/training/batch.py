@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, require_flag
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.envs.actions import choice_array, clipped, command_array
-from catch_arena.envs.saved import SavedState
+from catch_arena.engine import SavedState
+from catch_arena.envs.actions import action_array, clipped
 from catch_arena.envs.vector import VectorArena
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
@@ -358,29 +358,13 @@ class LearnerBatch:
             raise ActionError(f"actions must be a mapping with cmd_vel and catch, got {type(actions).__name__}")
         self._choices.fill(0)
         self._commands.fill(0)
+        rows = self.num_envs, self.learners
         if "catch" in named:
-            self._choices[self._rows, self._seats] = self._of_arenas(named["catch"], choice_array, "iu", ())
+            choices = action_array("actions", named["catch"], (self.num_rows,), whole=True)
+            self._choices[self._rows, self._seats] = choices.reshape(rows)
         if "cmd_vel" in named:
-            given = self._of_arenas(named["cmd_vel"], command_array, "fiu", (2,))
-            self._commands[self._rows, self._seats] = clipped(given)
-
-    def _of_arenas(self, given: Any, read: Any, kinds: str, shape: tuple[int, ...]) -> NDArray[Any]:
-        """Return the learners' actions, (N, ...), checked and in the shape (B, learners, ...).
-
-        Raises:
-            ActionError: for another type or shape.
-        """
-        if isinstance(given, Mapping):
-            raise ActionError(f"actions must be an array, those of {self.num_rows} learners, got a mapping")
-        try:
-            table: NDArray[Any] = read(given, 1 + len(shape))
-        except ValueError:
-            raise ActionError(f"actions must be rows of equal length, got {in_short(given)}") from None
-        if table.dtype.kind not in kinds:
-            raise ActionError(f"actions must be {'numbers' if shape else 'whole numbers'}, got {in_short(given)}")
-        if table.shape != (self.num_rows, *shape):
-            raise ActionError(f"actions must have the shape {(self.num_rows, *shape)}, got {table.shape}")
-        return table.reshape(self.num_envs, self.learners, *shape)
+            commands = action_array("actions", named["cmd_vel"], (self.num_rows, 2))
+            self._commands[self._rows, self._seats] = clipped(commands).reshape(*rows, 2)
 
     def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])

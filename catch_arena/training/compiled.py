@@ -19,8 +19,17 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.core.compiler import INTERPRETED
 from catch_arena.core.jit import entry, phase, rule
 from catch_arena.core.math import atan2
-from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
-from catch_arena.policy import Limits, View, first_rival_column, rival_features, target_features
+from catch_arena.layout import (
+    MovingTargetFeatures,
+    RivalFeatures,
+    SelfFeatures,
+    TargetFeatures,
+    TeamRivalFeatures,
+    first_rival_column,
+    rival_features,
+    target_features,
+)
+from catch_arena.policy import Limits, View
 
 Decide = Callable[[Any], Any]
 """Function from a view of one hunter to its action."""

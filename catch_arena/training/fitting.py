@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import SELF_COLUMNS
-from catch_arena.policy import Limits, View, rival_features, target_features
+from catch_arena.layout import SELF_COLUMNS, rival_features, target_features
+from catch_arena.policy import Limits, View
 from catch_arena.scenarios import scenario
 
 

@@ -2,7 +2,7 @@
 
 import copy
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS, FULL_CONTROL, TARGET_CONTROL, VELOCITY_CONTROL
-from catch_arena.envs.actions import checked_action, choice_array, command_array
+from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import in_short
@@ -228,33 +228,32 @@ class Opponents:
         commands: NDArray[np.float32],
     ) -> None:
         """Check an answer for many hunters against the legal actions, and write it to their places."""
-        said, count = f"{opponent.said}: act_batch", len(arenas)
+        said, count = f"{opponent.said}: the answer of act_batch", len(arenas)
         ranks, velocities = answer, answer
         if opponent.control == FULL_CONTROL:
             if not isinstance(answer, Mapping) or set(answer) != {"cmd_vel", "catch"}:
-                raise AgentError(f"{said} must give a mapping with cmd_vel and catch, got {in_short(answer)}")
+                raise AgentError(f"{said} must be a mapping with cmd_vel and catch, got {in_short(answer)}")
             ranks, velocities = answer["catch"], answer["cmd_vel"]
-        if opponent.control != VELOCITY_CONTROL:
-            most = self._config.targets_seen
-            given = _numbers(said, ranks, choice_array, "iu", f"{count} whole numbers from 0 to {most}", (count,))
-            wrong = (given < 0) | (given > most)
-            if wrong.any():
-                row = int(np.argmax(wrong))
-                raise AgentError(
-                    f"{said} must give whole numbers from 0 to {most}, got {given[row]}"
-                    f"{_where(int(arenas[row]), int(seats[row]))}"
-                )
-            choices[arenas, seats] = given
-        if opponent.control != TARGET_CONTROL:
-            given = _numbers(said, velocities, command_array, "fiu", f"({count}, 2) numbers in [-1, 1]", (count, 2))
-            legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN fails both tests
+
+        def require(legal: Any, requirement: str, given: NDArray[Any]) -> None:
             if not legal.all():
                 row = int(np.argmin(legal))
-                raise AgentError(
-                    f"{said} must give numbers in [-1, 1], got {given[row].tolist()}"
-                    f"{_where(int(arenas[row]), int(seats[row]))}"
-                )
-            commands[arenas, seats] = given
+                got = f"{given[row].tolist()}{_where(int(arenas[row]), int(seats[row]))}"
+                raise AgentError(f"{said} must be {requirement}, got {got}")
+
+        try:
+            if opponent.control != VELOCITY_CONTROL:
+                most = self._config.targets_seen
+                given = action_array(said, ranks, (count,), whole=True)
+                require((given >= 0) & (given <= most), f"whole numbers from 0 to {most}", given)
+                choices[arenas, seats] = given
+            if opponent.control != TARGET_CONTROL:
+                given = action_array(said, velocities, (count, 2))
+                legal = ((given >= -1.0) & (given <= 1.0)).all(axis=1)  # NaN fails both tests
+                require(legal, "numbers in [-1, 1]", given)
+                commands[arenas, seats] = given
+        except ActionError as error:
+            raise AgentError(str(error)) from None
 
 
 def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
@@ -306,25 +305,6 @@ def _kept(state: SavedOpponents) -> SavedOpponents:
         place: copied(state.pool[state.who[place]].said, instance, memo) for place, instance in state.instances.items()
     }
     return SavedOpponents(pool, instances, None if state.weights is None else state.weights.copy(), state.who.copy())
-
-
-def _numbers(
-    said: str,
-    given: Any,
-    read: Callable[[Any, int], NDArray[Any]],
-    kinds: str,
-    wanted: str,
-    shape: tuple[int, ...],
-) -> NDArray[Any]:
-    try:
-        numbers = read(given, len(shape))
-    except (TypeError, ValueError):
-        numbers = np.array(None)
-    if numbers.shape != shape or numbers.dtype.kind not in kinds:
-        shown = isinstance(given, np.ndarray) or (numbers.shape and numbers.dtype.kind in kinds)
-        what = f"an array of {numbers.dtype} of the shape {numbers.shape}" if shown else in_short(given)
-        raise AgentError(f"{said} must give {wanted}, got {what}")
-    return numbers
 
 
 def _where(arena: int, seat: int) -> str:
