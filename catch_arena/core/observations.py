@@ -111,8 +111,8 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def write_self(block: Block, me: Block, s: Settings, first: int, width: Width, place: Place) -> None:
-    """R7.1: write a hunter's view of itself, in the lanes of one group."""
+def write_self(me: Block, first: int, width: Width, time_left: float, place: Place) -> None:
+    """R7.1: write a hunter's view of itself, in the lanes of one group; `time_left`: until the time limit [s]."""
     lane = group(first, width)
     seen = SelfFeatures(
         x=me[X + lane],
@@ -121,7 +121,7 @@ def write_self(block: Block, me: Block, s: Settings, first: int, width: Width, p
         heading_sin=me[SINE + lane],
         linear_velocity=me[SPEED + lane],
         angular_velocity=me[TURN_RATE + lane],
-        time_left=time_left_at(block, s, lane),
+        time_left=time_left,
         score=me[SCORE + lane],
         distance_integral=me[DISTANCE_INTEGRAL + lane],
         bearing_integral=me[BEARING_INTEGRAL + lane],
@@ -293,11 +293,12 @@ def write(
         tile_targets(block, s, first, width, targets_of(block, s), slots, sections.target_tiles)
         if s.hunters_seen > 0:
             tile_hunters(block, s, first, width, sections.teams, sections.body_tiles)
+        time_left = time_left_at(block, s, group(first, width))
         for seat in range(s.hunters):
             at = begin + seat * columns
             at_targets = at + SELF_WIDTH
             at_rivals = at_targets + s.targets_seen * target_width(s)
-            write_self(block, seat_of(block, seat), s, first, width, Place(to, at, stride))
+            write_self(seat_of(block, seat), first, width, time_left, Place(to, at, stride))
             write_targets(block, s, first, width, seat, sections, Place(to, at_targets, stride))
             write_rivals(block, s, first, width, seat, sections, Place(to, at_rivals, stride))
             prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)

@@ -133,6 +133,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.possible_agents = checked_agent_names(agent_names, [*config.hunter_names, *config.prey_names])
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
+        self._all_false: dict[str, bool] = {}
+        """False for each of `agents`. A copy of it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
         self._leavers = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
@@ -274,10 +276,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._leavers:
             active = engine.active[0].tolist()
             self._leaving.update(self.possible_agents[row] for row in self._leavers if not active[row])
-        terminations = dict.fromkeys(agents, ended == state.TERMINATED)
-        truncations = dict.fromkeys(agents, ended == state.TRUNCATED)
-        for agent in self._leaving.intersection(agents) if self._leaving else ():
-            terminations[agent], truncations[agent] = True, False
+        terminations, truncations = self._all_false.copy(), self._all_false.copy()
+        if ended:
+            (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
+        for agent in self._leaving:
+            if agent in terminations:
+                terminations[agent], truncations[agent] = True, False
         self._truncated = tuple(agent for agent in agents if truncations[agent]) if ended else ()
         results = self._results
         observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
@@ -289,7 +293,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return observations, rewards, terminations, truncations, infos
 
     def _set_agents(self, agents: list[str]) -> None:
-        self.agents = agents
+        self.agents, self._all_false = agents, dict.fromkeys(agents, False)
         self._results.set_agents(agents)
         for agent in self._leaving.difference(agents):
             self._actions.clear(agent)
