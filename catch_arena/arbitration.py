@@ -81,7 +81,7 @@ def arbitrate(
         row[arbiter.REQUEST_SEAT] = seat
         row[arbiter.REQUEST_REACH] = reaches_um[seat]
         row[arbiter.REQUEST_INACTIVE] = seat in out
-        row[arbiter.REQUEST_DISTANCE] = -1
+        row[arbiter.REQUEST_DISTANCE] = state.NOT_MEASURED
         row[arbiter.REQUEST_TARGET] = target_asked_for(name, numbers, gone)
         if isinstance(name, str) and row[arbiter.REQUEST_TARGET] > 0:
             (x, y), (target_x, target_y) = places[seat], alive[name]

@@ -13,11 +13,10 @@ from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import episode_seed
-from catch_arena.envs.recorder import Recorder
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
 from catch_arena.plain import as_python, real_number
-from catch_arena.replay import Replay
+from catch_arena.replay import Recorder, Replay
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import entry, outlined, phase, rule
 from catch_arena.core.random import service_lot, tie_lot
-from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED
+from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED, NO_SEAT, NOT_MEASURED
 from catch_arena.core.vectors import floor, select, sqrt
 from catch_arena.verdicts import Verdict
 
@@ -24,12 +24,12 @@ RequestTable = NDArray[np.int64]
 REQUEST_SEAT: Final = 0
 REQUEST_TARGET: Final = 1  # requested target: any number that differs by target, or a code of core/state.py
 REQUEST_NUMBER: Final = 2  # the target's spawn number, for the lot
-REQUEST_DISTANCE: Final = 3  # [micrometres]; `judge` writes -1 if reach was not tested
+REQUEST_DISTANCE: Final = 3  # [micrometres]; or NOT_MEASURED, which `judge` writes if reach was not tested
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
 REQUEST_REACH: Final = 6  # [micrometres]: reach of the hunter
 REQUEST_VERDICT: Final = 7  # output
-REQUEST_WINNER: Final = 8  # output: seat, -1 for none
+REQUEST_WINNER: Final = 8  # output: seat, or NO_SEAT
 REQUEST_COLUMNS: Final = 9
 
 NEAREST: Final = 0
@@ -122,9 +122,6 @@ def is_preferred(
 
     Args:
         policy: NEAREST or FIRST_COME.
-        seed: the arena's seed.
-        step: number of steps played before this one.
-        number: the target's spawn number, for the lot.
         seat: the seat that may be preferred.
         distance_um: distance of that seat [micrometres].
         rival_seat: the rival's seat.
@@ -150,8 +147,8 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
     are not in the table. Under `capstone` the table has all requests.
 
     Args:
-        requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes -1
-            if reach was not tested.
+        requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes
+            NOT_MEASURED if reach was not tested.
         policy: NEAREST, FIRST_COME or CAPSTONE (R5.9, R9.1).
         seed: the arena's seed, from which lots are drawn (A.5).
         step: number of steps played before this one.
@@ -176,9 +173,9 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
                 service_up,
             )
         requests[i, REQUEST_VERDICT] = verdict
-        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else -1
+        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else NO_SEAT
         if verdict not in (ELIGIBLE, OUT_OF_REACH):
-            requests[i, REQUEST_DISTANCE] = -1  # R5.6: reach was not tested
+            requests[i, REQUEST_DISTANCE] = NOT_MEASURED  # R5.6
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == ELIGIBLE:
             decide_contest(requests, i, policy, seed, step)
@@ -191,9 +188,6 @@ def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint6
     Args:
         requests: the request table; requests that may catch a target have the verdict ELIGIBLE so far.
         one: the row of a request of this contest, the first in the table.
-        policy: NEAREST or FIRST_COME (R5.9).
-        seed: the arena's seed, from which lots are drawn (A.5).
-        step: number of steps played before this one.
     """
     target = requests[one, REQUEST_TARGET]
     best = one
@@ -219,7 +213,7 @@ def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint6
             requests[i, REQUEST_WINNER] = winner
     requests[best, REQUEST_VERDICT] = _KILL_FAILED if requests[best, REQUEST_KILL_REFUSED] != 0 else _GRANTED
     if requests[best, REQUEST_KILL_REFUSED] != 0 and claimants == 1:
-        requests[best, REQUEST_WINNER] = -1  # R5.6: neither a grant nor a contest
+        requests[best, REQUEST_WINNER] = NO_SEAT  # R5.6: neither a grant nor a contest
 
 
 @entry

@@ -23,7 +23,7 @@ from catch_arena.core.arbiter import (
     judge,
     measure_um,
 )
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Block, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
@@ -35,7 +35,9 @@ from catch_arena.core.state import (
     DISTANCE,
     ENDED,
     LANES,
+    NO_SEAT,
     NO_TARGET,
+    NOT_MEASURED,
     NUMBER,
     REQUESTED_NUMBER,
     RUNNING,
@@ -93,14 +95,7 @@ def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up:
 
 @phase
 def refuse_requests(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    targets: Block,
-    limits: NDArray[np.float64],
-    sections: Sections,
-    service_up: Block,
+    block: Block, s: Settings, width: Width, lanes: int, targets: Block, sections: Sections, service_up: Block
 ) -> None:
     """R5.2: answer the requests that fail a test regardless of other requests, several lanes at the same time.
 
@@ -109,11 +104,10 @@ def refuse_requests(
     Args:
         block: the block without verdicts; verdicts, evidence and tallies of these requests are written.
         sections: see `memory.Sections`; its requested slots are read.
-        service_up: see `ask_service`.
     """
     duplicate = False  # a hunter has one request
     for seat in range(s.hunters):
-        me, own = seat_of(block, seat), limits_of(limits, seat)
+        me, own = seat_of(block, seat), limits_of(sections.limits, seat)
         requested = sections.requested_slots[seat]
         for first in range(0, lanes, len(width)):
             lane, lane_number = group(first, width), each(first, width)
@@ -129,11 +123,11 @@ def refuse_requests(
             refused = asks & (failed != float(ELIGIBLE))
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
-                distance_given = select(failed == float(OUT_OF_REACH), distance_um, -1.0)
+                distance_given = select(failed == float(OUT_OF_REACH), distance_um, float(NOT_MEASURED))
                 me[VERDICT + lane] = select(refused, failed, _UNANSWERED)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
-                me[WINNER + lane] = select(refused, -1.0, me[WINNER + lane])
+                me[WINNER + lane] = select(refused, float(NO_SEAT), me[WINNER + lane])
                 for verdict in range(1, OUT_OF_REACH + 1):  # verdicts of first_failed_test
                     happened = refused & (failed == float(verdict))
                     if any_of(happened):
@@ -141,41 +135,19 @@ def refuse_requests(
                         me[tally] = me[tally] + select(happened, 1.0, 0.0)
 
 
-@rule
-def is_open(me: Block, requested: Block, lane: int) -> bool:
-    """Return whether a hunter has a request without an answer."""
-    asks: bool = (requested[lane] != float(NO_TARGET)) & (me[VERDICT + lane] == _UNANSWERED)
-    return asks
-
-
-@phase
-def count_requests(block: Block, s: Settings, width: Width, sections: Sections, counts: Block) -> None:
-    """Count the requests that are open in each lane.
-
-    Args:
-        counts: the result, one row.
-    """
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        count = 0.0
-        for seat in range(s.hunters):
-            asks = is_open(seat_of(block, seat), sections.requested_slots[seat], lane)
-            count = count + select(asks, 1.0, 0.0)
-        counts[lane] = count
-
-
 @phase
 def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -> int:
-    """Write the seats and slots of the open requests of one lane into the request table, and return their number.
+    """Write the seats and slots of the requests of one lane that have no answer yet into the request table, and return
+    their number.
 
     `fill_requests` writes the other columns.
     """
     number = 0
     for seat in range(s.hunters):
-        requested = sections.requested_slots[seat]
-        if is_open(seat_of(block, seat), requested, lane):
+        slot = sections.requested_slots[seat, lane]
+        if slot != float(NO_TARGET) and seat_of(block, seat)[VERDICT + lane] == _UNANSWERED:
             sections.requests[number, REQUEST_SEAT] = seat
-            sections.requests[number, REQUEST_TARGET] = int(requested[lane])
+            sections.requests[number, REQUEST_TARGET] = int(slot)
             number += 1
     return number
 
@@ -197,7 +169,7 @@ def fill_requests(
         me = seat_of(block, seat)
         slot = requests[i, REQUEST_TARGET]
         requests[i, REQUEST_NUMBER] = 0
-        requests[i, REQUEST_DISTANCE] = -1
+        requests[i, REQUEST_DISTANCE] = NOT_MEASURED
         requests[i, REQUEST_REACH] = int(limits_of(limits, seat).reach_um)
         requests[i, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
         requests[i, REQUEST_KILL_REFUSED] = 0
@@ -212,25 +184,14 @@ def fill_requests(
 
 
 @phase
-def has_verdict(requests: RequestTable, verdict: int) -> bool:
-    """Return whether some request of a lane got this verdict."""
-    found = False
-    for i in range(len(requests)):
-        found = found or requests[i, REQUEST_VERDICT] == verdict
-    return bool(found)
-
-
-@phase
 def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable, service_up: bool) -> None:
     """R1.4's phase 3 in one lane: judge the request table, and keep the ruling on each hunter's first request.
 
     Args:
         requests: the request table of the lane; its verdicts and winners are written.
-        service_up: whether the kill service answers.
     """
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     judge(requests, s.policy, seed, int(block[STEP + lane]), block[ENDED + lane] != RUNNING, service_up)
-    contested = has_verdict(requests, _LOST_CONTEST)
     for i in range(len(requests) - 1, -1, -1):  # backwards: a hunter's first request is written last
         me = seat_of(block, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
@@ -238,7 +199,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
         me[DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
         me[WINNER + lane] = requests[i, REQUEST_WINNER]
         me[TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0  # one row for each verdict
-        for j in range(len(requests) if contested else 0):
+        for j in range(len(requests)):
             if (
                 requests[j, REQUEST_VERDICT] == _LOST_CONTEST
                 and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
@@ -249,15 +210,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
 
 
 @phase
-def commit(
-    block: Block,
-    s: Settings,
-    lane: int,
-    targets: Block,
-    limits: NDArray[np.float64],
-    requests: RequestTable,
-    sections: Sections,
-) -> None:
+def commit(block: Block, s: Settings, lane: int, targets: Block, requests: RequestTable, sections: Sections) -> None:
     """R1.4's phase 4 in one lane: credit the grants, and remove the targets whose kill is not refused (R5.7, R5.8).
 
     Under `capstone` a grant counts even if the kill is refused, and several hunters may have one for the same target.
@@ -266,8 +219,6 @@ def commit(
         requests: the request table of the lane, judged.
         sections: see `memory.Sections`; the progress references are renewed.
     """
-    if not has_verdict(requests, _GRANTED):
-        return
     for i in range(len(requests)):
         seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
             1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
@@ -281,13 +232,15 @@ def commit(
                 catcher = min(catcher, requests[i, REQUEST_SEAT])  # of several, under `capstone`, the lowest
         if catcher != _NO_CATCHER:
             if s.prey > 0:
-                catch_prey(block, s, lane, slot, catcher)
-            remove_target(block, targets, lane, slot, s)
+                catch_prey(block, s, lane, catcher, slot)
+            remove_target(block, s, lane, targets, slot)
             removed += 1
     if removed > 0 and s.needs_progress:
         for seat in range(s.hunters):
             reference = sections.progress_references[seat]
-            renew_progress_reference(block, seat_of(block, seat), targets, lane, s, limits_of(limits, seat), reference)
+            renew_progress_reference(
+                block, seat_of(block, seat), s, lane, targets, limits_of(sections.limits, seat), reference
+            )
 
 
 @phase
@@ -297,7 +250,6 @@ def resolve_requests(
     width: Width,
     lanes: int,
     targets: Block,
-    limits: NDArray[np.float64],
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
@@ -307,20 +259,18 @@ def resolve_requests(
         given_requests: requests that replace those of the hunters, in a block of one arena: their seats and slots, or
             the codes in place of slots; or empty.
     """
-    service_up, counts = sections.scratch_rows[:LANES], sections.scratch_rows[LANES : 2 * LANES]
+    service_up = sections.scratch_rows[:LANES]
     clear_verdicts(block, s, width)
     ask_service(block, s, width, lanes, service_up)
     from_hunters = len(given_requests) == 0
-    if from_hunters:
-        if s.policy != CAPSTONE:
-            refuse_requests(block, s, width, lanes, targets, limits, sections, service_up)
-        count_requests(block, s, width, sections, counts)
+    if from_hunters and s.policy != CAPSTONE:
+        refuse_requests(block, s, width, lanes, targets, sections, service_up)
     for lane in range(lanes):
-        if from_hunters and counts[lane] == 0.0:
-            continue
         requests = given_requests
         if from_hunters:
             requests = sections.requests[: collect_requests(block, s, lane, sections)]
-        fill_requests(block, s, lane, targets, limits, requests)
+            if len(requests) == 0:
+                continue
+        fill_requests(block, s, lane, targets, sections.limits, requests)
         judge_requests(block, s, lane, requests, service_up[lane] > 0.0)
-        commit(block, s, lane, targets, limits, requests, sections)
+        commit(block, s, lane, targets, requests, sections)

@@ -74,12 +74,12 @@ def pi_step(
 @phase
 def look_up_choices(
     me: Block,
+    s: Settings,
+    lanes: int,
+    seat: int,
     order: Block,
     targets: Block,
-    seat: int,
     choices: NDArray[np.int64],
-    lanes: int,
-    s: Settings,
     requested: Block,
     goals: Block,
 ) -> None:
@@ -107,7 +107,7 @@ def look_up_choices(
 
 
 @phase
-def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: SeatLimits, requested: Block) -> None:
+def drive_to_goal(me: Block, s: Settings, width: Width, goals: Block, limits: SeatLimits, requested: Block) -> None:
     """R4.1, R4.2, R4.3: drive to the goals by the hosted controllers, and drop requests for targets out of reach.
 
     Args:
@@ -154,13 +154,9 @@ def drive_to_goal(me: Block, goals: Block, width: Width, s: Settings, limits: Se
 
 @phase
 def request_nearest(
-    me: Block, order: Block, targets: Block, lanes: int, s: Settings, limits: SeatLimits, requested: Block
+    me: Block, s: Settings, lanes: int, order: Block, targets: Block, limits: SeatLimits, requested: Block
 ) -> None:
-    """R4.4: request the nearest target whenever it is within reach, under velocity control.
-
-    Args:
-        requested: the result, one row: see `memory.Sections`.
-    """
+    """R4.4: request the nearest target whenever it is within reach, under velocity control."""
     for lane in range(lanes):
         requested[lane] = NO_TARGET
         slot = slot_at_rank(order, 0, lane)
@@ -180,7 +176,6 @@ def drive_by_command(
 
     Args:
         me: the rows of the seat; its velocities are written.
-        requested: one row: see `memory.Sections`.
     """
     for lane in range(lanes):
         me[SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
@@ -197,15 +192,15 @@ def drive_by_command(
 @phase
 def steer_seat(
     me: Block,
-    order: Block,
-    targets: Block,
-    seat: int,
-    control: int,
+    s: Settings,
     width: Width,
     lanes: int,
+    seat: int,
+    order: Block,
+    targets: Block,
+    control: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    s: Settings,
     limits: SeatLimits,
     requested: Block,
     goals: Block,
@@ -214,17 +209,15 @@ def steer_seat(
 
     Args:
         control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-        requested: the result, one row: see `memory.Sections`.
-        goals: room for three rows: see `look_up_choices`.
     """
     if control == TARGET_CONTROL:
-        look_up_choices(me, order, targets, seat, choices, lanes, s, requested, goals)
-        drive_to_goal(me, goals, width, s, limits, requested)
+        look_up_choices(me, s, lanes, seat, order, targets, choices, requested, goals)
+        drive_to_goal(me, s, width, goals, limits, requested)
     elif control == VELOCITY_CONTROL:
-        request_nearest(me, order, targets, lanes, s, limits, requested)
+        request_nearest(me, s, lanes, order, targets, limits, requested)
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
     else:
-        look_up_choices(me, order, targets, seat, choices, lanes, s, requested, goals)
+        look_up_choices(me, s, lanes, seat, order, targets, choices, requested, goals)
         for first in range(0, span(width), len(width)):  # R4.4: the requested target is active in this step
             lane = group(first, width)
             me[ACTIVE + lane] = goals[GOAL_NUMBER + lane]
@@ -234,35 +227,30 @@ def steer_seat(
 @outlined
 def steer_lane_by_lane(
     me: Block,
+    s: Settings,
+    seat: int,
     order: Block,
     targets: Block,
-    seat: int,
     controls: NDArray[np.int8],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
-    s: Settings,
     limits: SeatLimits,
     requested: Block,
     goals: Block,
 ) -> None:
-    """Steer one seat whose control differs by arena: each lane as an arena of its own.
-
-    Args:
-        requested: the result, one row: see `memory.Sections`.
-        goals: room for three rows: see `look_up_choices`.
-    """
+    """Steer one seat whose control differs by arena: each lane as an arena of its own."""
     for lane in range(len(controls)):
         steer_seat(
             me[lane:],
-            order[lane:],
-            targets[lane:],
-            seat,
-            controls[lane, seat],
+            s,
             SINGLE,
             1,
+            seat,
+            order[lane:],
+            targets[lane:],
+            controls[lane, seat],
             choices[lane:],
             commands[lane:],
-            s,
             limits,
             requested[lane:],
             goals,
@@ -285,7 +273,6 @@ def apply_actions(
     width: Width,
     lanes: int,
     controls: NDArray[np.int8],
-    limits: NDArray[np.float64],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     sections: Sections,
@@ -298,12 +285,12 @@ def apply_actions(
     targets, goals = targets_of(block, s), sections.scratch_rows
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        order = target_order_of(block, seat, s)
-        own, requested = limits_of(limits, seat), sections.requested_slots[seat]
+        order = target_order_of(block, s, seat)
+        own, requested = limits_of(sections.limits, seat), sections.requested_slots[seat]
         if s.any_control and differ(controls, seat):
-            steer_lane_by_lane(me, order, targets, seat, controls, choices, commands, s, own, requested, goals)
+            steer_lane_by_lane(me, s, seat, order, targets, controls, choices, commands, own, requested, goals)
         else:
             control = controls[0, seat]
-            steer_seat(me, order, targets, seat, control, width, lanes, choices, commands, s, own, requested, goals)
+            steer_seat(me, s, width, lanes, seat, order, targets, control, choices, commands, own, requested, goals)
         if s.needs_progress:
-            set_progress_reference(me, order, targets, lanes, s, sections.progress_references[seat])
+            set_progress_reference(me, s, lanes, order, targets, sections.progress_references[seat])

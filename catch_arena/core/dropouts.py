@@ -50,16 +50,12 @@ def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]
         for lane in range(lanes):
             active[lane, seat] = 1 if me[WITHDRAWN + lane] == 0.0 else 0
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         for lane in range(lanes):
             active[lane, s.hunters + index] = 0 if me[PREY_SLOT + lane] == NO_TARGET else 1
 
 
 @entry
 def withdraw_at(memory: Bytes, arena: int, seat: int) -> None:
-    """R1.6: withdraw the hunter in one seat.
-
-    Args:
-        seat: the hunter's seat.
-    """
+    """R1.6: withdraw the hunter in one seat."""
     withdraw(seat_of(sections_of(memory, 0).blocks[arena // LANES], seat), arena % LANES)

@@ -76,12 +76,7 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
 
 @outlined
 def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
-    """R2.6, R3.1, A.6: set one arena to the beginning of an episode.
-
-    Args:
-        start_poses: (H, 3), x, y [m] and heading [rad]; or (0, 3) for the fair circle (R2.6).
-        seed: the episode's seed.
-    """
+    """R2.6, R3.1, A.6: set one arena to the beginning of an episode."""
     for row in range(len(block) // LANES):
         block[row * LANES + lane] = 0.0
     block[SEED_HIGH + lane] = float(seed >> np.uint64(32))
@@ -104,7 +99,7 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
             me[THETA + lane] = wrap(angle + PI)
     targets = targets_of(block, s)
     for _ in range(s.initial_targets):
-        spawn_next(block, targets, lane, seed, s, 0.0)
+        spawn_next(block, s, lane, targets, seed, 0.0)
     if s.prey > 0:
         begin_prey(block, s, lane)
 
@@ -143,11 +138,7 @@ def write_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
 
 @phase
 def take_snapshot(block: Block, snapshot: Block) -> None:
-    """Keep the block as it was before a step, for `restore_finished`.
-
-    Args:
-        snapshot: the result, as long as the block.
-    """
+    """Keep the block as it was before a step, for `restore_finished`."""
     for i in range(len(block)):
         snapshot[i] = block[i]
 
@@ -159,8 +150,6 @@ def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, 
 
     Args:
         sections: see `memory.Sections`; its snapshot is the block before the step.
-        rewards: rewards of arenas that had ended are set to 0.
-        parts: reward parts of arenas that had ended are set to 0.
     """
     for lane in range(lanes):
         if sections.snapshot[ENDED + lane] == RUNNING:
@@ -178,12 +167,7 @@ def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, 
 
 @outlined
 def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
-    """Copy the observations or masks of one arena to those of its last ended episode.
-
-    Args:
-        seen: (agents, columns).
-        last_seen: the result, (agents, columns).
-    """
+    """Copy the observations or masks of one arena to those of its last ended episode."""
     for agent in range(seen.shape[0]):
         for column in range(seen.shape[1]):
             last_seen[agent, column] = seen[agent, column]

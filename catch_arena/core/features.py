@@ -15,7 +15,7 @@ from catch_arena.core.state import (
     X,
     Y,
 )
-from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile
+from catch_arena.core.tiles import BodyTile, TargetTile
 from catch_arena.core.vectors import select
 from catch_arena.layout import (
     BodyFeatures,
@@ -116,21 +116,17 @@ def target_seen(me: Observer, target: TargetTile) -> TargetFeatures:
 
 
 @rule
-def moving_target_seen(me: Observer, target: TargetTile, motion: MotionTile) -> Any:
+def moving_target_seen(me: Observer, target: TargetTile) -> Any:
     """R7.4: return the features of a moving target in a hunter's view, a `layout.MovingTargetFeatures`."""
-    heading_cos, heading_sin = in_frame_of(me, motion.cosine, motion.sine)
-    moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=motion.speed)
+    heading_cos, heading_sin = in_frame_of(me, target.cosine, target.sine)
+    moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=target.speed)
     seen = target_seen(me, target)
     return MovingTargetFeatures(*seen[:], *moving[:])  # Numba unpacks plain tuples only
 
 
 @rule
 def time_left_at(block: Block, s: Settings, lane: int) -> float:
-    """R7.1, R12.4: return the time left until the time limit [s].
-
-    Args:
-        block: the block, for its row TIME [ms].
-    """
+    """R7.1, R12.4: return the time left until the time limit [s]."""
     remaining = s.time_limit_ms - block[TIME + lane]
     seconds: float = select(remaining > 0.0, remaining / 1000.0, 0.0)
     return seconds

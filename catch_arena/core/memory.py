@@ -111,7 +111,7 @@ class Sections(NamedTuple):
     """R7.1: rivals of each seat, nearest first, packed as for `state.slot_at_rank`."""
     progress_references: ScratchDoubles2
     """R6.2's progress, by seat, three rows: position x and y [m] of the target that was nearest after the commit, and
-    its distance then [m], -1 for none.
+    its distance then [m], or NOT_MEASURED.
     """
     team_rows: ScratchDoubles1
     """R11.2: two groups of rows, one row for each hunter; empty without teams. The first has the catches of each team,

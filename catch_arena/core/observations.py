@@ -35,6 +35,7 @@ from catch_arena.core.state import (
     DISTANCE_INTEGRAL,
     LANES,
     SCORE,
+    SEAT_SIZE,
     SEED_HIGH,
     SEED_LOW,
     SINE,
@@ -48,6 +49,7 @@ from catch_arena.core.state import (
     body_of,
     limits_of,
     most_alive,
+    seat_at,
     seat_of,
     slot_at_rank,
     span,
@@ -60,7 +62,6 @@ from catch_arena.core.tiles import (
     TILE_X,
     TILE_Y,
     body_of_tile,
-    motion_of_tile,
     put_rank,
     target_of_tile,
     tile_hunters,
@@ -75,7 +76,6 @@ from catch_arena.core.transfers import (
     prefetch,
     put_rows,
     stream_eight,
-    take_half_tile,
     take_tile,
 )
 from catch_arena.core.vectors import Width, group
@@ -102,11 +102,7 @@ _LARGE: Final = 1 << 14
 
 @phase
 def update_heading(me: Block, width: Width) -> None:
-    """Write the heading's sine and cosine, which the observation and the next step's controller read.
-
-    Args:
-        me: the rows of one body; SINE and COSINE are written.
-    """
+    """Write the heading's sine and cosine, which the observation and the next step's controller read."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         sine, cosine = sincos(me[THETA + lane])
@@ -115,26 +111,8 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def compute_time_left(block: Block, s: Settings, width: Width, time_left: Block) -> None:
-    """R7.1: compute the time left until the time limit.
-
-    Args:
-        block: the block, for its row TIME [ms].
-        time_left: the result [s], one row, (LANES,).
-    """
-    for first in range(0, span(width), len(width)):
-        lane = group(first, width)
-        time_left[lane] = time_left_at(block, s, lane)
-
-
-@phase
-def write_self(me: Block, time_left: Block, first: int, width: Width, place: Place) -> None:
-    """R7.1: write a hunter's view of itself, in the lanes of one group.
-
-    Args:
-        time_left: time until the time limit [s], one row, (LANES,).
-        place: see `transfers.Place`; the columns of `layout.SelfFeatures` are written.
-    """
+def write_self(me: Block, first: int, width: Width, time_left: float, place: Place) -> None:
+    """R7.1: write a hunter's view of itself, in the lanes of one group; `time_left`: until the time limit [s]."""
     lane = group(first, width)
     seen = SelfFeatures(
         x=me[X + lane],
@@ -143,7 +121,7 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, place: Pla
         heading_sin=me[SINE + lane],
         linear_velocity=me[SPEED + lane],
         angular_velocity=me[TURN_RATE + lane],
-        time_left=time_left[lane],
+        time_left=time_left,
         score=me[SCORE + lane],
         distance_integral=me[DISTANCE_INTEGRAL + lane],
         bearing_integral=me[BEARING_INTEGRAL + lane],
@@ -152,44 +130,32 @@ def write_self(me: Block, time_left: Block, first: int, width: Width, place: Pla
 
 
 @phase
-def write_targets(block: Block, seat: int, s: Settings, first: int, width: Width, tiles: Block, place: Place) -> None:
+def write_targets(
+    block: Block, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
+) -> None:
     """R7.1, R7.4: write the targets that one seat sees, in the lanes of one group."""
-    order, lane = target_order_of(block, seat, s), group(first, width)
+    order, tiles, lane = target_order_of(block, s, seat), sections.target_tiles, group(first, width)
     me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.targets_seen):
         slots = slot_at_rank(order, rank, lane)
         there = slots != ABSENT
-        index = tile_index(slots, width)
+        target = target_of_tile(take_tile(tiles, tile_index(slots, width)))
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
         exactly = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
-            tile = take_tile(tiles, index)
-            seen = moving_target_seen(me, target_of_tile(tile), motion_of_tile(tile))
-            put_rank(at_rank, there, seen, exactly)
+            put_rank(at_rank, there, moving_target_seen(me, target), exactly)
         else:
-            put_rank(at_rank, there, target_seen(me, target_of_tile(take_half_tile(tiles, index))), exactly)
+            put_rank(at_rank, there, target_seen(me, target), exactly)
     if s.view_noise_m > 0.0:
-        blur_seen(block, seat, TARGET_KIND, order, first, width, s, tiles, place)
+        blur_seen(block, s, first, width, seat, order, TARGET_KIND, tiles, place)
 
 
 @phase
 def write_rivals(
-    block: Block,
-    seat: int,
-    order: Block,
-    s: Settings,
-    first: int,
-    width: Width,
-    teams: NDArray[np.int64],
-    tiles: Block,
-    place: Place,
+    block: Block, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
 ) -> None:
-    """R7.1, R7.4: write the rivals that one seat sees, in the lanes of one group.
-
-    Args:
-        order: seats by rank, packed: see `state.slot_at_rank`.
-    """
-    lane = group(first, width)
+    """R7.1, R7.4: write the rivals that one seat sees, in the lanes of one group."""
+    order, tiles, lane = sections.rival_orders[seat], sections.body_tiles, group(first, width)
     me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.hunters_seen):
         seats = slot_at_rank(order, rank, lane)
@@ -198,22 +164,22 @@ def write_rivals(
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
         exactly = rank + 1 == s.hunters_seen
         if s.has_teams:
-            put_rank(at_rank, there, team_rival_seen(me, rival, float(teams[seat])), exactly)
+            put_rank(at_rank, there, team_rival_seen(me, rival, float(sections.teams[seat])), exactly)
         else:
             put_rank(at_rank, there, rival_seen(me, rival), exactly)
     if s.view_noise_m > 0.0:
-        blur_seen(block, seat, RIVAL_KIND, order, first, width, s, tiles, place)
+        blur_seen(block, s, first, width, seat, order, RIVAL_KIND, tiles, place)
 
 
 @outlined
 def blur_seen(
     block: Block,
-    seat: int,
-    kind: np.uint64,
-    order: Block,
+    s: Settings,
     first: int,
     width: Width,
-    s: Settings,
+    seat: int,
+    order: Block,
+    kind: np.uint64,
     tiles: Block,
     place: Place,
 ) -> None:
@@ -221,7 +187,6 @@ def blur_seen(
 
     Args:
         kind: TARGET_KIND or RIVAL_KIND.
-        order: slots or seats by rank, packed: see `state.slot_at_rank`.
     """
     of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
@@ -265,7 +230,7 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     for lane in range(lanes):
         seat = 0
         while seat < s.hunters:
-            there = targets_ranked(block, target_order_of(block, seat, s), s, lane)
+            there = targets_ranked(block, s, lane, target_order_of(block, s, seat))
             if masks[lane, seat, there] == 0 or (there < ranks and masks[lane, seat, there + 1] == 1):
                 for rank in range(ranks + 1):
                     masks[lane, seat, rank] = 1 if rank <= there else 0
@@ -294,36 +259,11 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
 
 
 @phase
-def write_seat(
-    block: Block,
-    seat: int,
-    s: Settings,
-    first: int,
-    width: Width,
-    teams: NDArray[np.int64],
-    sections: Sections,
-    place: Place,
-) -> None:
-    """R7.1: write the observations of one seat, in the lanes of one group.
-
-    Args:
-        sections: see `memory.Sections`; tiles, the time left (its first row) and the rivals' orders are read.
-    """
-    write_self(seat_of(block, seat), sections.scratch_rows[:LANES], first, width, place)
-    targets = Place(place.out, place.at + SELF_WIDTH, place.stride)
-    write_targets(block, seat, s, first, width, sections.target_tiles, targets)
-    rivals = Place(place.out, targets.at + s.targets_seen * target_width(s), place.stride)
-    write_rivals(block, seat, sections.rival_orders[seat], s, first, width, teams, sections.body_tiles, rivals)
-
-
-@phase
 def prefetch_part(ahead: Block, part: int, parts: int) -> None:
     """Prefetch one of several equal parts of the next block. All parts together would make the current block wait too.
 
     Args:
         ahead: the next block; or empty.
-        part: number of the part, from 0.
-        parts: number of parts.
     """
     at, end = len(ahead) * part // parts, len(ahead) * (part + 1) // parts
     while at < end:  # see `copy_to_observations`
@@ -333,16 +273,7 @@ def prefetch_part(ahead: Block, part: int, parts: int) -> None:
 
 @phase
 def write(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    slots: int,
-    teams: NDArray[np.int64],
-    sections: Sections,
-    observations: NDArray[np.float32],
-    first_arena: int,
-    ahead: Block,
+    block: Block, s: Settings, width: Width, lanes: int, first_arena: int, slots: int, sections: Sections
 ) -> None:
     """R7.1: write the observations of a block, one group of lanes after the other.
 
@@ -350,23 +281,26 @@ def write(
     and a batch so large that its observations should go past the caches, in the order of the memory.
 
     Args:
-        slots: number of slots in use in the lane that uses most.
-        observations: those of the whole batch, (B, N, columns); the hunters' are written.
-        first_arena: the number of the arena in the first lane.
-        ahead: see `prefetch_part`.
+        sections: see `memory.Sections`; the hunters' observations are written.
     """
-    compute_time_left(block, s, width, sections.scratch_rows)
-    columns, out = observations.shape[2], flat(observations)
-    stride = observations.shape[1] * columns
+    ahead = block_after(sections.blocks, first_arena)
+    columns, out = sections.observations.shape[2], flat(sections.observations)
+    stride = sections.observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
         apart = lanes - first < len(width) or len(out) > _STREAMED
         to = sections.staging if apart else out
         begin = 0 if apart else (first_arena + first) * stride
-        tile_targets(block, targets_of(block, s), first, width, slots, s, sections.target_tiles)
+        tile_targets(block, s, first, width, targets_of(block, s), slots, sections.target_tiles)
         if s.hunters_seen > 0:
-            tile_hunters(block, first, width, s, teams, sections.body_tiles)
+            tile_hunters(block, s, first, width, sections.teams, sections.body_tiles)
+        time_left = time_left_at(block, s, group(first, width))
         for seat in range(s.hunters):
-            write_seat(block, seat, s, first, width, teams, sections, Place(to, begin + seat * columns, stride))
+            at = begin + seat * columns
+            at_targets = at + SELF_WIDTH
+            at_rivals = at_targets + s.targets_seen * target_width(s)
+            write_self(seat_of(block, seat), first, width, time_left, Place(to, at, stride))
+            write_targets(block, s, first, width, seat, sections, Place(to, at_targets, stride))
+            write_rivals(block, s, first, width, seat, sections, Place(to, at_rivals, stride))
             prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if apart:
             copy_to_observations(
@@ -376,12 +310,7 @@ def write(
 
 @phase
 def block_after(blocks: NDArray[np.float64], first_arena: int) -> Block:
-    """Return the block that is played next, if it comes from memory and is not large; otherwise an empty one.
-
-    Args:
-        blocks: see `memory.Sections`.
-        first_arena: the first arena of the current block.
-    """
+    """Return the block that is played next, if it comes from memory and is not large; otherwise an empty one."""
     size = blocks.shape[1]
     begin = (first_arena // LANES + 1) * size
     return flat(blocks)[begin : begin + (size if blocks.size > _CACHED and size < _LARGE else 0)]
@@ -393,22 +322,25 @@ def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, s
     are read again and again, stay in the first cache.
 
     Args:
-        slots: number of slots in use in the lane that uses most.
         sections: see `memory.Sections`; the rivals' orders are the result, and in the block those of the targets.
     """
-    keys, teams, targets = sections.keys, sections.teams, targets_of(block, s)
+    keys, tied, targets = sections.keys, sections.scratch_rows[:LANES], targets_of(block, s)
+    hunters = block[seat_at(0) : seat_at(s.hunters)]
     if s.hunters_seen > 0:
-        note_positions(block, first, width, s, sections.positions)
+        note_positions(block, s, first, width, sections.positions)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
-        rank_targets(block, me, targets, first, width, slots, s, reach_limit_m2, keys)
-        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, seat, s))
+        rank_targets(block, me, s, first, width, targets, slots, reach_limit_m2, keys)
+        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, s, seat))
         if s.hunters_seen > 0:
-            measure_rivals(block, seat, first, width, s, reach_limit_m2, sections.positions, keys)
+            measure_rivals(block, s, first, width, seat, reach_limit_m2, sections.positions, keys)
             # one rank more than is seen, to notice a tie at the edge of the view
             sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-            resolve_ties(block, seat, first, width, lanes, s, teams, keys, sections.scratch_rows[:LANES])
+            ranks = min(s.hunters_seen, s.hunters - 2)
+            resolve_ties(
+                me, first, width, lanes, seat, hunters, SEAT_SIZE, s.hunters, ranks, sections.teams, True, keys, tied
+            )
             pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 
 
@@ -426,11 +358,10 @@ def observe(block: Block, s: Settings, width: Width, first_arena: int, stop_aren
         update_heading(seat_of(block, seat), width)
     if s.targets_move:
         for slot in range(slots):
-            update_heading(body_of(targets, slot, s), width)
+            update_heading(body_of(targets, s, slot), width)
     for first in range(0, lanes, len(width)):
         rank_seen(block, s, first, width, lanes, slots, sections)
-    ahead = block_after(sections.blocks, first_arena)
-    write(block, s, width, lanes, slots, sections.teams, sections, sections.observations, first_arena, ahead)
+    write(block, s, width, lanes, first_arena, slots, sections)
     write_masks(block, s, lanes, sections.masks[first_arena:stop_arena])
     if s.prey > 0:
-        observe_as_prey(block, s, width, first_arena, lanes, sections)
+        observe_as_prey(block, s, width, lanes, first_arena, sections)

@@ -33,26 +33,14 @@ WATCHDOG_MS: Final = 1000
 
 @rule
 def next_pose(
-    x: float,
-    y: float,
-    sine: float,
-    cosine: float,
-    stride: float,
-    turn_sine: float,
-    turn_cosine: float,
-    side: float,
+    x: float, y: float, sine: float, cosine: float, stride: float, turn_sine: float, turn_cosine: float, side: float
 ) -> tuple[float, float, float, float, bool]:
     """R2.2, R2.3: return position and heading after one tick, and whether a wall held it; the heading turns first.
 
     Args:
-        x: the position [m].
-        y: the position [m].
-        sine: sine of the heading.
-        cosine: cosine of the heading.
         stride: distance moved in a tick [m].
         turn_sine: sine of the angle turned in a tick.
         turn_cosine: cosine of the angle turned in a tick.
-        side: side of the arena [m].
     """
     next_sine = sine * turn_cosine + cosine * turn_sine
     next_cosine = cosine * turn_cosine - sine * turn_sine
@@ -65,13 +53,7 @@ def next_pose(
 
 @rule
 def turned(theta: float, turn: float, ticks: float) -> float:
-    """R2.2: return the heading after a number of ticks, each of which turns it by `turn`.
-
-    Args:
-        theta: the heading [rad].
-        turn: angle turned in a tick [rad].
-        ticks: number of ticks.
-    """
+    """R2.2: return the heading after a number of ticks, each of which turns it by `turn`."""
     return wrap(theta + turn * ticks)
 
 
@@ -87,7 +69,6 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
 
     Args:
         me: the rows of the body; its pose and AT_WALL are written.
-        side: side of the arena [m].
         fewest: least number of ticks in any lane.
         most: greatest number of ticks in any lane: `fewest`, or one more.
         ticks: number of ticks of each lane, one row.
@@ -131,11 +112,7 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
 
 @phase
 def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
-    """Return the least and the greatest number of ticks of a lane.
-
-    Args:
-        ticks: number of ticks of each lane, one row.
-    """
+    """Return the least and the greatest number of ticks of a lane."""
     fewest, most = 1e18, 0.0
     for lane in range(lanes):
         fewest = min(fewest, ticks[lane])
@@ -173,4 +150,4 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, co
     if s.targets_move:
         fewest, most = fewest_and_most(due, lanes)
         for slot in range(most_alive(block, lanes)):
-            move_body(body_of(targets, slot, s), width, s.side_m, fewest, most, due)
+            move_body(body_of(targets, s, slot), width, s.side_m, fewest, most, due)

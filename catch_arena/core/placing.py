@@ -46,16 +46,16 @@ def put_body(body: Block, lane: int, pose: Table) -> None:
 
 
 @phase
-def put_target(block: Block, targets: Block, lane: int, s: Settings, target: Table) -> None:
+def put_target(block: Block, s: Settings, lane: int, targets: Block, target: Table) -> None:
     """Add a target with the next number, which may have appeared earlier.
 
     Args:
         target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
     """
     block[LAST_NUMBER + lane] += 1.0
-    add_target(block, targets, lane, s, target[0], target[1], target[2], block[TIME + lane] - target[4])
+    add_target(block, s, lane, targets, target[0], target[1], target[2], block[TIME + lane] - target[4])
     if s.targets_move:
-        body_of(targets, int(block[ALIVE + lane]) - 1, s)[SPEED + lane] = target[3]
+        body_of(targets, s, int(block[ALIVE + lane]) - 1)[SPEED + lane] = target[3]
 
 
 @entry
@@ -65,7 +65,6 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
     Args:
         hunters: (n, 3), poses of the first hunters.
         prey: (P, 3), poses of all prey, used for prey in play; or (0, 3), and prey stays as it is.
-        targets: (n, 5): see `put_target`.
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
@@ -78,18 +77,18 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
             me[offset + lane] = 0.0
     every = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
-        if not is_played(block, slot, lane, s):
-            remove_target(block, every, lane, slot, s)
+        if not is_played(block, s, lane, slot):
+            remove_target(block, s, lane, every, slot)
     for index in range(len(prey)):
-        slot = int(prey_of(block, index, s)[PREY_SLOT + lane])
+        slot = int(prey_of(block, s, index)[PREY_SLOT + lane])
         if slot != NO_TARGET:
-            body = body_of(every, slot, s)
+            body = body_of(every, s, slot)
             put_body(body, lane, prey[index])
             for offset in (SPEED, TURN_RATE, AT_WALL):
                 body[offset + lane] = 0.0
     for i in range(len(targets)):
         if block[ALIVE + lane] < s.max_targets:
-            put_target(block, every, lane, s, targets[i])
+            put_target(block, s, lane, every, targets[i])
 
 
 @entry
@@ -125,4 +124,4 @@ def place_all(
         every = targets_of(block, s)
         for slot in range(targets.shape[1]):
             if not np.isnan(targets[i, slot, 0]):
-                put_target(block, every, lane, s, targets[i, slot])
+                put_target(block, s, lane, every, targets[i, slot])

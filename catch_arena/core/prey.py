@@ -25,7 +25,10 @@ from catch_arena.core.state import (
     FINAL_REWARD_SUM,
     FINAL_SCORE,
     LANES,
+    NO_SEAT,
     NO_TARGET,
+    NOT_CAUGHT,
+    NOT_MEASURED,
     PREY_REWARD_SUM,
     PREY_SLOT,
     PREY_WITHDRAWN,
@@ -50,7 +53,7 @@ from catch_arena.core.vectors import sqrt
 
 # rows of a prey's reference, kept from phase 2 to its reward
 IN_PLAY: Final = 0 * LANES  # 1 if it was not out on S_t, else 0
-HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t; -1 if there is none or the gain is not needed
+HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t, or NOT_MEASURED
 HUNTER_X: Final = 2 * LANES  # [m] position of that hunter
 HUNTER_Y: Final = 3 * LANES
 
@@ -59,10 +62,10 @@ HUNTER_Y: Final = 3 * LANES
 def begin_prey(block: Block, s: Settings, lane: int) -> None:
     """R12.1: give the first targets to prey, by index."""
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         me[PREY_SLOT + lane] = index
-        me[CAUGHT_AT + lane] = -1.0
-        me[CAUGHT_BY + lane] = -1.0
+        me[CAUGHT_AT + lane] = NOT_CAUGHT
+        me[CAUGHT_BY + lane] = NO_SEAT
 
 
 @outlined
@@ -75,13 +78,13 @@ def command_prey(
         sections: see `memory.Sections`; the references are written.
     """
     for index in range(s.prey):
-        me, agent = prey_of(block, index, s), s.hunters + index
+        me, agent = prey_of(block, s, index), s.hunters + index
         reference = sections.prey_references[index]
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
-            me[CAUGHT_BY + lane] = -1.0
+            me[CAUGHT_BY + lane] = NO_SEAT
             reference[IN_PLAY + lane] = 0.0 if slot == NO_TARGET else 1.0
-            reference[HUNTER_DISTANCE + lane] = -1.0
+            reference[HUNTER_DISTANCE + lane] = NOT_MEASURED
             if slot == NO_TARGET:
                 continue
             at = slot * s.slot_size + lane
@@ -97,7 +100,7 @@ def command_prey(
             targets[BODY + SPEED + at] = speed if driven else 0.0
             targets[BODY + TURN_RATE + at] = turn_rate if driven else 0.0
             if s.needs_gain:
-                seat = nearest_hunter(block, targets, lane, at, s)
+                seat = nearest_hunter(block, s, lane, targets, at)
                 if seat >= 0:
                     x, y = seat_of(block, seat)[X + lane], seat_of(block, seat)[Y + lane]
                     reference[HUNTER_X + lane] = x
@@ -107,27 +110,16 @@ def command_prey(
 
 @rule
 def distance(targets: Block, at: int, x: float, y: float) -> float:
-    """Return the distance between a target and a position [m].
-
-    Args:
-        at: offset of the slot in `targets`, its lane included.
-        x: the position [m].
-        y: the position [m].
-    """
+    """Return the distance between a target and a position [m]."""
     dx, dy = x - targets[TARGET_X + at], y - targets[TARGET_Y + at]
     return sqrt(dx * dx + dy * dy)
 
 
 @outlined
-def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> None:
-    """R12.3: mark the prey that plays the target in one slot as caught by a seat; called before the target leaves.
-
-    Args:
-        slot: the slot of the caught target.
-        seat: the seat that caught it.
-    """
+def catch_prey(block: Block, s: Settings, lane: int, seat: int, slot: int) -> None:
+    """R12.3: mark the prey that plays the target in one slot as caught by a seat; called before the target leaves."""
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         if me[PREY_SLOT + lane] == slot:
             me[PREY_SLOT + lane] = NO_TARGET
             me[TIMES_CAUGHT + lane] += 1.0
@@ -139,7 +131,7 @@ def catch_prey(block: Block, s: Settings, lane: int, slot: int, seat: int) -> No
 def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
     """R12.3: give prey that was out long enough the next target, after all firings of a step, if there is room."""
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         for lane in range(lanes):
             now = block[TIME + lane] + s.period_ms
             if (
@@ -148,12 +140,12 @@ def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
                 and block[ALIVE + lane] < s.max_targets
             ):
                 me[PREY_SLOT + lane] = block[ALIVE + lane]
-                me[CAUGHT_AT + lane] = -1.0
-                spawn_next(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s, now)
+                me[CAUGHT_AT + lane] = NOT_CAUGHT
+                spawn_next(block, s, lane, targets, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), now)
 
 
 @rule
-def prey_parts(me: Block, reference: Block, targets: Block, lane: int, s: Settings) -> tuple[float, float, float]:
+def prey_parts(me: Block, s: Settings, lane: int, targets: Block, reference: Block) -> tuple[float, float, float]:
     """R12.5: return the reward parts of one prey that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
     if me[CAUGHT_BY + lane] >= 0.0:
         return 1.0, 0.0, 0.0
@@ -172,8 +164,8 @@ def reward_prey(
     block: Block,
     s: Settings,
     lanes: int,
-    had_ended: bool,
     targets: Block,
+    had_ended: bool,
     sections: Sections,
     rewards: NDArray[np.float64],
     parts: NDArray[np.float64],
@@ -186,14 +178,14 @@ def reward_prey(
         parts: (lanes, P, parts), in the order of `state.PREY_PART_NAMES`; or empty.
     """
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         reference = sections.prey_references[index]
         for lane in range(lanes):
             total, caught, survived, gained = 0.0, 0.0, 0.0, 0.0
             if had_ended and sections.snapshot[ENDED + lane] != RUNNING:
-                me[CAUGHT_BY + lane] = -1.0
+                me[CAUGHT_BY + lane] = NO_SEAT
             elif me[PREY_WITHDRAWN + lane] == 0.0:
-                caught, survived, gained = prey_parts(me, reference, targets, lane, s)
+                caught, survived, gained = prey_parts(me, s, lane, targets, reference)
                 total = s.caught_weight * caught + s.survived_weight * survived + s.gained_weight * gained
                 me[PREY_REWARD_SUM + lane] += total
             rewards[lane, s.hunters + index] = total
@@ -205,12 +197,7 @@ def reward_prey(
 
 @rule
 def is_ahead(one: Block, other: Block, lane: int) -> bool:
-    """R12.5: return whether one prey ranks before another: withdrawn prey is last, then fewer catches come first.
-
-    Args:
-        one: the rows of one prey.
-        other: the rows of the other.
-    """
+    """R12.5: return whether one prey ranks before another: withdrawn prey is last, then fewer catches come first."""
     if one[PREY_WITHDRAWN + lane] != other[PREY_WITHDRAWN + lane]:
         return bool(one[PREY_WITHDRAWN + lane] < other[PREY_WITHDRAWN + lane])
     return bool(one[TIMES_CAUGHT + lane] < other[TIMES_CAUGHT + lane])
@@ -224,10 +211,10 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
         record: the result, (N, figures); the rows of prey are written.
     """
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         rank = 1.0
         for other in range(s.prey):
-            rank += 1.0 if is_ahead(prey_of(block, other, s), me, lane) else 0.0
+            rank += 1.0 if is_ahead(prey_of(block, s, other), me, lane) else 0.0
         record[s.hunters + index, FINAL_SCORE] = me[TIMES_CAUGHT + lane]
         record[s.hunters + index, FINAL_RANK] = rank
         record[s.hunters + index, FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]
@@ -235,15 +222,11 @@ def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.
 
 @entry
 def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
-    """R12.5: withdraw one prey: it stands still from now on.
-
-    Args:
-        index: the prey.
-    """
+    """R12.5: withdraw one prey: it stands still from now on."""
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     block, lane = sections.blocks[arena // LANES], arena % LANES
-    me, targets = prey_of(block, index, s), targets_of(block, s)
+    me, targets = prey_of(block, s, index), targets_of(block, s)
     me[PREY_WITHDRAWN + lane] = 1.0
     slot = int(me[PREY_SLOT + lane])
     if slot != NO_TARGET:

@@ -15,13 +15,9 @@ from catch_arena.core.jit import Block, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
     FAR,
-    Keys,
-    equally_far,
-    gather_ties,
     item_of,
     key_of,
-    lead,
-    some_tied,
+    resolve_ties,
     sort_keys,
 )
 from catch_arena.core.state import (
@@ -47,7 +43,7 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
 from catch_arena.core.transfers import Place, put_rows, take_tile
-from catch_arena.core.vectors import Width, any_of, group, long, select
+from catch_arena.core.vectors import Width, group, long, select
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
 Numbers = NDArray[np.float32]
@@ -62,12 +58,9 @@ _NOT_AMONG_THEM: Final = -1
 def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, sections: Sections) -> None:
     """Gather the bodies of all prey from their slots. Prey that is out has zeros, and is hidden like a withdrawn
     hunter.
-
-    Args:
-        sections: see `memory.Sections`; its gathered prey is the result.
     """
     for index in range(s.prey):
-        me, gathered = prey_of(block, index, s), sections.gathered_prey[index]
+        me, gathered = prey_of(block, s, index), sections.gathered_prey[index]
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
             gathered[WITHDRAWN + lane] = 1.0 if slot == NO_TARGET else 0.0
@@ -95,14 +88,8 @@ class Bodies(NamedTuple):
 
 
 @phase
-def bodies_of(block: Block, s: Settings, of_hunters: bool, index: int, gathered_prey: Block) -> Bodies:
-    """R12.4: return the hunters, or the prey, as bodies that one prey may see.
-
-    Args:
-        of_hunters: whether to return the hunters.
-        index: the prey that observes.
-        gathered_prey: see `memory.Sections`.
-    """
+def bodies_of(block: Block, s: Settings, index: int, of_hunters: bool, gathered_prey: Block) -> Bodies:
+    """R12.4: return the hunters, or the prey, as bodies that one prey may see."""
     hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
     exactly = not of_hunters or prey_seen == 0
     return Bodies(
@@ -123,64 +110,30 @@ def body_in(bodies: Bodies, item: int) -> Block:
 
 
 @phase
-def rank_bodies(me: Block, bodies: Bodies, first: int, width: Width, lanes: int, keys: Keys, tied: Block) -> None:
+def rank_bodies(me: Block, first: int, width: Width, lanes: int, bodies: Bodies, sections: Sections) -> None:
     """R12.4: rank bodies by distance, then in R7.1's order of rivals, in the lanes of one group.
 
     Args:
-        bodies: see `Bodies`.
-        keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
-        tied: room for one row.
+        sections: see `memory.Sections`; its keys are the result, those of the nearest in the first rows, in order.
     """
-    lane = group(first, width)
+    keys, lane = sections.keys, group(first, width)
     for item in range(bodies.total):
         other = body_in(bodies, item)
         key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
         unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
         keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
-    last = min(bodies.ranks, bodies.total - 1)
-    some = some_tied(keys, last, lane)
-    if any_of(some):
-        tied[lane] = select(some, 1.0, 0.0)
-        sort_tied_bodies(me, bodies, first, min(first + len(width), lanes), last, keys, tied)
-
-
-@outlined
-def sort_tied_bodies(me: Block, bodies: Bodies, first: int, last: int, ranks: int, keys: Keys, tied: Block) -> None:
-    """R12.4: sort equally far bodies among themselves, in each lane, by insertion.
-
-    `ranking.sort_ties` does so with rivals, which differ in catches, team and seat too; bodies have none of these.
-
-    Args:
-        bodies: see `Bodies`.
-        first: the first lane.
-        last: the lane after the last.
-        ranks: see `ranking.some_tied`.
-        keys: sorted by distance, rows of LANES.
-        tied: one row, flags: see `ranking.some_tied`.
-    """
-    for lane in range(first, last):
-        if tied[lane] == 0.0:
-            continue
-        for newest in range(1, gather_ties(lane, ranks, bodies.total, keys)):
-            key = keys[newest * LANES + lane]
-            body = body_in(bodies, item_of(key))
-            at = newest
-            while at > 0:
-                before = keys[(at - 1) * LANES + lane]
-                if not equally_far(before, key) or lead(me, body, body_in(bodies, item_of(before)), lane) <= 0.0:
-                    break
-                keys[at * LANES + lane] = before
-                at -= 1
-            keys[at * LANES + lane] = key
+    last, teams, tied = min(bodies.ranks, bodies.total - 1), sections.teams, sections.scratch_rows
+    resolve_ties(
+        me, first, width, lanes, bodies.myself, bodies.rows, bodies.size, bodies.total, last, teams, False, keys, tied
+    )
 
 
 @phase
-def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, sections: Sections, place: Place) -> None:
+def write_bodies(me: Block, first: int, width: Width, bodies: Bodies, sections: Sections, place: Place) -> None:
     """R12.4: write one prey's view of bodies, in the lanes of one group.
 
     Args:
-        bodies: see `Bodies`.
         sections: see `memory.Sections`; its keys are the result of `rank_bodies`.
     """
     lane = group(first, width)
@@ -198,7 +151,7 @@ def write_bodies(me: Block, bodies: Bodies, first: int, width: Width, sections: 
 
 
 @phase
-def write_self(block: Block, caught: Block, me: Block, s: Settings, first: int, width: Width, place: Place) -> None:
+def write_self(block: Block, me: Block, s: Settings, first: int, width: Width, caught: Block, place: Place) -> None:
     """R12.4: write one prey's view of itself, in the lanes of one group.
 
     Args:
@@ -224,11 +177,7 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
     """Copy observations from the staging section: their group has lanes without an arena.
 
     Args:
-        staging: see `memory.Sections`.
         start: offset of the first lane's observation in `staging`.
-        columns: number of columns to copy, from the first on.
-        stride: see `transfers.Place`.
-        out: observations, flat.
         at: offset of the first lane's observation in `out`.
     """
     for lane in range(lanes):
@@ -237,11 +186,10 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
 
 
 @outlined
-def observe_as_prey(block: Block, s: Settings, width: Width, first_arena: int, lanes: int, sections: Sections) -> None:
+def observe_as_prey(block: Block, s: Settings, width: Width, lanes: int, first_arena: int, sections: Sections) -> None:
     """R12.4, R12.3: write the observations of all prey of a block.
 
     Args:
-        first_arena: the number of the arena in the first lane.
         sections: see `memory.Sections`; prey's rows of `observations` are the result.
     """
     gather_prey(block, s, lanes, targets_of(block, s), sections)
@@ -249,21 +197,21 @@ def observe_as_prey(block: Block, s: Settings, width: Width, first_arena: int, l
     columns = sections.observations.shape[2]
     stride = sections.observations.shape[1] * columns
     for index in range(s.prey):
-        me, caught = sections.gathered_prey[index], prey_of(block, index, s)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
+        me, caught = sections.gathered_prey[index], prey_of(block, s, index)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
         for side in range(2):  # a loop, so that the functions it calls are compiled once
             of_hunters = side == 0
-            bodies = bodies_of(block, s, of_hunters, index, flat(sections.gathered_prey))
+            bodies = bodies_of(block, s, index, of_hunters, flat(sections.gathered_prey))
             if bodies.ranks == 0:
                 continue
             for first in range(0, lanes, len(width)):
-                rank_bodies(me, bodies, first, width, lanes, sections.keys, sections.scratch_rows[:LANES])
+                rank_bodies(me, first, width, lanes, bodies, sections)
                 apart = lanes - first < len(width)
                 staged = (s.hunters + index) * columns
                 begin = (first_arena + first) * stride + staged
                 place = Place(sections.staging if apart else out, staged if apart else begin, stride)
                 if of_hunters:
-                    write_self(block, caught, me, s, first, width, place)
-                write_bodies(me, bodies, first, width, sections, place)
+                    write_self(block, me, s, first, width, caught, place)
+                write_bodies(me, first, width, bodies, sections, place)
                 if apart:
                     written = bodies.first_column + bodies.ranks * _BODY_WIDTH
                     copy_lanes(sections.staging, staged, written, lanes - first, stride, out, begin)

@@ -110,20 +110,17 @@ def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, pac
 def rank_targets(
     block: Block,
     me: Block,
-    targets: Block,
+    s: Settings,
     first: int,
     width: Width,
+    targets: Block,
     slots: int,
-    s: Settings,
     reach_limit_m2: float,
     keys: Keys,
 ) -> None:
     """R7.1, R7.5: rank the alive targets by distance, then by spawn number; slots are in spawning order.
 
     Args:
-        block: the block, for its row ALIVE.
-        me: the rows of the seat that sees them.
-        slots: number of slots in use in the lane that uses most.
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     lane = group(first, width)
@@ -140,7 +137,7 @@ def rank_targets(
 
 
 @phase
-def note_positions(block: Block, first: int, width: Width, s: Settings, positions: Block) -> None:
+def note_positions(block: Block, s: Settings, first: int, width: Width, positions: Block) -> None:
     """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
     is infinitely far, so that no hunter sees it (R1.6).
 
@@ -157,12 +154,11 @@ def note_positions(block: Block, first: int, width: Width, s: Settings, position
 
 @phase
 def measure_rivals(
-    block: Block, seat: int, first: int, width: Width, s: Settings, reach_limit_m2: float, positions: Block, keys: Keys
+    block: Block, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, positions: Block, keys: Keys
 ) -> None:
     """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
 
     Args:
-        positions: see `note_positions`.
         keys: the result, by seat, rows of LANES.
     """
     me, lane = seat_of(block, seat), group(first, width)
@@ -182,10 +178,6 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
     """R7.1, R12.4: compare two equally far bodies: the one seen further left comes first, then further forward, and so
     on.
 
-    Args:
-        one: the rows of one body that the observer sees.
-        other: the rows of the other body.
-
     Returns:
         a number above 0 if `one` comes first, below 0 if `other` does, and 0 if they look alike.
     """
@@ -202,10 +194,6 @@ def lead(me: Block, one: Block, other: Block, lane: int) -> float:
 def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -> bool:
     """R7.1, A.7: return whether one of two rivals who look alike comes first: a team-mate, then the lower seat. If
     the view has noise, the order by seat is visible.
-
-    Args:
-        one: the seat of one rival.
-        other: the seat of the other rival.
     """
     mate = bool(teams[one] == teams[seat])
     return one < other if mate == (teams[other] == teams[seat]) else mate
@@ -214,24 +202,11 @@ def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -
 @rule
 def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) -> bool:
     """R7.1: return whether one of two rivals who look alike comes first: the one with more catches, then the one that
-    `is_listed_first`; arguments as for `precedes`.
+    `is_listed_first`.
     """
     catches, others_catches = one[SCORE + lane], other[SCORE + lane]
     more: bool = select(catches == others_catches, listed_first, catches > others_catches)
     return more
-
-
-@rule
-def precedes(me: Block, one: Block, other: Block, lane: int, listed_first: bool) -> bool:
-    """R7.1: return whether one of two equally far rivals comes first: by `lead`, then by `has_more_catches`.
-
-    Args:
-        one: the rows of one rival that the hunter sees.
-        other: the rows of the other rival.
-        listed_first: whether `one` comes first if they do not differ otherwise.
-    """
-    first = lead(me, one, other, lane)
-    return select(first == 0.0, has_more_catches(one, other, lane, listed_first), first > 0.0)
 
 
 @rule
@@ -284,30 +259,26 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
 
 @outlined
 def sort_ties(
-    block: Block,
-    seat: int,
+    me: Block,
     first: int,
     last: int,
-    s: Settings,
+    seat: int,
+    rows: Block,
+    size: int,
+    total: int,
     ranks: int,
     teams: NDArray[np.int64],
+    are_rivals: bool,
     keys: Keys,
     tied: Block,
 ) -> None:
-    """R7.1: sort equally far rivals among themselves, in each lane, by insertion.
-
-    Args:
-        first: the first lane.
-        last: the lane after the last.
-        ranks: see `some_tied`.
-        keys: sorted by distance, rows of LANES.
-        tied: one row, flags: see `some_tied`.
+    """R7.1, R12.4: sort equally far bodies among themselves, in the lanes from `first` to before `last`, by insertion;
+    other arguments as for `resolve_ties`.
     """
-    me = seat_of(block, seat)
     for lane in range(first, last):
         if tied[lane] == 0.0:
             continue
-        for newest in range(1, gather_ties(lane, ranks, s.hunters, keys)):
+        for newest in range(1, gather_ties(lane, ranks, total, keys)):
             key = keys[newest * LANES + lane]
             at = newest
             while at > 0:
@@ -315,12 +286,13 @@ def sort_ties(
                 if not equally_far(before, key):
                     break
                 one, other = item_of(key), item_of(before)
-                newer, older = seat_of(block, one), seat_of(block, other)
-                listed_first = is_listed_first(seat, one, other, teams)
-                if stand_together(newer, older, lane):  # so do most ties late in an episode
-                    ahead = has_more_catches(newer, older, lane, listed_first)
-                else:
-                    ahead = precedes(me, newer, older, lane, listed_first)
+                newer, older = rows[one * size :], rows[other * size :]
+                difference = 0.0
+                if not stand_together(newer, older, lane):  # so do most ties late in an episode
+                    difference = lead(me, newer, older, lane)
+                ahead = difference > 0.0
+                if difference == 0.0 and are_rivals:
+                    ahead = has_more_catches(newer, older, lane, is_listed_first(seat, one, other, teams))
                 if not ahead:
                     break
                 keys[at * LANES + lane] = before
@@ -330,26 +302,33 @@ def sort_ties(
 
 @phase
 def resolve_ties(
-    block: Block,
-    seat: int,
+    me: Block,
     first: int,
     width: Width,
     lanes: int,
-    s: Settings,
+    seat: int,
+    rows: Block,
+    size: int,
+    total: int,
+    ranks: int,
     teams: NDArray[np.int64],
+    are_rivals: bool,
     keys: Keys,
     tied: Block,
 ) -> None:
-    """R7.1: sort the rivals in lanes in which two seen ones, or the last one and the next, are equally far. This is the
-    order in observations; `arbiter.is_preferred` decides contests.
+    """R7.1, R12.4: sort the bodies in lanes in which two seen ones, or the last one and the next, are equally far. This
+    is the order in observations; `arbiter.is_preferred` decides contests.
 
     Args:
-        keys: sorted by distance, rows of LANES; ties are sorted in place.
-        tied: room for one row.
+        rows: rows of all bodies, one body after the other.
+        size: length of each body's rows.
+        total: number of bodies.
+        are_rivals: whether a hunter sees its rivals, which differ in catches, team and seat too.
+        keys: sorted by distance up to one rank after `ranks`; ties are sorted in place.
     """
-    ranks = min(s.hunters_seen, s.hunters - 2)
     lane = group(first, width)
     some = some_tied(keys, ranks, lane)
     if any_of(some):
         tied[lane] = select(some, 1.0, 0.0)
-        sort_ties(block, seat, first, min(first + len(width), lanes), s, ranks, teams, keys, tied)
+        last = min(first + len(width), lanes)
+        sort_ties(me, first, last, seat, rows, size, total, ranks, teams, are_rivals, keys, tied)

@@ -14,6 +14,7 @@ from catch_arena.core.state import (
     ALIVE,
     COSINE,
     LANES,
+    NOT_MEASURED,
     PART_NAMES,
     REWARD_SUM,
     SCORE,
@@ -49,12 +50,8 @@ Parts = NDArray[np.float64]
 
 
 @phase
-def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, s: Settings, reference: Block) -> None:
-    """R6.2's progress: note the nearest target that the hunter sees on S_t, and its distance.
-
-    Args:
-        reference: the result, three rows: see `memory.Sections`.
-    """
+def set_progress_reference(me: Block, s: Settings, lanes: int, order: Block, targets: Block, reference: Block) -> None:
+    """R6.2's progress: note the nearest target that the hunter sees on S_t, and its distance."""
     for lane in range(lanes):
         slot = slot_at_rank(order, 0, lane)
         there = slot != ABSENT
@@ -63,19 +60,15 @@ def set_progress_reference(me: Block, order: Block, targets: Block, lanes: int, 
         dy = targets[TARGET_Y + at] - me[Y + lane]
         reference[lane] = targets[TARGET_X + at]
         reference[LANES + lane] = targets[TARGET_Y + at]
-        reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), -1.0)
+        reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), float(NOT_MEASURED))
 
 
 @outlined
 def renew_progress_reference(
-    block: Block, me: Block, targets: Block, lane: int, s: Settings, limits: SeatLimits, reference: Block
+    block: Block, me: Block, s: Settings, lane: int, targets: Block, limits: SeatLimits, reference: Block
 ) -> None:
-    """Note the nearest target again in one lane that targets have just left, among those alive after the commit.
-
-    Args:
-        reference: the result, three rows: see `memory.Sections`.
-    """
-    reference[2 * LANES + lane] = -1.0
+    """Note the nearest target again in one lane that targets have just left, among those alive after the commit."""
+    reference[2 * LANES + lane] = NOT_MEASURED
     nearest = FAR
     for slot in range(int(block[ALIVE + lane])):
         at = slot * s.slot_size + lane
@@ -90,16 +83,15 @@ def renew_progress_reference(
 
 
 @phase
-def count_catches(
-    block: Block, s: Settings, width: Width, teams: NDArray[np.int64], in_teams: bool, catches: Block, team_rows: Block
-) -> None:
+def count_catches(block: Block, s: Settings, width: Width, in_teams: bool, sections: Sections, catches: Block) -> None:
     """R11.2: count the grants of this step, in total and for each team, under the seat that stands for the team.
 
     Args:
         in_teams: see `reward_hunters`.
+        sections: see `memory.Sections`; the teams' catches are a result if there are teams.
         catches: the result, one row.
-        team_rows: the result if there are teams: see `memory.Sections`.
     """
+    teams, team_rows = sections.teams, sections.team_rows
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         total = 0.0
@@ -115,22 +107,13 @@ def count_catches(
 
 
 @outlined
-def share_rewards(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    teams: NDArray[np.int64],
-    team_rows: Block,
-    rewards: Rewards,
-) -> None:
+def share_rewards(block: Block, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards) -> None:
     """R11.2: replace each seat's own earnings by a mix of them and the mean of its team.
 
     Args:
-        team_rows: see `memory.Sections`; each seat's own earnings are read there, and its reward is written over them.
-        rewards: the result.
+        sections: see `memory.Sections`; each seat's reward is written over its own earnings in the team rows.
     """
-    earned = team_rows[s.hunters * LANES :]
+    teams, earned = sections.teams, sections.team_rows[s.hunters * LANES :]
     for leader in range(s.hunters):
         if teams[leader] != leader:
             continue
@@ -162,7 +145,6 @@ def reward_hunters(
     s: Settings,
     width: Width,
     lanes: int,
-    teams: NDArray[np.int64],
     in_teams: bool,
     sections: Sections,
     rewards: Rewards,
@@ -172,13 +154,11 @@ def reward_hunters(
 
     Args:
         in_teams: whether there are teams: a constant at each call, so that the loops do not test it.
-        rewards: the result.
-        parts: the result, or empty.
     """
     catches = sections.scratch_rows[:LANES]
     amounts = sections.scratch_rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and then the parts in their order
     parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
-    count_catches(block, s, width, teams, in_teams, catches, sections.team_rows)
+    count_catches(block, s, width, in_teams, sections, catches)
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reference = sections.progress_references[seat]
@@ -189,7 +169,7 @@ def reward_hunters(
             granted = select(verdict == _GRANTED, 1.0, 0.0)
             of_team = granted
             if in_teams:
-                of_team = sections.team_rows[teams[seat] * LANES + lane]
+                of_team = sections.team_rows[sections.teams[seat] * LANES + lane]
             rival = counts * (catches[lane] - of_team)
             lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
             refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
@@ -234,38 +214,20 @@ def reward_hunters(
 
 @outlined
 def reward_teams(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    teams: NDArray[np.int64],
-    sections: Sections,
-    rewards: Rewards,
-    parts: Parts,
+    block: Block, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
 ) -> None:
     """R11.2: write the rewards of a scenario with teams; arguments as for `reward_hunters`."""
-    reward_hunters(block, s, width, lanes, teams, True, sections, rewards, parts)
+    reward_hunters(block, s, width, lanes, True, sections, rewards, parts)
     if s.team_share > 0.0:
-        share_rewards(block, s, width, lanes, teams, sections.team_rows, rewards)
+        share_rewards(block, s, width, lanes, sections, rewards)
 
 
 @outlined
 def write_team_scores(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    teams: NDArray[np.int64],
-    team_seats: NDArray[np.int64],
-    row: Block,
-    scores: NDArray[np.float64],
+    block: Block, s: Settings, width: Width, lanes: int, sections: Sections, scores: NDArray[np.float64]
 ) -> None:
-    """R11.1: write the sum of the scores of each team's hunters.
-
-    Args:
-        row: scratch memory, one row.
-        scores: the result, (lanes, teams).
-    """
+    """R11.1: write the sum of the scores of each team's hunters; `scores`, (lanes, teams), is the result."""
+    teams, team_seats, row = sections.teams, sections.team_seats, sections.scratch_rows
     for team in range(len(team_seats)):
         for first in range(0, span(width), len(width)):
             lane = group(first, width)
@@ -280,17 +242,10 @@ def write_team_scores(
 
 @phase
 def reward(
-    block: Block,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    teams: NDArray[np.int64],
-    sections: Sections,
-    rewards: Rewards,
-    parts: Parts,
+    block: Block, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
 ) -> None:
     """R6.2, R11.2: write the rewards of all hunters for this step; arguments as for `reward_hunters`."""
     if s.has_teams:
-        reward_teams(block, s, width, lanes, teams, sections, rewards, parts)
+        reward_teams(block, s, width, lanes, sections, rewards, parts)
     else:
-        reward_hunters(block, s, width, lanes, teams, False, sections, rewards, parts)
+        reward_hunters(block, s, width, lanes, False, sections, rewards, parts)

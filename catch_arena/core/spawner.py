@@ -37,8 +37,6 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
     """R3.2, R3.3: return the pose at which the target of a number appears: x, y [m], theta [rad] in [0, 2 pi).
 
     Args:
-        seed: the arena's seed.
-        number: the spawn number, from 1.
         low: the least coordinate [m].
         high: the upper bound of coordinates, not included [m].
         last: the greatest number below that bound [m].
@@ -53,14 +51,11 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 
 @phase
 def add_target(
-    block: Block, targets: Block, lane: int, s: Settings, x: float, y: float, theta: float, time_ms: float
+    block: Block, s: Settings, lane: int, targets: Block, x: float, y: float, theta: float, time_ms: float
 ) -> None:
     """R3.4, R3.8, R8.2: add a target with the latest number at the end of the alive list, at rest.
 
     Args:
-        x: position [m].
-        y: position [m].
-        theta: heading [rad].
         time_ms: time at which it appears [ms since reset].
     """
     slot = int(block[ALIVE + lane]) * s.slot_size + lane
@@ -74,23 +69,19 @@ def add_target(
 
 
 @phase
-def is_played(block: Block, slot: int, lane: int, s: Settings) -> bool:
+def is_played(block: Block, s: Settings, lane: int, slot: int) -> bool:
     """Return whether prey plays the target in a slot."""
     played = False
     for index in range(s.prey):
-        played = played or prey_of(block, index, s)[PREY_SLOT + lane] == slot
+        played = played or prey_of(block, s, index)[PREY_SLOT + lane] == slot
     return bool(played)
 
 
 @outlined
-def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Settings) -> None:
-    """R8.2: remove one target from the alive list; later ones move up, so that the order stays.
-
-    Args:
-        slot: the slot of the target.
-    """
+def remove_target(block: Block, s: Settings, lane: int, targets: Block, slot: int) -> None:
+    """R8.2: remove one target from the alive list; later ones move up, so that the order stays."""
     for index in range(s.prey):
-        me = prey_of(block, index, s)
+        me = prey_of(block, s, index)
         if me[PREY_SLOT + lane] > slot:
             me[PREY_SLOT + lane] -= 1.0
     last = int(block[ALIVE + lane]) - 1
@@ -102,25 +93,16 @@ def remove_target(block: Block, targets: Block, lane: int, slot: int, s: Setting
 
 
 @phase
-def spawn_next(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings, time_ms: float) -> None:
-    """R3.3: add a target with the next number, at that number's pose.
-
-    Args:
-        seed: the arena's seed.
-        time_ms: time at which it appears [ms since reset].
-    """
+def spawn_next(block: Block, s: Settings, lane: int, targets: Block, seed: np.uint64, time_ms: float) -> None:
+    """R3.3: add a target with the next number, at that number's pose."""
     block[LAST_NUMBER + lane] += 1.0
     x, y, theta = spawn_pose(seed, block[LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
-    add_target(block, targets, lane, s, x, y, theta, time_ms)
+    add_target(block, s, lane, targets, x, y, theta, time_ms)
 
 
 @phase
-def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) -> None:
-    """R3.1, R3.5, R3.6, R8.3: play one firing of the spawn timer.
-
-    Args:
-        seed: the arena's seed.
-    """
+def fire(block: Block, s: Settings, lane: int, targets: Block, seed: np.uint64) -> None:
+    """R3.1, R3.5, R3.6, R8.3: play one firing of the spawn timer."""
     block[FIRINGS + lane] += 1.0
     if block[SPAWNED + lane] >= s.target_budget:
         return
@@ -132,11 +114,11 @@ def fire(block: Block, targets: Block, lane: int, seed: np.uint64, s: Settings) 
         block[LAST_NUMBER + lane] += 1.0
         block[SPAWNS_REFUSED + lane] += 1.0
     else:
-        spawn_next(block, targets, lane, seed, s, block[FIRINGS + lane] * s.spawn_period_ms)
+        spawn_next(block, s, lane, targets, seed, block[FIRINGS + lane] * s.spawn_period_ms)
 
 
 @phase
-def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None:
+def spawn_through(block: Block, s: Settings, lanes: int, targets: Block) -> None:
     """R1.4's phase 5, its spawning half: play all firings in (t, t + period].
 
     Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8).
@@ -144,17 +126,12 @@ def spawn_through(block: Block, targets: Block, lanes: int, s: Settings) -> None
     """
     for lane in range(lanes):
         while (block[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= block[TIME + lane] + s.period_ms:
-            fire(block, targets, lane, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), s)
+            fire(block, s, lane, targets, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]))
 
 
 @entry
 def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int:
     """R8.1: add a target outside the timer.
-
-    Args:
-        x: position [m].
-        y: position [m].
-        theta: heading [rad].
 
     Returns:
         its number; 0 if the arena is full (R3.5).
@@ -165,7 +142,7 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     if block[ALIVE + lane] >= s.max_targets:
         return 0
     block[LAST_NUMBER + lane] += 1.0
-    add_target(block, targets_of(block, s), lane, s, x, y, theta, block[TIME + lane])
+    add_target(block, s, lane, targets_of(block, s), x, y, theta, block[TIME + lane])
     return int(block[LAST_NUMBER + lane])
 
 
@@ -173,9 +150,6 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
 def kill(memory: Bytes, arena: int, number: int) -> bool:
     """R8.1, R5.8: remove an alive target uncaught, which then no longer counts as spawned. Return False if it is not
     alive, or if prey plays it.
-
-    Args:
-        number: the target's spawn number.
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
@@ -183,9 +157,9 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     targets = targets_of(block, s)
     for slot in range(int(block[ALIVE + lane])):
         if targets[slot * s.slot_size + NUMBER + lane] == number:
-            if is_played(block, slot, lane, s):
+            if is_played(block, s, lane, slot):
                 return False
-            remove_target(block, targets, lane, slot, s)
+            remove_target(block, s, lane, targets, slot)
             block[SPAWNED + lane] -= 1.0
             return True
     return False

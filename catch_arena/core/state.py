@@ -66,8 +66,8 @@ SCORE: Final = 11 * LANES  # granted catches, from 0
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag: 0 or 1
 REQUESTED_NUMBER: Final = 13 * LANES  # spawn number of the requested target, from 1; 0 for none
 VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then ANSWER's other rows are old
-DISTANCE: Final = 15 * LANES  # R5.6: distance to the target [micrometres], from 0; -1 if reach was not tested
-WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0; -1 for none
+DISTANCE: Final = 15 * LANES  # R5.6: distance to the target [micrometres], from 0, or NOT_MEASURED
+WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0, or NO_SEAT
 REWARD_SUM: Final = 17 * LANES  # sum of rewards in this episode, any number
 TALLIES: Final = 18 * LANES  # row TALLIES + v * LANES: number of verdicts v, from 1, in this episode; from 0
 CONTESTS_WON: Final = TALLIES  # kills, granted or refused, won against a rival's claim, from 0: no verdict has number 0
@@ -110,8 +110,8 @@ MOVING_TARGET_DIGEST: Final = (*TARGET_DIGEST, BODY + SPEED, BODY + TURN_RATE, B
 # prey rows (chapter 12); the slot of prey's target has its pose and motion
 PREY_SLOT: Final = 0 * LANES  # slot of the target that it plays, from 0; NO_TARGET while it is out
 TIMES_CAUGHT: Final = 1 * LANES  # catches in this episode, from 0
-CAUGHT_AT: Final = 2 * LANES  # time of the state on which it was caught [ms since reset], from 0; -1 if it is in play
-CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, from 0; -1 for none
+CAUGHT_AT: Final = 2 * LANES  # time of the state on which it was caught [ms since reset], from 0, or NOT_CAUGHT
+CAUGHT_BY: Final = 3 * LANES  # the seat that caught it in the last step, from 0, or NO_SEAT
 PREY_WITHDRAWN: Final = 4 * LANES  # R12.5's flag: 0 or 1
 PREY_REWARD_SUM: Final = 5 * LANES  # sum of rewards in this episode, any number
 PREY_ROWS: Final = 6
@@ -128,6 +128,10 @@ NO_TARGET: Final = -1  # no target is requested; prey is out
 MALFORMED_REQUEST: Final = -2  # the request is not a rank with a target, or not even a name
 NEVER_SPAWNED: Final = -3  # no target has had the name
 ALREADY_GONE: Final = -4  # a target had the name and is gone
+
+NO_SEAT: Final = -1  # in place of a seat: there is no winner, catcher or nearest hunter
+NOT_MEASURED: Final = -1  # in place of a distance: reach was not tested, or there is nothing to measure to
+NOT_CAUGHT: Final = -1  # in place of the time of a catch: the prey is in play
 
 # columns of a record: an agent's episode in figures
 FINAL_SCORE: Final = 0  # of prey, the number of times it was caught
@@ -320,7 +324,7 @@ def most_alive(block: Block, lanes: int) -> int:
 
 
 @phase
-def body_of(targets: Block, slot: int, s: Settings) -> Block:
+def body_of(targets: Block, s: Settings, slot: int) -> Block:
     """Return the body of the target in one slot; only for targets that move."""
     first = slot * s.slot_size + BODY
     return targets[first : first + BODY_ROWS * LANES]
@@ -340,14 +344,14 @@ def seat_of(block: Block, seat: int) -> Block:
 
 
 @phase
-def prey_of(block: Block, index: int, s: Settings) -> Block:
+def prey_of(block: Block, s: Settings, index: int) -> Block:
     """Return the rows of one prey."""
     first = regions_of(s).prey + index * PREY_SIZE
     return block[first : first + PREY_SIZE]
 
 
 @phase
-def target_order_of(block: Block, seat: int, s: Settings) -> Block:
+def target_order_of(block: Block, s: Settings, seat: int) -> Block:
     """Return the targets in the order in which one seat sees them: see `slot_at_rank`."""
     size = target_order_rows(s.targets_seen) * LANES
     first = regions_of(s).target_orders + seat * size
@@ -366,13 +370,8 @@ def slot_at_rank(order: Block, rank: int, lane: int) -> int:
 
 
 @phase
-def targets_ranked(block: Block, order: Block, s: Settings, lane: int) -> int:
-    """R7.1, R7.5: return the number of targets that a seat sees; each of them has a rank.
-
-    Args:
-        block: the block, for its row ALIVE.
-        order: see `target_order_of`.
-    """
+def targets_ranked(block: Block, s: Settings, lane: int, order: Block) -> int:
+    """R7.1, R7.5: return the number of targets that a seat sees; each of them has a rank."""
     count = min(int(block[ALIVE + lane]), s.targets_seen)
     if s.partial_view:
         while count > 0 and slot_at_rank(order, count - 1, lane) == ABSENT:

@@ -17,6 +17,7 @@ from catch_arena.core.state import (
     COSINE,
     FLEEING,
     LANES,
+    NO_SEAT,
     NUMBER,
     SEED_HIGH,
     SEED_LOW,
@@ -51,12 +52,7 @@ One of them is less than a micrometre longer, and neither is longer than 1.5 sid
 
 @rule
 def push(position: float, side: float) -> float:
-    """R3.10: return the push of a wall nearer than a metre [m]: positive to the right or up.
-
-    Args:
-        position: position along one axis [m].
-        side: side of the arena [m].
-    """
+    """R3.10: return the push of a wall nearer than a metre [m]: positive to the right or up."""
     return select(position < 1.0, 1.0 - position, select(position > side - 1.0, (side - 1.0) - position, 0.0))
 
 
@@ -67,8 +63,6 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
     Args:
         east: eastern part of the direction, in any unit.
         north: northern part of the direction, in that unit.
-        sine: sine of the target's heading.
-        cosine: cosine of the target's heading.
         most: the greatest turn rate [rad/s].
     """
     error = below_pi(atan2(cosine * north - sine * east, cosine * east + sine * north))
@@ -76,12 +70,8 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
 
 
 @outlined
-def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) -> None:
-    """R3.9: draw the turn of a target's current period after the last period has ended.
-
-    Args:
-        at: offset of the slot in `targets`, its lane included.
-    """
+def renew_wander(block: Block, s: Settings, lane: int, targets: Block, at: int) -> None:
+    """R3.9: draw the turn of a target's current period after the last period has ended."""
     period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     targets[WANDER + at] = wander_draw(seed, targets[NUMBER + at], period)
@@ -89,12 +79,8 @@ def renew_wander(block: Block, targets: Block, lane: int, at: int, s: Settings) 
 
 
 @phase
-def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Settings) -> None:
-    """R3.9: draw the turns of the targets in one slot whose periods have ended.
-
-    Args:
-        slot: the slot of the targets.
-    """
+def keep_wandering(block: Block, s: Settings, width: Width, targets: Block, slot: int) -> None:
+    """R3.9: draw the turns of the targets in one slot whose periods have ended."""
     for first in range(0, span(width), len(width)):
         lane = group(first, width)
         ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= block[TIME + lane]
@@ -102,19 +88,15 @@ def keep_wandering(block: Block, targets: Block, width: Width, slot: int, s: Set
             for each in range(first, first + len(width)):
                 at = slot * s.slot_size + each
                 if targets[WANDER_ENDS + at] <= block[TIME + each] and block[ALIVE + each] > slot:
-                    renew_wander(block, targets, each, at, s)
+                    renew_wander(block, s, each, targets, at)
 
 
 @outlined
-def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings) -> int:
-    """R3.10, R12.5: return the seat nearest to a target, by lot if several are equally near; -1 if all are withdrawn.
-
-    Args:
-        at: offset of the target in `targets`, its lane included.
-    """
+def nearest_hunter(block: Block, s: Settings, lane: int, targets: Block, at: int) -> int:
+    """R3.10, R12.5: return the seat nearest to a target, by lot if several are equally near; NO_SEAT for none."""
     seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
     step, number = block[STEP + lane], targets[NUMBER + at]
-    chosen = -1
+    chosen = NO_SEAT
     nearest = _NO_THREAT
     for seat in range(s.hunters):
         me = seat_of(block, seat)
@@ -128,11 +110,10 @@ def nearest_hunter(block: Block, targets: Block, lane: int, at: int, s: Settings
 
 
 @phase
-def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
+def find_threats(block: Block, s: Settings, width: Width, targets: Block, slot: int, threats: Block) -> None:
     """R3.10: find the nearest hunter of the targets in one slot.
 
     Args:
-        slot: the slot of the targets.
         threats: the result, three rows: the square of the hunter's distance [m2], and the target's position relative to
             it, east and north [m].
     """
@@ -158,14 +139,14 @@ def find_threats(block: Block, targets: Block, width: Width, slot: int, s: Setti
         if any_of(may_tie & (nearest < s.alarm_limit_m2) & (block[ALIVE + lane] > slot)):
             for each in range(first, first + len(width)):
                 at = slot * s.slot_size + each
-                seat = nearest_hunter(block, targets, each, at, s)
+                seat = nearest_hunter(block, s, each, targets, at)
                 if seat >= 0:
                     threats[LANES + each] = targets[TARGET_X + at] - seat_of(block, seat)[X + each]
                     threats[2 * LANES + each] = targets[TARGET_Y + at] - seat_of(block, seat)[Y + each]
 
 
 @phase
-def steer(block: Block, targets: Block, width: Width, slot: int, s: Settings, threats: Block) -> None:
+def steer(block: Block, s: Settings, width: Width, targets: Block, slot: int, threats: Block) -> None:
     """R3.9, R3.10: command the targets in one slot: away from a threat, else to the centre if a wall held them, else on
     in an arc.
 
@@ -208,7 +189,7 @@ def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets
         threats: room for three rows: see `find_threats`.
     """
     for slot in range(most_alive(block, lanes)):
-        keep_wandering(block, targets, width, slot, s)
+        keep_wandering(block, s, width, targets, slot)
         if s.target_motion == FLEEING:
-            find_threats(block, targets, width, slot, s, threats)
-        steer(block, targets, width, slot, s, threats)
+            find_threats(block, s, width, targets, slot, threats)
+        steer(block, s, width, targets, slot, threats)

@@ -43,15 +43,6 @@ def play(
 ) -> None:
     """R1.4: play one step of a block, whose arenas are those from `first_arena` up to, but not including,
     `stop_arena`.
-
-    Args:
-        width: number of lanes that play together.
-        first_arena: the number of the arena in the block's first lane.
-        stop_arena: the number after that of the last arena.
-        choices: see `run`.
-        commands: see `run`.
-        given_requests: see `run`.
-        sections: see `memory.Sections`.
     """
     lanes = stop_arena - first_arena
     targets = targets_of(block, s)
@@ -61,33 +52,25 @@ def play(
         take_snapshot(block, sections.snapshot)
     if s.dropout_rate > 0.0:
         drop_out(block, s, lanes)
-    controls, limits = sections.controls[first_arena:stop_arena], sections.limits
+    controls = sections.controls[first_arena:stop_arena]
     apply_actions(
-        block,
-        s,
-        width,
-        lanes,
-        controls,
-        limits,
-        choices[first_arena:stop_arena],
-        commands[first_arena:stop_arena],
-        sections,
+        block, s, width, lanes, controls, choices[first_arena:stop_arena], commands[first_arena:stop_arena], sections
     )
     if s.target_motion != STILL:
         command_targets(block, s, width, lanes, targets, sections.scratch_rows)
     if s.prey > 0:
         command_prey(block, s, lanes, targets, commands[first_arena:stop_arena], sections)
-    resolve_requests(block, s, width, lanes, targets, limits, given_requests, sections)
+    resolve_requests(block, s, width, lanes, targets, given_requests, sections)
     move(block, s, width, lanes, targets, sections.scratch_rows)
-    spawn_through(block, targets, lanes, s)
+    spawn_through(block, s, lanes, targets)
     if s.prey > 0:
         return_prey(block, s, lanes, targets)
     end_test(block, s, width)
-    reward(block, s, width, lanes, sections.teams, sections, rewards, parts)
+    reward(block, s, width, lanes, sections, rewards, parts)
     if had_ended:
         restore_finished(block, s, lanes, sections, rewards, parts)
     if s.prey > 0:
-        reward_prey(block, s, lanes, had_ended, targets, sections, rewards, sections.prey_parts[first_arena:stop_arena])
+        reward_prey(block, s, lanes, targets, had_ended, sections, rewards, sections.prey_parts[first_arena:stop_arena])
     write_ends(block, lanes, sections.ends[first_arena:stop_arena])
 
 
@@ -147,6 +130,4 @@ def run(
             write_active(block, s, lanes, sections.active[first_arena:stop_arena])
         if s.has_teams:
             team_scores = sections.team_scores[first_arena:stop_arena]
-            write_team_scores(
-                block, s, width, lanes, sections.teams, sections.team_seats, sections.scratch_rows, team_scores
-            )
+            write_team_scores(block, s, width, lanes, sections, team_scores)

@@ -46,18 +46,13 @@ class BodyTile(NamedTuple):
 
 
 class TargetTile(NamedTuple):
-    """Tile of a target in one lane: half a cache line."""
+    """Tile of a target in one lane; of a target that stands still, only the first half is written and read."""
 
     x: float
     y: float
     number: float
     age: float
     """Age of the target [s]."""
-
-
-class MotionTile(NamedTuple):
-    """Second half of the tile of a moving target."""
-
     sine: float
     cosine: float
     speed: float
@@ -69,7 +64,6 @@ TILE_Y: Final = 1
 TILE_NUMBER: Final = TargetTile._fields.index("number")
 _BODY_NUMBERS: Final = len(BodyTile._fields)
 _TARGET_NUMBERS: Final = len(TargetTile._fields)
-_MOVING_NUMBERS: Final = _TARGET_NUMBERS + len(MotionTile._fields)
 
 
 @rule
@@ -87,24 +81,6 @@ def body_tile(body: Block, team: float, lane: int) -> BodyTile:
 
 
 @rule
-def target_tile(block: Block, targets: Block, at: int, lane: int) -> TargetTile:
-    """Return the tile of a target.
-
-    Args:
-        block: the block, for its row TIME [ms].
-        at: offset of its slot in `targets`, its lane included.
-    """
-    age = (block[TIME + lane] - targets[APPEARED + at]) / 1000.0
-    return TargetTile(targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age)
-
-
-@rule
-def motion_tile(targets: Block, at: int) -> MotionTile:
-    """Return the second half of a moving target's tile; arguments as for `target_tile`."""
-    return MotionTile(targets[BODY + SINE + at], targets[BODY + COSINE + at], targets[BODY + SPEED + at])
-
-
-@rule
 def body_of_tile(tile: tuple[float, ...]) -> BodyTile:
     """Return the numbers of a body's tile by name."""
     return BodyTile(*tile[:_BODY_NUMBERS])
@@ -114,12 +90,6 @@ def body_of_tile(tile: tuple[float, ...]) -> BodyTile:
 def target_of_tile(tile: tuple[float, ...]) -> TargetTile:
     """Return the numbers of a target's tile by name."""
     return TargetTile(*tile[:_TARGET_NUMBERS])
-
-
-@rule
-def motion_of_tile(tile: tuple[float, ...]) -> MotionTile:
-    """Return the numbers in the second half of a moving target's tile by name."""
-    return MotionTile(*tile[_TARGET_NUMBERS:_MOVING_NUMBERS])
 
 
 @rule
@@ -135,30 +105,23 @@ def put_tile(tiles: Block, item: int, width: Width, tile: tuple[float, ...]) -> 
 
 
 @phase
-def tile_targets(block: Block, targets: Block, first: int, width: Width, slots: int, s: Settings, tiles: Block) -> None:
-    """Write the tiles of all targets, which all seats read, in the lanes of one group.
-
-    Args:
-        slots: number of slots in use in the lane that uses most.
-        tiles: the result: see `memory.Sections`.
-    """
+def tile_targets(block: Block, s: Settings, first: int, width: Width, targets: Block, slots: int, tiles: Block) -> None:
+    """Write the tiles of all targets, which all seats read, in the lanes of one group."""
     for slot in range(slots):
         lane = group(first, width)
         at = slot * s.slot_size + lane
-        tile = target_tile(block, targets, at, lane)
+        age = (block[TIME + lane] - targets[APPEARED + at]) / 1000.0
+        still = targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age
         if s.targets_move:
-            put_tile(tiles, slot, width, (*tile[:], *motion_tile(targets, at)[:]))
+            body = targets[BODY:]
+            put_tile(tiles, slot, width, (*still, body[SINE + at], body[COSINE + at], body[SPEED + at]))
         else:
-            put_tile(tiles, slot, width, tile)
+            put_tile(tiles, slot, width, still)
 
 
 @phase
-def tile_hunters(block: Block, first: int, width: Width, s: Settings, teams: NDArray[np.int64], tiles: Block) -> None:
-    """Write the tiles of all hunters, which all seats read, in the lanes of one group.
-
-    Args:
-        tiles: the result: see `memory.Sections`.
-    """
+def tile_hunters(block: Block, s: Settings, first: int, width: Width, teams: NDArray[np.int64], tiles: Block) -> None:
+    """Write the tiles of all hunters, which all seats read, in the lanes of one group."""
     for seat in range(s.hunters):
         put_tile(tiles, seat, width, body_tile(seat_of(block, seat), float(teams[seat]), group(first, width)))
 

@@ -61,11 +61,6 @@ def take_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
     return tuple(tiles[index * TILE + number] for number in range(TILE))
 
 
-def take_half_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
-    """Return the first four numbers of the tile at an index, which may differ by lane."""
-    return take_tile(tiles, index)[: TILE // 2]
-
-
 def where_there(there: bool, columns: tuple[float, ...]) -> tuple[float, ...]:
     """Return the columns in lanes in which `there` is true, and zeros in the others."""
     return tuple(select(there, column, 0.0) for column in columns)
@@ -136,14 +131,6 @@ def _transposed_doubles(builder: Any, columns: list[Any]) -> list[Any]:
     return [shuffle(builder, one, one, [half + i for i in range(4)]) for half in (0, 4) for one in both]
 
 
-def _columns_of_doubles(builder: Any, rows: list[Any], count: int) -> list[Any]:
-    """Return eight rows of four or eight numbers, as columns."""
-    if count == 8:
-        return _exchanged(builder, rows, (4, 2, 1))
-    both = [shuffle(builder, rows[lane], rows[lane + 4], list(range(8))) for lane in range(4)]
-    return _exchanged(builder, both, (2, 1))
-
-
 def _type_of_put(out: Any, _at: Any, _stride: Any, columns: Any) -> Any:
     return types.void(out, types.int64, types.int64, columns) if isinstance(columns, types.BaseTuple) else None
 
@@ -188,28 +175,24 @@ _put(
 )
 
 
-def _take(function: Callable[..., Any], count: int) -> None:
-    def typer(tiles: Any, index: Any) -> Any:
-        return types.UniTuple(like(index, types.float64), count)(tiles, like(index, types.int64))
-
-    @compiled_as(function, typer, 2)
-    def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        (tiles, index), of_index = arguments, signature.args[1]
-        if isinstance(of_index, Vector):
-            row = Vector(types.float64, count)
-            scaled = builder.shl(index, ir.Constant(index.type, [3] * of_index.count))
-            places = [builder.extract_element(scaled, INT32(lane)) for lane in range(of_index.count)]
-            rows = [builder.load(pointer_to(context, builder, tiles, place, row), align=8) for place in places]
-            columns = _columns_of_doubles(builder, rows, count)
-        else:
-            first = builder.mul(index, index.type(TILE))
-            places = [builder.add(first, first.type(number)) for number in range(count)]
-            columns = [builder.load(pointer_to(context, builder, tiles, place, types.float64)) for place in places]
-        return context.make_tuple(builder, signature.return_type, columns)
+def _type_of_take(tiles: Any, index: Any) -> Any:
+    return types.UniTuple(like(index, types.float64), TILE)(tiles, like(index, types.int64))
 
 
-_take(take_tile, TILE)
-_take(take_half_tile, TILE // 2)
+@compiled_as(take_tile, _type_of_take, 2)
+def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    (tiles, index), of_index = arguments, signature.args[1]
+    if isinstance(of_index, Vector):
+        row = Vector(types.float64, TILE)
+        scaled = builder.shl(index, ir.Constant(index.type, [3] * of_index.count))
+        places = [builder.extract_element(scaled, INT32(lane)) for lane in range(of_index.count)]
+        rows = [builder.load(pointer_to(context, builder, tiles, place, row), align=8) for place in places]
+        columns = _exchanged(builder, rows, (4, 2, 1))
+    else:
+        first = builder.mul(index, index.type(TILE))
+        places = [builder.add(first, first.type(number)) for number in range(TILE)]
+        columns = [builder.load(pointer_to(context, builder, tiles, place, types.float64)) for place in places]
+    return context.make_tuple(builder, signature.return_type, columns)
 
 
 def _type_of_where(there: Any, columns: Any) -> Any:

@@ -25,8 +25,6 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: fl
     Args:
         dx: eastern distance to the body [m]; infinite for a body that no hunter sees.
         dy: northern distance to the body [m].
-        sine: sine of the hunter's heading.
-        cosine: cosine of the hunter's heading.
         reach_limit_m2: limit of the hunter's own reach: see `squared_limit`.
     """
     square = dx * dx + dy * dy
@@ -55,8 +53,6 @@ def blur_key(seed: np.uint64, step: float, observer: int, kind: np.uint64) -> np
     """R7.6: return the key of the errors in one hunter's view.
 
     Args:
-        seed: the arena's seed.
-        step: the step of the observed state.
         observer: the seat that sees.
         kind: TARGET_KIND or RIVAL_KIND.
     """

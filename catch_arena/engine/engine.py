@@ -32,15 +32,16 @@ from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
+from catch_arena.engine.saved_state import SavedState, require_bytes
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.seeding import checked_seed
+from catch_arena.text import in_short
 from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
-SavedBytes = tuple[Bytes, Bytes]
 _HUNTERS_A_CHUNK: Final = 4096
 """Least number of hunters that a thread plays at a time: fewer are not worth the cost of waking it."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
@@ -314,46 +315,73 @@ class Engine:
 
     # saving
 
-    def save(self) -> SavedBytes:
+    def save(self) -> SavedState:
         """R10.2: return the state of all arenas with the results of their last step, and the records of ended episodes,
-        which only `auto_reset` keeps. `restore` takes both, in this engine or in one of an equal config and size.
+        which only `auto_reset` keeps. `restore` takes it, in this engine or in one of an equal config and size.
         """
-        return self._saved.copy(), self._finished.copy()
+        parts = self.controls.copy(), self._saved.copy(), self._finished.copy()
+        return SavedState(self._config_digest, self.num_arenas, *parts)
 
-    def restore(self, state_of_all: SavedBytes) -> None:
-        """Continue from a saved state. Its second part is ignored if this engine or the other has no `auto_reset`."""
-        self._saved[:], finished = state_of_all
-        if len(finished) == len(self._finished):
-            self._finished[:] = finished
+    def restore(self, saved: SavedState) -> None:
+        """Continue from a saved state. Its records are ignored if this engine or the other has no `auto_reset`."""
+        self.controls[:] = saved.controls
+        self._saved[:] = saved.memory
+        if len(saved.finished) == len(self._finished):
+            self._finished[:] = saved.finished
 
-    def save_row(self, arena: int) -> SavedBytes:
+    def save_row(self, arena: int) -> SavedState:
         """R10.2: return the state of one arena, which any arena of an engine of an equal config can take."""
         rows = [self._column(arena).copy().view(np.uint8), *(rows[arena] for rows in self._saved_rows)]
         finished = [rows[arena] for rows in self._finished_rows]
-        return np.concatenate(rows), np.concatenate(finished) if finished else _NO_BYTES
+        parts = self.controls[arena].copy(), np.concatenate(rows), np.concatenate([_NO_BYTES, *finished])
+        return SavedState(self._config_digest, None, *parts)
 
-    def restore_row(self, arena: int, state_of_one: SavedBytes) -> None:
+    def restore_row(self, arena: int, saved: SavedState) -> None:
         """Continue from the saved state of one arena, in one arena."""
-        saved, finished = state_of_one
+        self.controls[arena] = saved.controls
         column = self._column(arena)
-        column[:] = saved[: column.nbytes].view(np.float64)
-        _write_rows(self._saved_rows, arena, saved[column.nbytes :])
-        if len(finished):
-            _write_rows(self._finished_rows, arena, finished)
+        column[:] = saved.memory[: column.nbytes].view(np.float64)
+        _write_rows(self._saved_rows, arena, saved.memory[column.nbytes :])
+        if len(saved.finished):
+            _write_rows(self._finished_rows, arena, saved.finished)
 
-    def saved_sizes(self, *, alone: bool) -> tuple[int, int]:
-        """Return the sizes [bytes] of the two parts of a saved state, of one arena or of all."""
-        if not alone:
-            return len(self._saved), len(self._finished)
-        size, finished = (sum(rows.shape[1] for rows in of) for of in (self._saved_rows, self._finished_rows))
-        return self._column(0).nbytes + size, finished
+    def require_saved(self, saved: object, *, alone: bool) -> None:
+        """Check that this engine can continue from a saved state; `restore` and `restore_row` do not check it.
+
+        Args:
+            saved: the saved state.
+            alone: whether it must be the state of one arena.
+
+        Raises:
+            ConfigError: for anything else, such as a state of another version of this package.
+        """
+        if not isinstance(saved, SavedState):
+            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        if saved.config != self._config_digest:
+            raise ConfigError(
+                f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"
+            )
+        num_envs = None if alone else self.num_arenas
+        if saved.num_envs != num_envs:
+            wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
+            raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
+        size, of_finished = len(self._saved), len(self._finished)
+        if alone:
+            size = self._column(0).nbytes + sum(rows.shape[1] for rows in self._saved_rows)
+            of_finished = sum(rows.shape[1] for rows in self._finished_rows)
+        require_bytes(saved.memory, size)
+        if of_finished and len(saved.finished):  # if one is empty, that engine has no auto_reset
+            require_bytes(saved.finished, of_finished)
+        shape = self.controls.shape[alone:]
+        if np.shape(saved.controls) != shape:
+            raise ConfigError(f"a saved state must have controls {shape}, got {np.shape(saved.controls)}")
 
     def _column(self, arena: int) -> NDArray[np.float64]:
         """Return one arena's column of its block: (rows,), a view of the engine's memory."""
         return self._views.fields[arena // LANES, :, arena % LANES]
 
     @cached_property
-    def config_digest(self) -> str:
+    def _config_digest(self) -> str:
         """Digest of the config, which a saved state must have; computed once, since it takes longer than saving."""
         return self.config.digest
 

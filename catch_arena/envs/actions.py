@@ -1,5 +1,6 @@
 """Check of the actions that agents give, and their conversion into the engine's arrays."""
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -174,34 +175,45 @@ def checked_action(
     return checked_choice(agent, "an action", action, ranks), (0.0, 0.0)
 
 
-def choice_array(given: Any, axes: int) -> NDArray[Any]:
-    """Return the choices of many hunters as one array; each choice is read as that of a single hunter.
+def action_array(what: str, given: Any, shape: tuple[int, ...], *, whole: bool = False) -> NDArray[Any]:
+    """Return the actions of many agents as one array; each is read as that of a single agent. Its numbers can lie out
+    of bounds.
 
     Args:
+        what: the array's name in the error.
         given: an array, a tensor, or lists of actions.
-        axes: number of axes before a single choice: 2 for (B, H), 1 for (N,).
+        shape: the shape that it must have.
+        whole: whether to read choices, which are whole numbers, and not velocities.
 
     Raises:
-        ValueError: for rows that differ in length.
+        ActionError: for another type or shape.
     """
-    table = _array(given, axes, lambda one: whole_number(plain_action(one)))
-    return table.reshape(table.shape[:axes]) if table.ndim > axes and set(table.shape[axes:]) == {1} else table
+    axes = len(shape)
 
+    def read(one: Any) -> object:
+        return whole_number(plain_action(one)) if whole else real_number(as_python(one))
 
-def command_array(given: Any, axes: int) -> NDArray[Any]:
-    """Return the velocities of many hunters as one array; see `choice_array`. Here `axes` includes the last axis."""
-    return _array(given, axes, lambda one: real_number(as_python(one)))
-
-
-def _array(given: Any, axes: int, read: Callable[[Any], object]) -> NDArray[Any]:
-    """Return the argument as an array; its type is object if something in a list is not legal."""
-    if isinstance(given, list | tuple):
-        return np.array(_rows(given, axes, read))
     try:
-        table = np.asarray(given)
-    except (TypeError, RuntimeError):  # a tensor that needs a gradient, or lies on a graphics card
-        table = np.empty((), dtype=object)
-    return np.array(_rows(given, axes, read)) if table.dtype == object else table
+        table = _table(given, axes, read)
+    except ValueError:
+        raise ActionError(f"{what} must be rows of equal length, got {described(given)}") from None
+    if whole and table.ndim > axes and set(table.shape[axes:]) == {1}:  # each choice is an array with one element
+        table = table.reshape(table.shape[:axes])
+    if table.dtype.kind not in ("iu" if whole else "fiu"):
+        raise ActionError(f"{what} must be {'whole ' if whole else ''}numbers, got {described(given)}")
+    if table.shape != shape:
+        raise ActionError(f"{what} must have the shape {shape}, got {table.shape}")
+    return table
+
+
+def _table(given: Any, axes: int, read: Callable[[Any], object]) -> NDArray[Any]:
+    """Return the argument as an array; its type is object if something in it is not legal."""
+    if not isinstance(given, list | tuple):
+        with contextlib.suppress(TypeError, RuntimeError):  # a tensor that needs a gradient, or lies on a graphics card
+            table = np.asarray(given)
+            if table.dtype != object:
+                return table
+    return np.array(_rows(given, axes, read))
 
 
 def _rows(given: Any, axes: int, read: Callable[[Any], object]) -> Any:
@@ -209,6 +221,13 @@ def _rows(given: Any, axes: int, read: Callable[[Any], object]) -> Any:
     if axes and isinstance(rows, list | tuple):
         return [_rows(row, axes - 1, read) for row in rows]
     return read(given)
+
+
+def described(given: object) -> str:
+    """Return a short description of an argument, for an error."""
+    if isinstance(given, np.ndarray):
+        return f"an array of {given.dtype} of the shape {given.shape}"
+    return in_short(given)
 
 
 def clipped(commands: NDArray[Any]) -> NDArray[Any]:

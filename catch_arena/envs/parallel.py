@@ -15,20 +15,18 @@ from pettingzoo import ParallelEnv
 
 from catch_arena.config import RULESET, ArenaConfig, require_choice, require_options
 from catch_arena.core import state
-from catch_arena.engine import Engine
+from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.actions import ActionReader
 from catch_arena.envs.agent_names import checked_agent_names
 from catch_arena.envs.display import RENDER_MODES, Display, notebook_html
 from catch_arena.envs.global_state import state_vector
-from catch_arena.envs.recorder import Recorder
 from catch_arena.envs.results import Infos, Results
-from catch_arena.envs.saved import SavedState, require_saved, restore_row, save_row
-from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space, state_space
+from catch_arena.envs.spaces import action_space, observation_space, vector_space
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ConfigError, EpisodeError, require_type
-from catch_arena.layout import observation_size
-from catch_arena.replay import Replay
+from catch_arena.layout import observation_size, prey_columns, state_columns
+from catch_arena.replay import Recorder, Replay
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import in_short
 from catch_arena.world import World
@@ -140,9 +138,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._all_false: dict[str, bool] = {}
         """False for each of `agents`. A copy of it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
-        self._leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
-        """By row: True if an agent leaves when it is no longer active."""
-        self._some_leave = any(self._leaves)
+        leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
+        self._leavers = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
+        """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
         self._over = True
@@ -198,7 +196,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def observation_spaces(self) -> dict[str, spaces.Space[Any]]:
         """Observation space of each of `possible_agents`."""
         made = [observation_space(self.config, control) for control in self.config.controls]
-        made += [prey_observation_space(self.config) for _ in range(self.config.prey)]
+        made += [vector_space(prey_columns(self.config)) for _ in range(self.config.prey)]
         return dict(zip(self.possible_agents, made, strict=True))
 
     @cached_property
@@ -210,7 +208,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     @cached_property
     def state_space(self) -> spaces.Box:
         """R7.3: space of the global view."""
-        return state_space(self.config)
+        return vector_space(state_columns(self.config))
 
     @property
     def np_random(self) -> np.random.Generator:
@@ -277,9 +275,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
         ended = engine.ends.item()
-        if self._some_leave:
+        if self._leavers:
             active = engine.active[0].tolist()
-            self._leaving.update(agent for agent, row in reader.rows.items() if self._leaves[row] and not active[row])
+            self._leaving.update(self.possible_agents[row] for row in self._leavers if not active[row])
         terminations, truncations = self._all_false.copy(), self._all_false.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
@@ -287,11 +285,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
         self._truncated = tuple(agent for agent in agents if truncations[agent]) if ended else ()
-        observations, rewards, infos = (
-            self._results.observations(),
-            self._results.rewards(),
-            self._results.infos(self._truncated),
-        )
+        results = self._results
+        observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
         if ended or self._leaving:
             self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
             self._over = not self.agents
@@ -332,9 +327,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def hunter_observations(self) -> NDArray[np.float32]:
         """R7.1: return a copy of all hunters' current observations, by seat, (H, D); hunters that left are included."""
         self._require_episode("hunter_observations")
-        size = observation_size(self.config)
-        observations: NDArray[np.float32] = self._engine.observations[0, : self.config.hunters, :size].copy()
-        return observations
+        return self._engine.observations[0, : self.config.hunters, : observation_size(self.config)].copy()
 
     def state(self) -> NDArray[np.float32]:
         """R7.3: return the global view as one float32 vector, in the order of `layout.state_columns`."""
@@ -354,7 +347,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         Raises:
             ConfigError: for a name or a title that is not at most 200 printable characters.
         """
-        self._recorder.record(names, title)
+        import catch_arena.player  # noqa: F401 - notebooks show replays with it
+
+        usual = self.config.hunter_names + self.config.prey_names
+        self._recorder.record(usual if names is None else names, title)
 
     def replay(self) -> Replay:
         """Return the replay of the episode so far, if `record` was called before its reset."""
@@ -372,7 +368,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._require_episode("save")
         replay = self._recorder.replay
         return SavedEpisode(
-            arena=save_row(self._engine, 0),
+            arena=self._engine.save_row(0),
             seed=self._seed,
             possible_agents=tuple(self.possible_agents),
             agents=tuple(self.agents),
@@ -395,11 +391,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
-        require_saved(saved.arena, self._engine, alone=True)
+        self._engine.require_saved(saved.arena, alone=True)
         if list(saved.possible_agents) != self.possible_agents:
             got = in_short(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
-        restore_row(self._engine, 0, saved.arena)
+        self._engine.restore_row(0, saved.arena)
         self._seed, self._over, self._truncated = saved.seed, saved.over, saved.cut
         self._leaving = set(saved.leaving)
         self._set_agents(list(saved.agents))

@@ -6,12 +6,12 @@ import numpy as np
 from gymnasium import spaces
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.layout import Column, columns, prey_columns, state_columns
+from catch_arena.layout import Column, columns
 
 
 def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
     """R7.1, R7.2: return the space of observations, with the mask under target control if the config asks for it."""
-    box = _box(columns(config))
+    box = vector_space(columns(config))
     if control == "target" and config.mask_in_observation:
         mask = spaces.Box(0, 1, (config.targets_seen + 1,), dtype=np.int8)
         return spaces.Dict({"observation": box, "action_mask": mask})
@@ -41,17 +41,7 @@ def velocity_space() -> spaces.Box:
     return spaces.Box(-1.0, 1.0, (2,), dtype=np.float32)
 
 
-def prey_observation_space(config: ArenaConfig) -> spaces.Box:
-    """R12.4: return the space of prey's observations."""
-    return _box(prey_columns(config))
-
-
-def state_space(config: ArenaConfig) -> spaces.Box:
-    """R7.3: return the space of the global view."""
-    return _box(state_columns(config))
-
-
-def _box(table: tuple[Column, ...]) -> spaces.Box:
+def vector_space(table: tuple[Column, ...]) -> spaces.Box:
     """Return a space of vectors with these columns."""
     return spaces.Box(
         np.array([column.low for column in table], dtype=np.float32),

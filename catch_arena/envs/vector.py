@@ -1,7 +1,7 @@
 """Many arenas played together: the engine's own arrays, for learners."""
 
 import copy as copy_module
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, require_flag
 from catch_arena.core import state
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.engine import Engine
+from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.engine import NO_CHOICES, NO_COMMANDS
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
-from catch_arena.envs.actions import choice_array, clipped, command_array
-from catch_arena.envs.saved import SavedState, require_saved, restore_all, restore_row, save_all, save_row
-from catch_arena.envs.spaces import action_space, observation_space, prey_observation_space
+from catch_arena.envs.actions import action_array, clipped, described
+from catch_arena.envs.spaces import action_space, vector_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
+from catch_arena.layout import columns, prey_columns
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
@@ -113,8 +113,6 @@ class VectorArena:
         self._driving: Final = kinds != {"target"} or self.config.prey > 0
         """The two flags: True if some agent reads choices, and if some agent reads commands."""
         self._begun = False
-        self._converted: dict[str, NDArray[Any]] = {}
-        """Buffers for actions whose types are not the engine's, by the name of the argument."""
         try:
             self._engine = Engine(
                 self.config,
@@ -174,11 +172,8 @@ class VectorArena:
 
     def observation_space(self, agent: int = 0) -> spaces.Box:
         """R7.1, R12.4: return the space of an agent's observations, without masks; `agent` is from 0 to N - 1."""
-        row = self._agent(agent)
-        if row >= self.num_hunters:
-            return prey_observation_space(self.config)
-        config = self.config.replace(mask_in_observation=False)
-        return cast(spaces.Box, observation_space(config, config.controls[row]))
+        table = prey_columns if self._agent(agent) >= self.num_hunters else columns
+        return vector_space(table(self.config))
 
     def action_space(self, agent: int = 0) -> spaces.Space[Any]:
         """R4.1, R4.4, R12.2: return the space of an agent's actions; `agent` is from 0 to N - 1."""
@@ -261,7 +256,7 @@ class VectorArena:
         targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
         played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
         if played.dtype.kind not in "iu" or played.shape not in {(), (len(chosen),)}:
-            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {_named(played)}")
+            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {described(played)}")
         _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
         fastest = np.array(config.max_speeds)
@@ -330,7 +325,7 @@ class VectorArena:
         chosen, given = self._rows(arenas), np.asarray(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
-            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {_named(given)}")
+            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {described(given)}")
         self._engine.controls[chosen] = given
 
     def _require_any_control(self) -> None:
@@ -349,15 +344,12 @@ class VectorArena:
             if self._choosing:
                 raise ActionError(f"choices must be {shape} whole numbers where hunters choose, got None")
             return NO_CHOICES
-        choices = _array("choices", given, choice_array, 2)
-        if choices.dtype.kind not in "iu":
-            raise ActionError(f"choices must be whole numbers, got {_named(given)}")
-        _require_shape("choices", choices, shape)
+        choices = action_array("choices", given, shape, whole=True)
         if choices.min() < 0 or choices.max() > ranks:
             self._blame("choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
         if choices.dtype == np.int64 and choices.flags.carray:
             return choices
-        return self._as_type("choices", choices, np.int64)  # every rank fits into int64
+        return np.array(choices, np.int64, order="C")  # every rank fits into int64
 
     def _checked_commands(self, given: Any) -> NDArray[np.float32]:
         shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
@@ -365,23 +357,14 @@ class VectorArena:
             if self._driving:
                 raise ActionError(f"commands must be {shape} numbers where agents drive themselves, got None")
             return NO_COMMANDS
-        commands = _array("commands", given, command_array, 3)
-        if commands.dtype.kind not in "fiu":
-            raise ActionError(f"commands must be numbers, got {_named(given)}")
-        _require_shape("commands", commands, shape)
+        commands = action_array("commands", given, shape)
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
             if not np.isfinite(commands).all():
                 self._blame("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
             commands = clipped(commands)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
-        return self._as_type("commands", commands, np.float32)  # rounded to float32
-
-    def _as_type(self, what: str, given: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
-        if what not in self._converted:
-            self._converted[what] = np.zeros(given.shape, dtype)
-        np.copyto(self._converted[what], given, casting="unsafe")
-        return self._converted[what]
+        return np.array(commands, np.float32, order="C")  # rounded to float32
 
     def _blame(self, what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
         arena, row = (int(found) for found in np.argwhere(illegal)[0])
@@ -403,7 +386,7 @@ class VectorArena:
         if not legal or (chosen.size and not 0 <= chosen.min() <= chosen.max() < self.num_envs):
             raise ConfigError(
                 f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
-                f"got {_named(chosen)}"
+                f"got {described(chosen)}"
             )
         numbers, counts = np.unique(chosen, return_counts=True)
         if len(numbers) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
@@ -419,7 +402,7 @@ class VectorArena:
             EpisodeError: before the first reset.
         """
         self._require_begun("save")
-        return save_all(self._engine)
+        return self._engine.save()
 
     def restore(self, saved: SavedState) -> Begun:
         """Continue from a saved state, bit for bit; the records of past episodes are restored too.
@@ -430,16 +413,16 @@ class VectorArena:
         Raises:
             ConfigError: for anything that `save` of an equal config and number of arenas did not return.
         """
-        require_saved(saved, self._engine, alone=False)
+        self._engine.require_saved(saved, alone=False)
         self._require_controls(saved, self._engine.controls)
-        restore_all(self._engine, saved)
+        self._engine.restore(saved)
         self._begun = True
         self._update_ends()
         return self._begun_with()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: return the state of one arena, which any row of a batch of equal config can take."""
-        return save_row(self._engine, self._row("save_row", arena))
+        return self._engine.save_row(self._row("save_row", arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
         """Continue from a saved row in one arena.
@@ -451,9 +434,9 @@ class VectorArena:
             ConfigError: for a row that does not exist, and for anything but a saved row of an equal config.
         """
         arena = self._row("restore_row", arena)
-        require_saved(saved, self._engine, alone=True)
+        self._engine.require_saved(saved, alone=True)
         self._require_controls(saved, self._engine.controls[arena])
-        restore_row(self._engine, arena, saved)
+        self._engine.restore_row(arena, saved)
         self._update_ends()
         return self._begun_with()
 
@@ -522,7 +505,7 @@ def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], c
     least, most = bodies
     if table.ndim != 3 or table.shape[::2] != (arenas, columns) or not least <= table.shape[1] <= most:
         count = most if least == most else f"{least} to {most}"
-        raise ConfigError(f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {_named(given)}")
+        raise ConfigError(f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {described(given)}")
     return table
 
 
@@ -533,28 +516,9 @@ def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np
         raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
 
 
-def _require_shape(what: str, given: NDArray[Any], shape: tuple[int, ...]) -> None:
-    if given.shape != shape:
-        raise ActionError(f"{what} must have the shape {shape}, got {given.shape}")
-
-
-def _array(what: str, given: Any, read: Callable[[Any, int], NDArray[Any]], axes: int) -> NDArray[Any]:
-    try:
-        return read(given, axes)
-    except ValueError:
-        raise ActionError(f"{what} must be rows of equal length, got {_named(given)}") from None
-
-
 def _copied(results: Any) -> Any:
     if isinstance(results, tuple):
         return tuple(_copied(result) for result in results)
     if isinstance(results, dict):
         return {key: _copied(value) for key, value in results.items()}
     return results.copy()
-
-
-def _named(given: object) -> str:
-    """Return a short description of an argument, for an error."""
-    if isinstance(given, np.ndarray):
-        return f"an array of {given.dtype} of the shape {given.shape}"
-    return f"{given!r}"[:80]

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, require_flag
 from catch_arena.core.controllers import CONTROLS
+from catch_arena.engine import SavedState
 from catch_arena.envs.actions import clipped
-from catch_arena.envs.saved import SavedState
 from catch_arena.envs.vector import VectorArena
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ConfigError, EpisodeError

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig, Control
-from catch_arena.envs.actions import checked_action, choice_array, command_array
+from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.policy import PreyLimits
 from catch_arena.text import in_short
@@ -139,22 +139,6 @@ def action_arrays(
             raise ActionError(f"{what} must be a mapping with cmd_vel and catch, got {in_short(actions)}")
         ranks, velocities = actions["catch"], actions["cmd_vel"]
     return (
-        None if control == "velocity" else _array(what, ranks, (count,)),
-        None if control == "target" else _array(what, velocities, (count, 2)),
+        None if control == "velocity" else action_array(what, ranks, (count,), whole=True),
+        None if control == "target" else action_array(what, velocities, (count, 2)),
     )
-
-
-def _array(what: str, given: Any, shape: tuple[int, ...]) -> NDArray[Any]:
-    if len(shape) == 1:
-        read, kinds, wanted = choice_array, "iu", f"{shape[0]} whole numbers"
-    else:
-        read, kinds, wanted = command_array, "fiu", f"{shape} numbers"
-    try:
-        table = read(given, len(shape))
-    except (TypeError, ValueError):  # rows that differ in length
-        table = np.array(None)
-    if table.shape != shape or table.dtype.kind not in kinds:
-        shown = isinstance(given, np.ndarray) or (table.shape and table.dtype.kind in kinds)
-        got = f"an array of {table.dtype} of the shape {table.shape}" if shown else in_short(given)
-        raise ActionError(f"{what} must be {wanted}, got {got}")
-    return table

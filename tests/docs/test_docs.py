@@ -3,8 +3,6 @@
 import dataclasses
 import re
 import runpy
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -132,18 +130,3 @@ def test_the_page_about_agents_lists_every_limit_with_its_meaning_and_the_units_
         assert list(rows) == [field.name for field in dataclasses.fields(kind)]
         for name, unit in rows.items():
             assert unit == units.get(name.rpartition("_")[2], "")
-
-
-def test_git_ignores_what_the_examples_write(tmp_path):
-    shutil.copy(ROOT / ".gitignore", tmp_path)
-    subprocess.run(["git", "init", "--quiet", tmp_path], check=True)
-    text = "\n".join(page.read_text() for page in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")))
-    written = set(re.findall(r"^catch-arena .* (?:-o|--out) ([a-z]\S*)", text, re.MULTILINE))
-    assert {"match.mp4", "results", "best.mp4"} <= written
-    written.add("first.replay")
-    for name in written:
-        made = tmp_path / name if "." in name else tmp_path / name / "made"
-        made.parent.mkdir(parents=True, exist_ok=True)
-        made.touch()
-    asked = ["git", "-C", tmp_path, "status", "--porcelain", "--untracked-files=all"]
-    assert subprocess.run(asked, check=True, capture_output=True, text=True).stdout == "?? .gitignore\n"

@@ -10,11 +10,12 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import unkept_entry
 from catch_arena.core.ranking import (
+    has_more_catches,
     is_listed_first,
+    lead,
     measure_rivals,
     note_positions,
     pack_order,
-    precedes,
     resolve_ties,
     sort_keys,
 )
@@ -26,12 +27,14 @@ from catch_arena.core.state import (
     LANES,
     MOST,
     SCORE,
+    SEAT_SIZE,
     SINE,
     SPEED,
     WITHDRAWN,
     X,
     Y,
     seat_at,
+    seat_of,
     slot_at_rank,
     span,
 )
@@ -54,7 +57,9 @@ def a_block(hunters, looks):
 def first_of(block, seat, one, other, lane, teams):
     """Whether the first of two rivals precedes the second."""
     me, rows, others = (block[seat_at(who) :] for who in (seat, one, other))
-    return precedes(me, rows, others, lane, is_listed_first(seat, one, other, teams))
+    difference = lead(me, rows, others, lane)
+    more = has_more_catches(rows, others, lane, is_listed_first(seat, one, other, teams))
+    return more if difference == 0.0 else difference > 0.0
 
 
 @pytest.mark.rule("R7.1")
@@ -75,10 +80,12 @@ def sort(block, seat, width, lanes, s, teams, positions, keys, tied, order):
     block, positions, keys = by_address(block), by_address(positions), by_address(keys)
     tied, order = by_address(tied), by_address(order)
     for first in range(0, span(width), len(width)):
-        note_positions(block, first, width, s, positions)
-        measure_rivals(block, seat, first, width, s, 0.0, positions, keys)
+        note_positions(block, s, first, width, positions)
+        measure_rivals(block, s, first, width, seat, 0.0, positions, keys)
         sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-        resolve_ties(block, seat, first, width, lanes, s, teams, keys, tied)
+        me, rows = seat_of(block, seat), block[seat_at(0) : seat_at(s.hunters)]
+        ranks = min(s.hunters_seen, s.hunters - 2)
+        resolve_ties(me, first, width, lanes, seat, rows, SEAT_SIZE, s.hunters, ranks, teams, True, keys, tied)
         pack_order(keys, s.hunters, s.hunters_seen, first, width, order)
 
 

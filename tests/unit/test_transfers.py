@@ -5,8 +5,8 @@ import pytest
 
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import phase, unkept_entry
-from catch_arena.core.tiles import BodyTile, MotionTile, TargetTile
-from catch_arena.core.transfers import TILE, put_exactly, put_rows, stream_eight, take_half_tile, take_tile, where_there
+from catch_arena.core.tiles import BodyTile, TargetTile
+from catch_arena.core.transfers import TILE, put_exactly, put_rows, stream_eight, take_tile, where_there
 from catch_arena.core.vectors import SINGLE, WIDE, group
 
 SIZE = 64
@@ -55,7 +55,7 @@ def test_any_number_of_columns_is_put_and_nothing_else_is_written(made, count, w
 @pytest.mark.parametrize("width", [SINGLE, WIDE], ids=["one", "eight"])
 @both_ways
 def test_a_tile_is_taken_from_another_place_in_each_lane(made, width):
-    """All of it, or its first half, in lanes where there is one; and what `put_rows` put there."""
+    """In lanes where there is one; and what `put_rows` put there."""
     source = np.random.default_rng(3)
     numbers, indices = source.normal(size=(20, TILE)), source.permutation(20)[:8]
 
@@ -63,21 +63,20 @@ def test_a_tile_is_taken_from_another_place_in_each_lane(made, width):
         tiles, indices, out = by_address(tiles), by_address(indices), by_address(out)
         index = indices[group(0, width)]
         there = index < 12
-        put_exactly(out, 0, 12, (*take_half_tile(tiles, index), *where_there(there, take_tile(tiles, index))))
+        put_exactly(out, 0, 12, where_there(there, take_tile(tiles, index)))
 
     out = np.full((8, 12), np.nan)
     made(take)(numbers.reshape(-1), indices, width, out.reshape(-1))
     for lane, index in enumerate(indices[: len(width)]):
-        assert (out[lane, :4] == numbers[index, :4]).all()
-        assert (out[lane, 4:] == (numbers[index] if index < 12 else 0.0)).all()
+        assert (out[lane, :TILE] == (numbers[index] if index < 12 else 0.0)).all()
+        assert np.isnan(out[lane, TILE:]).all()
     assert np.isnan(out[len(width) :]).all()
 
 
 def test_a_tile_has_room_for_what_is_known_of_anything():
-    """Half of it is fetched where targets stand still."""
+    """The numbers of a moving target stand in one tile."""
     assert len(BodyTile._fields) <= TILE
-    assert len(TargetTile._fields) == TILE // 2
-    assert len(TargetTile._fields + MotionTile._fields) <= TILE
+    assert len(TargetTile._fields) <= TILE
 
 
 @both_ways

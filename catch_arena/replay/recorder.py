@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.replay import Replay, checked_names, checked_text
+from catch_arena.replay.fileformat import checked_names, checked_text
+from catch_arena.replay.recording import Replay
 
 
 class Recorder:
@@ -13,26 +14,25 @@ class Recorder:
 
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
-        self._names: tuple[str, ...] | None = None
-        self._title = ""
+        self._names_and_title: tuple[tuple[str, ...], str] | None = None
         self.replay: Replay | None = None
         """Replay of the episode so far; None if it is not recorded."""
 
-    def record(self, names: Sequence[str] | None, title: str) -> None:
-        """Record the following episodes: see `CatchArenaEnv.record`."""
-        import catch_arena.player  # noqa: F401 - notebooks show replays with it
+    def record(self, names: Sequence[str], title: str) -> None:
+        """Record the following episodes.
 
-        agents = self._config.hunter_names + self._config.prey_names
-        called = checked_names(agents if names is None else names, self._config)
+        Raises:
+            ConfigError: for a name or a title that is not at most 200 printable characters.
+        """
+        called = checked_names(names, self._config)
         checked_text("name_prefix", self._config.name_prefix)
-        self._title = checked_text("title", title)
-        self._names = called
+        self._names_and_title = called, checked_text("title", title)
 
     def begin(self, seed: int, engine: Engine) -> None:
         """Note that an episode has begun."""
         self.replay = None
-        if self._names is not None:
-            self.replay = Replay(self._config, seed, self._names, self._title)
+        if self._names_and_title is not None:
+            self.replay = Replay(self._config, seed, *self._names_and_title)
             self.replay.note(engine)
 
     def withdraw(self, row: int) -> None:
@@ -43,6 +43,6 @@ class Recorder:
     def copy(self) -> "Recorder":
         """Return an independent copy."""
         twin = Recorder(self._config)
-        twin._names, twin._title = self._names, self._title
+        twin._names_and_title = self._names_and_title
         twin.replay = None if self.replay is None else self.replay.copy()
         return twin
