@@ -87,7 +87,7 @@ min_mean_score = 100.0
     ids=lambda words: " ".join(words[:2]) if isinstance(words, list) else "",
 )
 def test_a_command_whose_reader_has_gone_works_to_its_end(tmp_path, words, status, written):
-    """As in `catch-arena grade ... | head -1`; an agent that prints to the closed pipe does not forfeit."""
+    """For example `catch-arena grade ... | head -1`; an agent that prints to the closed pipe does not forfeit."""
     (tmp_path / "spec.toml").write_text(SPEC)
     (tmp_path / "mine.py").write_text(MODULE.format(change="print('one')", late="print('two', flush=True)"))
     reader, writer = os.pipe()

@@ -1,31 +1,11 @@
-"""The demo: what it says while it works, and what it leaves alone."""
+"""The demo replaces only files that it has made."""
 
 import runpy
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 DEMO = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "demo.py"), run_name="loaded")
-
-
-def quiet(code):
-    pipe = subprocess.PIPE
-    return subprocess.Popen([sys.executable, "-c", f"import sys; {code}"], text=True, stdout=pipe, stderr=pipe)
-
-
-def test_a_quiet_command_tells_how_far_it_is_and_in_the_end_what_it_made(capfd):
-    with quiet("print('video: m.mp4'); print('rendering: 10 of 90, 11 s', file=sys.stderr)") as process:
-        DEMO["tell"](process)
-    assert capfd.readouterr() == ("video: m.mp4\n", "rendering: 10 of 90, 11 s\n")
-
-
-def test_a_quiet_command_that_fails_says_why_and_ends_the_demo(capfd):
-    with quiet("sys.exit('catch-arena: no moments')") as process, pytest.raises(SystemExit) as ended:
-        DEMO["tell"](process)
-    assert ended.value.code == 1
-    assert capfd.readouterr().err == "catch-arena: no moments\n"
 
 
 def test_what_an_earlier_demo_left_goes(tmp_path):
@@ -47,9 +27,3 @@ def test_what_the_demo_did_not_make_stays(tmp_path, content):
     with pytest.raises(SystemExit, match=f"{out} was not made by the demo, and is left as it is"):
         DEMO["demo"](out)
     assert precious.read_text() == "mine"
-
-
-def test_a_folder_that_cannot_be_written_is_one_line(tmp_path):
-    (tmp_path / "file").touch()
-    with pytest.raises(SystemExit, match=f"{tmp_path}/file/out: Not a directory"):
-        DEMO["make_anew"](tmp_path / "file" / "out")
