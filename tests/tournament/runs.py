@@ -1,4 +1,4 @@
-"""Whole plans played without a store on disk."""
+"""Function that plays a whole plan without a store on disk."""
 
 from collections.abc import Sequence
 from pathlib import Path
