@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from platformdirs import user_cache_dir
 
 from catch_arena import Replay
 
@@ -149,6 +150,7 @@ def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
 
 def test_paths_begin_at_home_and_are_absolute(tmp_path, monkeypatch):
     """A shell does not replace the ~ of --output=~/m.replay."""
+    monkeypatch.setenv("XDG_CACHE_HOME", user_cache_dir())  # with the compiled rules
     monkeypatch.setenv("HOME", str(tmp_path))
     done = run("/", "match", "idle", "idle", *QUICK, "--output=~/out/m.replay")
     assert done.stdout.endswith(f"replay: {tmp_path / 'out' / 'm.replay'}\n")

@@ -37,13 +37,12 @@ def test_places_that_cannot_be_written_to(match, tmp_path):
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_any_name_that_the_disk_allows_is_a_videos(tmp_path, ending):
     """FFmpeg takes %d for the number of a picture, and a name before a colon for a protocol."""
-    still = np.zeros((320, 480, 4), dtype=np.uint8)
     folder = tmp_path / "run%d"
     folder.mkdir()
     for name in (f"seed%d{ending}", f"http:{ending}", ending.rjust(255, "x")):
         with video_file(folder / name, (480, 320), 30) as video:
-            for _ in range(3):
-                video.write(still)
+            for shade in (0, 100, 200):
+                video.write(np.full((320, 480, 4), shade, dtype=np.uint8))
         assert len(decoded(video.path)) == 3
         assert [path.name for path in folder.iterdir()] == [name]
         video.path.unlink()
