@@ -34,7 +34,7 @@ def test_a_quick_run_measures_each_row_or_says_why_not(tmp_path):
         assert f"Skipped: {name} ({reason})." in new
     for name in ("4 hunters", "batch of 1,024", "one arena, full control", "LearnerBatch, patrol"):
         assert re.search(rf"^\| {name} +\|.* [\d.,]+ \|$", new, re.MULTILINE), name
-    assert re.search(r"^\| memory .* bytes an arena ", new, re.MULTILINE)
+    assert re.search(r"^\| memory +\|.* bytes an arena ", new, re.MULTILINE)
 
 
 @pytest.mark.parametrize(
