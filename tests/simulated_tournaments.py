@@ -4,13 +4,12 @@ order is wrongly called clear, and the sequential test errs. docs/explanation/ra
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.statistics.intervals import Estimate, ratios
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import ELO, fit, rate
 from catch_arena.tournament.statistics.separation import groups, least_separated, level_of_look, next_look
@@ -46,8 +45,6 @@ class World:
     """(agents,): the true ratings, their mean 0."""
     play: Callable[[np.random.Generator, NDArray[np.int64], NDArray[np.int64]], NDArray[np.int64]]
     """The scores (matches, seats), given the seating and the blocks."""
-    score: Array | None = None
-    """(agents,): the true mean scores, where they do not depend on the opponents."""
 
 
 def plackett_luce(agents: int, spread: float) -> World:
@@ -57,19 +54,6 @@ def plackett_luce(agents: int, spread: float) -> World:
     def play(rng: np.random.Generator, seating: NDArray[np.int64], _: NDArray[np.int64]) -> NDArray[np.int64]:
         performance = strengths[seating] + rng.gumbel(size=seating.shape)
         return performance.argsort(axis=1).argsort(axis=1)
-
-    return World(agents, strengths * ELO, play)
-
-
-def davidson(agents: int, spread: float, tie: float) -> World:
-    """Duels with ties, by Davidson's own probabilities."""
-    strengths = np.linspace(-spread, spread, agents)
-
-    def play(rng: np.random.Generator, seating: NDArray[np.int64], _: NDArray[np.int64]) -> NDArray[np.int64]:
-        half = (strengths[seating[:, 0]] - strengths[seating[:, 1]]) / 2.0
-        above, below = np.exp(half), np.exp(-half)
-        draw = rng.random(len(seating)) * (above + below + tie)
-        return np.stack((draw < above, (draw >= above) & (draw < above + below)), axis=1).astype(np.int64)
 
     return World(agents, strengths * ELO, play)
 
@@ -96,12 +80,7 @@ def catches(agents: int, low: float, high: float) -> World:
     for table in (wins, ties):
         np.fill_diagonal(table, 0.0)
     strengths, _, _ = fit(wins * 1e9, ties * 1e9)
-    return World(
-        agents,
-        np.asarray((strengths - strengths.mean()) * ELO),
-        play,
-        rates * math.exp(BLOCK_LUCK**2 / 2.0),
-    )
+    return World(agents, np.asarray((strengths - strengths.mean()) * ELO), play)
 
 
 def simulated(world: World, design: Design, rng: np.random.Generator) -> Outcomes:
@@ -112,33 +91,16 @@ def simulated(world: World, design: Design, rng: np.random.Generator) -> Outcome
     return Outcomes(world.agents, block, seating, scores, ranks)
 
 
-def held(estimates: list[Estimate], truth: Array) -> list[bool]:
-    """Tell for each interval that exists if it holds the truth: few blocks may give none."""
-    return [
+def coverage(world: World, design: Design, tournaments: int, seed: int) -> float:
+    """Return the share of intervals of ratings that hold the truth; few blocks may give none."""
+    rng = np.random.default_rng(seed)
+    held = [
         estimate.low <= value <= estimate.high
-        for estimate, value in zip(estimates, truth, strict=True)
+        for _ in range(tournaments)
+        for estimate, value in zip(rate(simulated(world, design, rng)).estimates(), world.points, strict=True)
         if not math.isnan(estimate.low)
     ]
-
-
-@dataclass
-class Coverage:
-    """Which intervals held the truth, in one design."""
-
-    ratings: list[bool] = field(default_factory=list)
-    scores: list[bool] = field(default_factory=list)
-
-
-def coverage(world: World, design: Design, tournaments: int, seed: int) -> Coverage:
-    """Simulate many tournaments."""
-    rng = np.random.default_rng(seed)
-    found = Coverage()
-    for _ in range(tournaments):
-        outcomes = simulated(world, design, rng)
-        found.ratings += held(rate(outcomes).estimates(), world.points)
-        if world.score is not None:
-            found.scores += held(ratios(outcomes.by_block(outcomes.scores), outcomes.by_block()), world.score)
-    return found
+    return sum(held) / len(held)
 
 
 def equals_told_apart(design: Design, tournaments: int, seed: int) -> float:

@@ -1,4 +1,4 @@
-"""What the shipped agents did on views of matches, agent by agent, before their code was written anew.
+"""Shipped agents act on recorded views as they always have.
 
 `PYTHONPATH=tests python tests/agents/test_recorded_actions.py` writes tests/data/actions.npz. That is right only if an
 agent is meant to play differently.
@@ -27,7 +27,7 @@ def agent_of(name):
 
 
 def views(scenario, control):
-    """What each hunter of a batch sees in its turn, while all drive about by chance."""
+    """Yield the view of each hunter of a batch in turn, while all drive at random."""
     config = catch_arena.scenario(scenario, control=control, max_cycles=10 * STEPS)
     arena = catch_arena.VectorArena(config, 3)
     limits = [Limits.of(config, seat) for seat in range(config.hunters)]

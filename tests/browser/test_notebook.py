@@ -1,4 +1,4 @@
-"""What a notebook shows of a replay and of an env, in a page as Jupyter would make it."""
+"""A replay plays in a notebook cell, and an env shows a picture."""
 
 import pytest
 

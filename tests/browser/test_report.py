@@ -1,4 +1,4 @@
-"""What people see, click and type who open a report, or a replay, in a browser."""
+"""A report and a replay in a real browser: buttons, keys, contrast, and no foreign script."""
 
 import io
 import re
@@ -13,7 +13,7 @@ from report.synthetic import tournament
 import catch_arena
 from catch_arena.explanation import explain
 from catch_arena.player import bundle_text, player_html
-from catch_arena.render import match_info, viewport
+from catch_arena.render import viewport
 from catch_arena.report import REPORT, watch, write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
@@ -123,7 +123,7 @@ def clock(page):
 
 
 def picture(page, locator):
-    """What an element looks like: (height, width, 3), red first."""
+    """Return a screenshot of an element: (height, width, 3), red first."""
     encoded = np.frombuffer(io.BytesIO(page.locator(locator).first.screenshot()).read(), np.uint8)
     return cv2.imdecode(encoded, cv2.IMREAD_COLOR)[..., ::-1]
 
@@ -143,14 +143,6 @@ def test_a_click_plays_and_another_one_pauses(player):
     assert (picture(player, "canvas.arena") != before).any(axis=2).mean() > 0.01
     time.sleep(0.3)
     assert clock(player) == now
-
-
-def test_the_arena_has_the_colours_of_the_videos(player):
-    pixels = picture(player, "canvas.arena")
-    assert share_of(pixels, viewport.GROUND) > 0.5
-    for seat in range(8):
-        shell = np.array(match_info.HUNTER_COLORS[seat]) * 0.96 + 5  # render.sprites has the parts
-        assert share_of(pixels, shell) * pixels.shape[0] * pixels.shape[1] > 30, seat
 
 
 def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player, crowd):
@@ -181,16 +173,6 @@ def half_blind(quiet, tmp_path):
     return opened(quiet, tmp_path, player_html(env.replay()))
 
 
-def test_targets_that_move_leave_sand_and_glide(half_blind):
-    """Between two states too."""
-    half_blind.evaluate("document.querySelector('catch-replay').seek(4000)")
-    pixels = picture(half_blind, "canvas.arena")
-    sand = np.array(viewport.TARGET_TRAIL) * 0.65 + np.array(viewport.GROUND) * 0.35
-    assert share_of(pixels, sand, 24) > 0.0003
-    half_blind.evaluate("document.querySelector('catch-replay').seek(4050)")
-    assert (picture(half_blind, "canvas.arena") != pixels).any(axis=2).mean() > 0.002
-
-
 def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):
     """By the button and by the key; nobody's before somebody is picked."""
     half_blind.evaluate("document.querySelector('catch-replay').seek(3000)")
@@ -208,12 +190,6 @@ def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):
     after = picture(half_blind, "canvas.arena")
     assert (after != before).any(axis=2).mean() < 0.02  # the focus is another one, and has its frame
     assert (np.abs(after.astype(int) - before).sum(axis=2) > 6).mean() < 0.1 * changed
-
-
-def test_where_hunters_see_everything_there_is_no_button_for_it(player):
-    assert player.get_by_role("button", name="What it sees").count() == 0
-    player.locator("canvas.arena").press("v")
-    assert player.locator(".spoken").inner_text() == "Hunters see everything here."
 
 
 def test_a_picked_hunter_has_its_own_contests(player, crowd):
@@ -278,35 +254,6 @@ def test_every_listed_key_does_what_it_says(player, crowd):
     keys.press("Space")  # a button keeps its own keys: it does not play
     assert clock(player) == pytest.approx((contests[0].step - 1) / 10)
     assert player.get_by_role("button", name="Play", exact=True).is_visible()
-
-
-def test_space_plays_a_replay_that_is_still_being_read(player):
-    player.evaluate("""() => {
-        const replay = document.querySelector("catch-replay");
-        const bundle = replay.getAttribute("bundle");
-        replay.removeAttribute("bundle");
-        replay.setAttribute("bundle", bundle);
-        for (const key of ["ArrowRight", " "]) {  // only one of them means something by now
-            const pressed = new KeyboardEvent("keydown", { key, bubbles: true, composed: true });
-            replay.shadowRoot.querySelector("canvas.arena").dispatchEvent(pressed);
-        }
-    }""")
-    until(player, "document.querySelector('catch-replay').time > 300")
-    assert player.get_by_role("button", name="Pause").is_visible()
-
-
-def test_several_players_stand_on_one_page(quiet, crowd, tmp_path):
-    page = opened(quiet, tmp_path, player_html(crowd) + player_html(crowd))
-    page.get_by_role("button", name="Next contest").nth(1).click()
-    clocks = [float(text.split()[0]) for text in page.locator("output").all_inner_texts()]
-    assert clocks[0] == 0.0 < clocks[1]
-
-
-def test_a_replay_plays_for_those_who_want_less_motion(chromium, crowd, tmp_path):
-    page = opened(chromium.new_page(reduced_motion="reduce"), tmp_path, player_html(crowd))
-    page.get_by_role("button", name="Play", exact=True).click()
-    until(page, "document.querySelector('catch-replay').time > 600")
-    page.close()
 
 
 def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, report):
@@ -451,7 +398,7 @@ def test_play_that_is_pressed_while_a_replay_is_read_is_not_lost(quiet, crowd, t
 
 
 def test_an_injected_script_does_not_run_and_nothing_is_fetched(chromium, report, tmp_path):
-    """As if the escaping had failed: a script, a handler, an address and an image in the page itself."""
+    """The escaping fails here: a script, a handler, an address and an image stand in the page itself."""
     wicked = (
         "<script>window.harmed = 'script'</script>"
         "<img src='https://example.invalid/x.png' onerror=\"window.harmed = 'handler'\">"

@@ -1,4 +1,4 @@
-"""The help shows what is typed, at any width."""
+"""The help of every command is complete at any width of the terminal."""
 
 import re
 from pathlib import Path

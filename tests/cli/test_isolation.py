@@ -1,4 +1,4 @@
-"""Each command names its level of isolation, refuses one that does not work, and hides its own files."""
+"""Each command prints its level of isolation, refuses one that does not work, and hides its own files."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Commands work, or say why not, on systems like Windows: simulated by removing modules and calls."""
+"""Commands work, or print why not, on systems like Windows, which are simulated by removing modules."""
 
 import subprocess
 import sys

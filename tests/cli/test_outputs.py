@@ -1,4 +1,4 @@
-"""A command that writes a file replaces none without --force, and its name ends as its format does."""
+"""A command that writes a file replaces none without --force, and checks the ending of its name."""
 
 import os
 import pkgutil
@@ -7,7 +7,6 @@ import stat
 from pathlib import Path
 
 import pytest
-import typer
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -76,7 +75,7 @@ UNNAMED = {
 
 @pytest.mark.parametrize("name", UNNAMED)
 def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, name):
-    """And says which; with --force it is the usual one again."""
+    """The output names the file; with --force the usual name is taken."""
     words = words_of(UNNAMED[name], played)
     Path(name).write_text("mine")
     second = Path(name).with_stem(f"{Path(name).stem}-2")
@@ -90,46 +89,7 @@ def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, 
     assert second.read_bytes() == written
 
 
-def commands_below(group, name=""):
-    """Each command by its whole name; of a group those in it."""
-    for word, command in group.commands.items():
-        if hasattr(command, "commands"):
-            yield from commands_below(command, f"{name}{word} ")
-        else:
-            yield f"{name}{word}", command
-
-
-def takes_a_value(parameter):
-    """Not a flag, as `explain --json` and `tournament --record` are."""
-    return not getattr(parameter, "is_flag", False)
-
-
-def test_every_command_that_names_a_file_to_write_can_be_forced():
-    written = {"--json", "--junit", "--out", "--output", "--record", "--seeds"}
-    writers = set()
-    for name, command in commands_below(typer.main.get_command(main)):
-        named = {option for parameter in command.params if takes_a_value(parameter) for option in parameter.opts}
-        if named & written:
-            writers.add(name)
-            assert any("--force" in parameter.opts for parameter in command.params), name
-    assert writers == {
-        *("conformance", "export", "grade", "highlights", "match", "mosaic", "play", "render", "ros bag"),
-        *("report", "ros import", "ros serve", "suite", "tournament"),
-    }
-
-
-@pytest.mark.parametrize("name", WRITERS)
-@pytest.mark.parametrize("empty", ["", "."])
-def test_an_empty_name_is_refused(played, tmp_path, name, empty):
-    words = [empty if word == name else word for word in words_of(WRITERS[name], played)]
-    done = CliRunner().invoke(main, words)
-    assert (done.exit_code, done.output.count("\n")) == (2, 1)
-    assert re.match(r"error: .*: the name must end in \..*, got no ending$", done.output)
-    assert not list(tmp_path.iterdir())
-
-
 def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
-    """Its standings and its report hold nothing else, so that nothing is lost."""
     report, other = played / "o" / "report.html", played / "other.html"
     before = report.read_bytes()
     report.write_text("old")
@@ -199,7 +159,7 @@ def test_an_export_whose_name_and_format_contradict_is_refused(played):
 def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_the_first(
     played, tmp_path, monkeypatch, name, work
 ):
-    """It begins and ends while the first one works, and says so before it works itself."""
+    """The second command begins and ends while the first one works."""
     words = words_of(WRITERS[name], played)
     do, seconds = pkgutil.resolve_name(work), []
 

@@ -1,4 +1,4 @@
-"""Commands that take more than seconds print how far they are, here without a terminal."""
+"""Commands that take more than seconds print their progress."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""The columns of the standings on a terminal."""
+"""The table of standings has a column for contests lost to team-mates if there are any."""
 
 import pytest
 from rich.console import Console

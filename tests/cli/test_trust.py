@@ -5,7 +5,6 @@ environment: an isolated one has one of its own.
 """
 
 import pytest
-from typer.main import get_command
 from typer.testing import CliRunner
 
 from catch_arena.cli import main
@@ -55,17 +54,11 @@ RUNS = {
     "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--speed", "10", "--domain", "93"],
 }
 """Each command that runs agents, and what it is given."""
-WITHOUT_AGENTS = {
-    *("agents", "conformance", "diff", "docs", "explain", "export", "highlights", "mosaic", "render", "report"),
-    *("scenarios", "verify"),
-}
-ROS_AGENTS = ("serve", "controller")
-"""The commands of `ros` that run agents; a controller needs a turtlesim."""
 EXIT_CODES = {"compare": {0, 1, 3}}
 
 
 class SteadyClock:
-    """Nobody waits for a frame."""
+    """Clock that never waits for a frame."""
 
     def tick(self, frames_per_s=0):
         return 1000 // frames_per_s if frames_per_s else 0
@@ -115,22 +108,3 @@ def test_an_agent_in_a_file_or_a_module_is_isolated_unless_it_is_trusted(run, tm
     spec = f"theirs_{name}:Agent" if module else "mine.py"
     assert not run(name, spec)
     assert run(name, spec, "--trusted", *AGAIN.get(name, []))
-
-
-def test_every_command_is_in_the_table_or_runs_no_agent():
-    commands = get_command(main).commands
-    assert set(commands) - WITHOUT_AGENTS == {name.split()[0] for name in RUNS}
-
-
-def test_help_says_the_rule_in_the_same_words():
-    commands = get_command(main).commands
-    of_ros = commands.pop("ros").commands
-    running = [*(commands[name] for name in RUNS if name in commands), *map(of_ros.get, ROS_AGENTS)]
-    others = [*map(commands.get, WITHOUT_AGENTS), *(of_ros[name] for name in of_ros.keys() - set(ROS_AGENTS))]
-    told = {
-        tuple(sorted(one.help for one in command.params if {"--trusted", "--limit"} & {*one.opts}))
-        for command in running
-    }
-    assert len(told) == 1
-    assert any("agents that do not come with Catch Arena are isolated" in text for text in told.pop())
-    assert not [one for command in others for one in command.params if "--trusted" in one.opts]

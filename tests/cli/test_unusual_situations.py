@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from platformdirs import user_cache_dir
 
 from catch_arena import Replay
 
@@ -85,7 +86,7 @@ min_mean_score = 100.0
     ids=lambda words: " ".join(words[:2]) if isinstance(words, list) else "",
 )
 def test_a_command_whose_reader_has_gone_works_to_its_end(tmp_path, words, status, written):
-    """As in `catch-arena grade ... | head -1`; an agent that prints to the closed pipe does not forfeit."""
+    """For example `catch-arena grade ... | head -1`; an agent that prints to the closed pipe does not forfeit."""
     (tmp_path / "spec.toml").write_text(SPEC)
     (tmp_path / "mine.py").write_text(MODULE.format(change="print('one')", late="print('two', flush=True)"))
     reader, writer = os.pipe()
@@ -147,6 +148,7 @@ def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
 
 def test_paths_begin_at_home_and_are_absolute(tmp_path, monkeypatch):
     """A shell does not replace the ~ of --output=~/m.replay."""
+    monkeypatch.setenv("XDG_CACHE_HOME", user_cache_dir())  # with the compiled rules
     monkeypatch.setenv("HOME", str(tmp_path))
     done = run("/", "match", "idle", "idle", *QUICK, "--output=~/out/m.replay")
     assert done.stdout.endswith(f"replay: {tmp_path / 'out' / 'm.replay'}\n")

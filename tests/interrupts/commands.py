@@ -1,4 +1,4 @@
-"""Commands for tests that interrupt them as a terminal does: a signal goes to the whole process group."""
+"""Commands that a test interrupts as a terminal does, with a signal to the whole process group."""
 
 import os
 import re
@@ -46,7 +46,7 @@ _UNMEASURED = {name: value for name, value in os.environ.items() if not name.sta
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended."""
+    """Status, output and remaining processes of a command that has ended."""
 
     status: int
     said: str
@@ -87,7 +87,7 @@ class Command:
                 os.killpg(self.process.pid, number)
 
     def ended(self) -> Ended:
-        """How it ends."""
+        """Wait for the end of the command, and return its result."""
         try:
             self.process.wait(PATIENCE_S)
             patience = time.monotonic() + PATIENCE_S

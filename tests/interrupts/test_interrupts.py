@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a closed terminal end a command with one line, whatever it is doing at that moment."""
+"""Ctrl-C, SIGTERM and a closed terminal end a command with one line, whatever it is doing."""
 
 import os
 import pty
@@ -94,20 +94,6 @@ def test_whatever_becomes_of_the_interrupt_the_command_ends_with_one_line(tmp_pa
     assert interrupted(tmp_path, command(*lines), 0.01, 0.05) == (130, "", LINE)
 
 
-def test_a_second_interrupt_is_not_broken_off_by_what_repeats_the_first(tmp_path):
-    """A destructor swallows the first, which is raised again a moment later: here while the second ends descendants."""
-    lines = (
-        "class Held:",
-        "    def __del__(self):",
-        f"        {LOOP}",
-        "held = Held()",
-        "del held",
-        "os.kill(os.getpid(), signal.SIGINT)",
-        LOOP,
-    )
-    assert interrupted(tmp_path, command(*lines)) == (130, "", LINE)
-
-
 def test_all_that_descend_from_it_end_with_it(tmp_path):
     """One ends when it is asked to, and one is deaf to that; each has a child of its own."""
     lines = (
@@ -196,7 +182,7 @@ def test_without_an_interrupt_it_ends_as_any_program(tmp_path, ends, status):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])
 def test_what_was_started_deaf_to_interrupts_stays_so(tmp_path, number):
-    """As a shell starts what runs in its background, and nohup what outlives its terminal."""
+    """A shell starts background commands so, and nohup those that outlive its terminal."""
     former = signal.signal(number, signal.SIG_IGN)
     try:
         assert interrupted(tmp_path, command("time.sleep(0.5)"), number=number) == (0, "", "")

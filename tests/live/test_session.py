@@ -1,9 +1,8 @@
-"""Whole sessions, on SDL's driver for machines without a screen, with the keys of a script."""
+"""`play` and `watch` run whole sessions by scripted keys, on a machine without a screen."""
 
 import itertools
 
 import pytest
-from render.pictured import beliefs_of, note_beliefs
 from typer.testing import CliRunner
 
 from catch_arena import explain
@@ -139,14 +138,6 @@ def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(sess
     assert " patrol (" in result.output  # with the catches of its hunters
 
 
-def test_agents_are_watched_in_teams_and_as_prey(session, tmp_path):
-    result = session(["watch", "nearest", "patrol", "--scenario", "herd"], *nothing(150), SAVE)
-    assert result.exit_code == 0, result.output
-    replay = Replay.load(tmp_path / "match.replay")
-    assert len(replay.names) == 8
-    assert replay.steps == 10
-
-
 def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):
     result = session(
         ["play", "--record", "mine.replay"],
@@ -164,14 +155,6 @@ def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):
     replay = Replay.load(tmp_path / "mine.replay")
     assert replay.steps == 3
     assert [float(commands[0][0]) for commands in replay.commands] == [0.0, 0.0, 1.0]
-
-
-def test_ctrl_s_saves_what_was_played_so_far(session, tmp_path):
-    saved = press(pygame.K_s, pygame.KMOD_LCTRL)
-    result = session(["watch", "nearest", "patrol", "--scenario", "duel"], *nothing(20), [saved])
-    assert result.exit_code == 0, result.output
-    assert 0 < Replay.load(tmp_path / "match.replay").steps < 10
-    assert "replay:" not in result.output  # without --record the end writes nothing
 
 
 def test_ctrl_s_replaces_nothing(session, tmp_path):
@@ -238,19 +221,6 @@ def test_v_shows_what_each_hunter_sees_ones_own_first_and_then_nobodys(session, 
     assert [one for one, _ in itertools.groupby(shown)] == [None, 2, 3, 0, 1, None]
 
 
-def test_v_shows_where_a_hunter_believes_the_others_to_be(session, monkeypatch, tmp_path):
-    """R7.6: by the observation on which it acts in the step that is drawn."""
-    drawn = note_beliefs(monkeypatch)
-    words = ["watch", "nearest", "patrol", "--set", "view_noise_m=0.5"]
-    result = session(words, *nothing(8), pygame.K_v, *nothing(150), SAVE)
-    assert result.exit_code == 0, result.output
-    match = Replay.load(tmp_path / "match.replay")
-    believed, period = beliefs_of(match, 0), match.config.control_period_ms
-    seen = [(time_ms, beliefs) for time_ms, beliefs in drawn if beliefs]
-    assert len(seen) > 40
-    assert all(beliefs == believed[min(int(time_ms // period), match.steps - 1)] for time_ms, beliefs in seen)
-
-
 def test_v_says_where_there_is_nothing_to_show(session, monkeypatch):
     notes = []
     monkeypatch.setattr(match_window.MatchWindow, "notify", lambda _, text: notes.append(text))
@@ -289,15 +259,6 @@ def test_while_an_agent_hangs_the_window_hears_its_user(session, tmp_path):
     result = session(["watch", "hangs.py", "idle", "--scenario", "duel", *patient], *nothing(20))
     assert result.exit_code == 0, result.output
     assert result.stdout.splitlines() == ["  1    0  hangs (hunter_0)", "  1    0  idle (hunter_1)"]
-
-
-def test_the_match_begins_again_while_an_agent_hangs(session, tmp_path):
-    (tmp_path / "hangs.py").write_text(HANGS)
-    patient = ["--limit", "step_ms=1e6", "--limit", "bank_s=3600"]
-    result = session(
-        ["watch", "hangs.py", "idle", "--scenario", "duel", *patient], *nothing(5), pygame.K_r, *nothing(5)
-    )
-    assert result.exit_code == 0, result.output
 
 
 def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monkeypatch):

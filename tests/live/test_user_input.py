@@ -1,4 +1,4 @@
-"""What keys and a gamepad mean."""
+"""Keys and a gamepad drive a hunter and control the window."""
 
 import pytest
 

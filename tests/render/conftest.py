@@ -39,7 +39,7 @@ def moving(play, request) -> Replay:
 
 @pytest.fixture(scope="session")
 def worlds(match) -> list:
-    """Its pictures."""
+    """Worlds of the match, step by step."""
     return list(match.worlds())
 
 

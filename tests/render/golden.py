@@ -1,4 +1,4 @@
-"""The golden frames: instants of matches, a quarter as wide and high. `make golden` draws them anew."""
+"""The golden frames: instants of matches, a quarter as wide and high. `make golden` draws them again."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

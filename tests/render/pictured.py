@@ -4,11 +4,9 @@ import itertools
 
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene, text
-from catch_arena.render.blurred_view import BlurredView
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
 from catch_arena.render.viewport import Viewport
-from catch_arena.replay import Replay
 from catch_arena.replay.motion import poses_of
 from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, TargetState, World
@@ -39,25 +37,6 @@ def shapes_of(
         view_of=view_of,
         beliefs=beliefs,
     )
-
-
-def note_beliefs(monkeypatch) -> list:
-    """A list that gets, of each picture that is drawn from now on, its time in the match and the beliefs in it."""
-    drawn = []
-    arena_shapes = scene.arena_shapes
-
-    def noted(*args, **kwargs):
-        drawn.append((kwargs["time_ms"], kwargs["beliefs"]))
-        return arena_shapes(*args, **kwargs)
-
-    monkeypatch.setattr(scene, "arena_shapes", noted)
-    return drawn
-
-
-def beliefs_of(match: Replay, seat: int) -> list:
-    """What the hunter in a seat believes in each state of a match."""
-    view = BlurredView(match.config)
-    return [view.beliefs(engine.world(), seat, engine.observations[0, seat]) for engine in match.checked_engines()]
 
 
 def kinds(shapes, kind) -> list:

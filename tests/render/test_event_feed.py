@@ -1,4 +1,4 @@
-"""The event feed, without a pixel."""
+"""The event feed lists contests, near misses and refusals, and fits its card."""
 
 from dataclasses import replace
 
@@ -7,9 +7,8 @@ from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, k
 
 from catch_arena.render import hud
 from catch_arena.render.annotations import Annotation, Rival
-from catch_arena.render.event_feed import MOST_ITEMS, EventFeed, feed_shapes
+from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.shapes import Label
-from catch_arena.render.text import truncated
 
 CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, asked=True),), 143_000)
 NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, asked=False),), 143_000)
@@ -47,13 +46,6 @@ def test_a_refusal_that_is_repeated_is_counted_and_moves_up():
     ]
 
 
-def test_only_the_latest_are_kept():
-    feed = EventFeed()
-    for seat in range(40):
-        feed.record([refused(100 * seat, seat)])
-    assert [item.seat for item in feed.items] == list(range(39, 39 - MOST_ITEMS, -1))
-
-
 @pytest.mark.parametrize("hunters", [4, 16])
 @pytest.mark.parametrize("size", SIZES)
 def test_the_feed_fits_its_card(size, hunters):
@@ -69,19 +61,6 @@ def test_the_feed_fits_its_card(size, hunters):
     rows = {round(label.y) for label in kinds(shapes, Label)}
     assert len(rows) == min(len(feed.items), round((plan.feed.height - 16 * plan.unit) / (hud.FEED_ROW * plan.unit)))
     assert len(rows) >= 2
-
-
-@pytest.mark.parametrize("size", SIZES)
-def test_a_line_about_two_hunters_says_by_how_much_in_full(size):
-    plan, info = hud.arrange(size, "broadcast", 4), an_info(4)
-    if not plan.feed.width:
-        return
-    feed = EventFeed()
-    feed.record([NEAR_MISS])
-    (how,) = (
-        label for label in kinds(feed_shapes(plan.feed, info, feed.items, plan.unit), Label) if "by" in label.text
-    )
-    assert truncated(how.text, how.size, how.weight, how.max_width) == "by 31 cm"
 
 
 def test_a_catch_of_prey_is_in_the_feed_whoever_was_near():

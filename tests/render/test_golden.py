@@ -1,4 +1,4 @@
-"""Frames look as they looked when somebody last looked at them (`make golden`)."""
+"""Frames look like the golden frames that a person has checked (`make golden`)."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""Many matches in one video."""
+"""A mosaic shows up to 64 matches in one video."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from catch_arena.render.viewport import GROUND
 
 @pytest.fixture(scope="module")
 def matches(play):
-    """Of one, two and three seconds."""
+    """Matches of one, two and three seconds."""
     return {f"m{s}": play("duel", seed=s, time_limit_s=float(s)) for s in (1, 2, 3)}
 
 

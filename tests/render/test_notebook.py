@@ -1,4 +1,4 @@
-"""What notebooks show: a replay plays, an env shows its present."""
+"""A replay plays in a notebook, and an env shows its present state."""
 
 import base64
 import subprocess

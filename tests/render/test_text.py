@@ -1,4 +1,4 @@
-"""Names as they are written, whatever they hold."""
+"""Names with any characters are measured and drawn without error."""
 
 import pytest
 

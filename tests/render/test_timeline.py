@@ -1,4 +1,4 @@
-"""The timeline, without a pixel."""
+"""The timeline fits its card and names the leader."""
 
 import dataclasses
 
@@ -6,14 +6,10 @@ import pytest
 from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, kinds
 
 from catch_arena.render import hud
-from catch_arena.render.shapes import Box, Label, Path
+from catch_arena.render.shapes import Label, Path
 from catch_arena.render.timeline import (
-    COLUMNS,
     Timeline,
-    lead,
-    over_average,
     present_shapes,
-    tick_seconds,
     timeline_shapes,
 )
 
@@ -32,37 +28,6 @@ def test_the_timeline_fits_its_card(size, hunters):
     assert_inside(shapes, plan.timeline)
     assert_inside(present_shapes(plan.timeline, info, timeline, 59_990.0, plan.unit), plan.timeline)
     assert_texts_apart(shapes)
-
-
-def test_the_lead():
-    assert lead([3, 7, 5]) == (1, 2)
-    assert lead([7, 7, 5]) == (-1, 0)
-    assert lead([0, 0]) == (-1, 0)
-    assert lead([4]) == (0, 4)
-
-
-def test_lines_stand_for_how_far_each_is_ahead_of_the_average():
-    assert over_average([4, 2, 0]) == [2.0, 0.0, -2.0]
-    assert over_average([7]) == [7]
-
-
-def test_the_timeline_keeps_every_hunters_catches_and_the_scores_between_them():
-    timeline = Timeline(COLUMNS * 100)  # 100 ms a column
-    timeline.record(0, [], [0, 0])
-    timeline.record(500, [0, 1], [1, 1])
-    timeline.record(550, [1], [1, 2])
-    timeline.record(900, [], [1, 2])
-    assert timeline.catches == 3
-    assert timeline.catchers[5] == {0, 1}
-    assert timeline.scores == [(0, 0)] * 5 + [(1, 2)] * 5
-    assert timeline.last_change == 5
-
-
-def test_the_timeline_does_not_grow_with_the_match():
-    timeline = Timeline(10**9)
-    for time_ms in range(0, 10**9, 10**5):
-        timeline.record(time_ms, [0], [time_ms, 0])
-    assert len(timeline.catchers) == len(timeline.scores) == COLUMNS
 
 
 def a_race() -> Timeline:
@@ -92,21 +57,3 @@ def test_a_leader_of_any_name_is_named(name):
     shapes = timeline_shapes(plan.timeline, info, a_race(), plan.unit)
     assert_inside(shapes, plan.timeline)
     assert_texts_apart(shapes)
-
-
-def test_the_lines_reach_to_the_present_and_end_in_dots():
-    plan, info = hud.arrange((1280, 720), "broadcast", 3), an_info(3)
-    timeline = a_race()
-    (x,) = {
-        box.left + box.width / 2 for box in kinds(present_shapes(plan.timeline, info, timeline, 45_000.0, 1.0), Box)[1:]
-    }
-    history = kinds(timeline_shapes(plan.timeline, info, timeline, 1.0), Path)[0].points[-1][0]
-    assert history < x < plan.timeline.left + plan.timeline.width
-
-
-@pytest.mark.parametrize("duration_s", [0.1, 3.0, 60.0, 61.7, 3600.0, 1e6])
-def test_the_axis_has_some_round_times_but_not_too_many(duration_s):
-    ticks = tick_seconds(duration_s, 7.0)
-    assert 2 <= len(ticks) <= 7
-    assert ticks[0] == 0.0
-    assert ticks[-1] <= duration_s * (1 + 1e-9)

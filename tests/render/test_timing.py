@@ -1,4 +1,4 @@
-"""Single instants of a match."""
+"""Frames of single instants equal the frames of a video at the same instants."""
 
 from render.videos import SMALL
 

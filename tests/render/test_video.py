@@ -1,4 +1,4 @@
-"""Videos: decoded again, counted, and never half there."""
+"""Videos have the documented formats, and decode to the frames that were drawn."""
 
 import sys
 from pathlib import Path
@@ -43,12 +43,6 @@ def test_the_file_shows_the_frames_that_were_drawn_and_all_of_them(video, frames
     assert min(psnr(a, b) for a, b in zip(seen, meant, strict=True)) > 24.0
     # and a frame is nearer to its own picture than to the one a quarter of a second on
     assert all(psnr(seen[k], meant[k]) > psnr(seen[k], meant[k + 8]) for k in range(20, 80, 10))
-
-
-@pytest.mark.parametrize("ending", ENDINGS)
-def test_colours_come_back_as_they_were(video, frames, ending):
-    ground = decoded(video(ending, "broadcast").path)[0][4:9, 100:105].reshape(-1, 3).mean(axis=0)
-    assert ground == pytest.approx(frames("broadcast")[0][4:9, 100:105].reshape(-1, 3).mean(axis=0), abs=3.0)
 
 
 def test_browsers_can_play_it_while_it_loads(video):
@@ -103,12 +97,6 @@ def test_slow_motion_shows_more_instants_and_a_time_lapse_fewer(match, frames):
     assert not np.array_equal(slow[81], slow[80])  # between two frames of the normal pace there is motion
 
 
-def test_odd_sizes_stay_as_they_are_in_a_gif(play, tmp_path):
-    report = render_replay(play("duel", max_cycles=2), tmp_path / "odd.gif", size=(321, 333), fps=10)
-    assert report.size == (321, 333)
-    assert [frame.shape for frame in decoded(report.path)] == [(333, 321, 3)] * 2
-
-
 @pytest.mark.parametrize(
     ("size", "even"), [((321, 321), (322, 322)), ((400, 335), (400, 336)), ((320, 320), (320, 320))]
 )
@@ -125,14 +113,6 @@ def test_a_match_without_steps_is_one_frame(tmp_path, play, ending):
     replay.commands.clear()
     del replay.digests[1:]
     assert render_replay(replay, tmp_path / f"none{ending}", **SMALL).frames == 1
-
-
-def test_progress_is_told_frame_by_frame(match, tmp_path):
-    told = []
-    render_replay(
-        match, tmp_path / "match.mp4", size=(480, 320), fps=10, progress=lambda done, total: told.append((done, total))
-    )
-    assert told == [(frame, 30) for frame in range(1, 31)]
 
 
 def test_an_end_after_the_end_is_the_end(match):
@@ -202,18 +182,3 @@ def test_a_view_that_cannot_be_shown_is_refused_and_writes_nothing(play, tmp_pat
         render_replay(match, tmp_path / "x.gif", view_of=view_of, **SMALL)
     assert says in str(refused.value)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_view_that_is_only_blurred_is_filmed(play, tmp_path):
-    match = play(max_cycles=4, view_noise_m=0.5)
-    plain, seen = (render_replay(match, tmp_path / f"{who}.gif", view_of=who, **SMALL).path for who in (None, 2))
-    assert not np.array_equal(decoded(plain)[0], decoded(seen)[0])
-
-
-def test_a_view_is_filmed(play, tmp_path):
-    """By the agent's name."""
-    match = play(max_cycles=4, names=("a", "b", "c", "d"), view_angle_deg=90.0)
-    plain, seen = (
-        render_replay(match, tmp_path / f"{view_of}.gif", view_of=view_of, **SMALL).path for view_of in (None, "c")
-    )
-    assert not np.array_equal(decoded(plain)[0], decoded(seen)[0])

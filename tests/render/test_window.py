@@ -1,4 +1,4 @@
-"""The plain window of render_mode="human", on SDL's driver for machines without a screen."""
+"""The window of render_mode="human" keeps the pace of the match, on a machine without a screen."""
 
 from itertools import pairwise
 
@@ -84,15 +84,6 @@ def test_a_step_moves_evenly_to_its_end_sixty_times_a_second_and_takes_its_time(
     assert clock.now_s == pytest.approx(100.303)  # each step's last picture begins when its time is over
 
 
-def test_what_the_agents_take_is_taken_from_the_step_that_follows(window, clock):
-    pictures = Pictures(clock)
-    for _ in range(3):
-        clock.sleep(0.05)
-        window.play(pictures, 100.0)
-    assert pictures.parts == pytest.approx([1 / 3, 2 / 3, 1.0] * 3)
-    assert clock.now_s == pytest.approx(100.3)
-
-
 def test_slow_drawing_leaves_pictures_out_and_does_not_hold_up_the_match(window, clock):
     pictures = Pictures(clock, takes_s=0.04)
     for _ in range(10):
@@ -100,29 +91,6 @@ def test_slow_drawing_leaves_pictures_out_and_does_not_hold_up_the_match(window,
     assert 100.99 < clock.now_s < 101.1
     assert pictures.parts.count(1.0) == 10
     assert len(pictures.parts) >= 20
-
-
-def test_an_agent_that_thinks_for_longer_than_a_step_waits_for_no_window(window, clock):
-    pictures = Pictures(clock)
-    for _ in range(10):
-        clock.sleep(0.15)
-        window.play(pictures, 100.0)
-    assert clock.now_s < 101.61
-
-
-def test_a_match_that_was_held_up_does_not_hurry_afterwards(window, clock):
-    clock.sleep(5.0)
-    window.play(Pictures(clock), 40.0)
-    for _ in range(3):
-        window.play(Pictures(clock), 40.0)
-    assert clock.now_s == pytest.approx(105.12)
-
-
-def test_a_picture_that_is_asked_for_again_takes_no_time(window, clock):
-    pictures = Pictures(clock)
-    window.play(pictures, 0.0)
-    assert pictures.parts == [1.0]
-    assert clock.now_s == pytest.approx(100.0)
 
 
 def test_when_its_user_closes_it_the_match_goes_on_without_it(window, clock):

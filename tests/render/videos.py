@@ -1,4 +1,4 @@
-"""Videos as their frames: decoded, and as they were drawn."""
+"""Functions that decode a video, and that draw its frames for comparison."""
 
 from pathlib import Path
 

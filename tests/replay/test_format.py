@@ -1,4 +1,4 @@
-"""The file: as docs/reference/replays.md says, small, and proof against whatever else it may hold."""
+"""A replay file is as docs/reference/replays.md says, and everything else is refused with one line."""
 
 import copy
 import hashlib
@@ -9,7 +9,6 @@ import struct
 import subprocess
 import sys
 import zlib
-from contextlib import contextmanager, suppress
 from dataclasses import fields
 from pathlib import Path
 from random import Random
@@ -134,35 +133,13 @@ def test_a_decoder_by_the_document_alone_reads_the_same(play, tmp_path, scenario
     assert read["states"] == [state.tolist() for state in match.states]
 
 
-@pytest.mark.parametrize("which", ["mixed", "fleeing", "hunted"])
-def test_a_quantised_state_is_the_state_in_whole_millionths(which, request):
-    """At most half a millionth from the numbers that the digest stands for."""
-    match = request.getfixturevalue(which)
-    hunters, targets = 4 * ([1e6] * 7 + [1] * 4), [1, 1e6, 1e6, 1e6, 1]
-    if which != "mixed":
-        targets += [1e6, 1e6, 1]
-    prey = [1] * 3 * match.config.prey
-    for engine, quantised in zip(match.engines(), match.states, strict=True):
-        state = engine.state()
-        scale = np.array([1] * 8 + hunters + targets * ((len(state) - 52 - len(prey)) // len(targets)) + prey)
-        assert np.abs(state * scale - quantised).max() <= 0.5 + 1e-6
-
-
 @pytest.mark.parametrize(
     ("most", "overrides"),
     [
-        (20_000, {"chase": True}),
         (26_000, {}),
         (30_000, {"control": "velocity"}),
-        (30_000, {"control": "velocity", "reverse": True}),
         (32_000, {"control": "full"}),
-        (32_000, {"control": "full", "reverse": True}),
-        (30_000, {"chase": True, "target_motion": "wander"}),
-        (33_000, {"chase": True, "target_motion": "flee"}),
-        (52_000, {"control": "full", "target_motion": "wander"}),
         (56_000, {"control": "full", "target_motion": "flee"}),
-        (30_000, {"chase": True, "prey": 1, "initial_targets": 1, "spawning": False}),
-        (70_000, {"chase": True, "prey": 4, "target_motion": "wander"}),
         (90_000, {"control": "full", "prey": 4, "target_motion": "wander"}),
     ],
 )
@@ -188,32 +165,20 @@ def test_a_replay_is_the_same_after_saving_and_loading(which, request, tmp_path)
         assert repr(getattr(loaded, name)) == repr(getattr(match, name)), name
 
 
-def test_a_file_from_before_targets_could_move_plays_as_recorded():
-    """Its config has fewer settings; those that are new are at their defaults."""
-    path = Path(__file__).parents[1] / "data" / "before_moving_targets.replay"
-    old = Replay.load(path)
-
-    assert "view_angle_deg" not in decode(path.read_bytes())["config"]
-    assert (old.config.target_motion, old.steps) == ("still", 100)
-    assert verify(old) == []
-
-
 OLD_FILES = sorted((Path(__file__).parents[1] / "data" / "replays").iterdir())
 
 
 @pytest.mark.parametrize("path", OLD_FILES, ids=lambda path: path.stem)
 def test_a_file_of_an_earlier_version_plays_as_recorded_and_is_kept_in_its_format(path, tmp_path):
-    """Plain, with targets that move, teams, prey, and requests by name; the file's name begins with its format."""
+    """Matches with and without moving targets, teams, prey and requests by name; the name begins with the format."""
     old = Replay.load(path)
     assert old.steps > 50
     assert verify(old) == []
     saved = file_of(old, tmp_path)
     assert saved[8] == path.read_bytes()[8] == int(path.name[0])
-    assert {**decode(saved), "package": ""} == {**decode(path.read_bytes()), "package": ""}
-
-
-def test_files_of_all_formats_are_kept():
-    assert {int(path.name[0]) for path in OLD_FILES} == {2, 3, 4, 5}
+    assert Replay.load(tmp_path / "made.replay").config == old.config
+    apart = {"package": "", "config": {}}  # the oldest config has fewer settings
+    assert decode(saved) | apart == decode(path.read_bytes()) | apart
 
 
 def test_any_match_is_read_as_it_was_written(tmp_path):
@@ -271,7 +236,6 @@ def test_what_could_not_be_read_again_is_not_recorded(tmp_path):
 
 @given(st.lists(st.lists(st.integers(-(2**63), 2**63 - 1), min_size=3, max_size=3)))
 def test_columns_hold_any_whole_numbers(columns):
-    """Of 64 bits, the extremes among them."""
     reader = Reader(pack_columns(np.array(column, dtype=np.int64) for column in columns))
 
     assert reader.columns(len(columns), 3).T.tolist() == columns
@@ -346,9 +310,7 @@ def test_requests_by_name_are_read_by_the_document_alone(named, tmp_path):
     ("change", "says"),
     [
         (lambda asked: asked.__setitem__(0, asked[0]._replace(seat=1)), "that no hunter could have made"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(seat=-1)), "that no hunter could have made"),
         (lambda asked: asked.__setitem__(0, asked[0]._replace(step=10**6)), "not in the order of the steps"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(step=-1)), "not in the order of the steps"),
         (lambda asked: asked.reverse(), "not in the order of the steps"),
         (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that no replay keeps"),
         (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that no replay keeps"),
@@ -356,7 +318,7 @@ def test_requests_by_name_are_read_by_the_document_alone(named, tmp_path):
     ],
 )
 def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, says):
-    """Of a hunter under another control, after the end, in another order, of names that were not cut, too many."""
+    """Requests of another control, after the end, out of order, with names that are too long, or too many."""
     assert says in refusal(rebuilt(named, tmp_path, lambda match: change(match.named_requests)), tmp_path)
 
 
@@ -393,26 +355,6 @@ def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, 
     assert text == "is of format 3, which is not that of a match with 0 prey"
 
 
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"names": ["a", "b", "c"]}, "names must be 4, one for each hunter and each prey"),
-        ({"names": ["a", "b", "c", "\x00"]}, "names[3] must be at most 200 printable characters"),
-        ({"withdrawals": [[2, 4]]}, "withdrawals must name agents, each once"),
-    ],
-)
-def test_a_header_of_a_match_with_prey_counts_all_agents(small_hunted, tmp_path, changes, says):
-    assert says in refusal(with_header(small_hunted, **changes), tmp_path)
-
-
-def test_one_bad_setting_of_prey_is_named(small_hunted, tmp_path):
-    config = decode(small_hunted)["config"]
-    text = refusal(with_header(small_hunted, config={**config, "prey": 33}), tmp_path)
-    assert "prey must be a whole number from 0 to 32, got 33" in text
-    text = refusal(with_header(small_hunted, config={**config, "teams": [[0], [0, 1]]}), tmp_path)
-    assert "teams must name each seat from 0 to 1 once, got seat 0 more than once" in text
-
-
 CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
 
 
@@ -420,25 +362,17 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
     ("changes", "says"),
     [
         ({"ruleset": "catch_arena_v9\n"}, r"recorded under ruleset 'catch_arena_v9\n', and this is 'catch_arena_v1'"),
-        ({"ruleset": ...}, "was recorded under ruleset None"),
         ({"title": ...}, "missing required field `title`"),
         ({"extra\x1b": 1}, r"unknown field `extra\x1b`"),
         ({"title": "\x1b[2J"}, "title must be at most 200 printable characters"),
         ({"names": ["a", "b\r"]}, "names[1] must be at most 200 printable characters"),
-        ({"names": ["a"]}, "names must be 2"),
-        ({"names": "ab"}, "names must be 2"),
         ({"names": ["a", None]}, "names[1] must be"),
         ({"seed": -1}, "seed must be a whole number"),
-        ({"seed": 2**64}, "seed must be a whole number"),
         ({"seed": True}, "seed must be a whole number"),
-        ({"seed": 1.0}, "seed must be a whole number"),
         ({"steps": -1}, "`int` >= 0 - at `$.steps`"),
-        ({"steps": 1.5}, "got `float` - at `$.steps`"),
-        ({"steps": None}, "got `null` - at `$.steps`"),
         ({"steps": 4}, "4 steps, and a match has 3"),
         ({"steps": 2}, "is damaged"),
         ({"steps": 10**7}, "is too long to be kept"),
-        ({"steps": 2**31}, "<= 2147483647 - at `$.steps`"),
         ({"spans": 2**31 - 1}, "is too long to be kept: 2147483647 targets"),
         ({"spans": 0}, "bytes follow its end"),
         ({"spans": -1}, "`int` >= 0 - at `$.spans`"),
@@ -447,24 +381,13 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
         ({"withdrawals": [[2, 1], [1, 0]]}, "in the order of the steps"),
         ({"withdrawals": [[1, 1], [2, 1]]}, "each once"),
         ({"withdrawals": [[-1, 1]]}, "`int` >= 0 - at `$.withdrawals[0][0]`"),
-        ({"withdrawals": [[1]]}, "cannot be used"),
-        ({"withdrawals": 7}, "cannot be used"),
-        ({"config": None}, "cannot be used"),
         ({"config": []}, "cannot be used"),
         ({"config": {**CONFIG, "hunters": 10**9}}, "hunters must be a whole number from 1 to 64"),
-        ({"config": {**CONFIG, "hunters": "2"}}, "hunters must be a whole number"),
-        ({"config": {**CONFIG, "hunters": [2]}}, "hunters must be a whole number"),
         ({"config": {**CONFIG, "gains": {"kp_v": []}}}, "gains.kp_v must be a finite number"),
-        ({"config": {**CONFIG, "gains": 3}}, "gains must be Gains"),
         ({"config": {**CONFIG, "side_m": float("nan")}}, "side_m must be a finite number"),
-        ({"config": {**CONFIG, "side_m": 10**400}}, "side_m must be at least 2"),
         ({"config": {**CONFIG, "control": {"a": 1}}}, "control must be"),
-        ({"config": {**CONFIG, "control": [["target"], "full"]}}, "control[0] must be one of"),
         ({"config": {**CONFIG, "policy": "x" * 60_000}}, "policy must be one of"),
-        ({"config": {**CONFIG, "policy": ["nearest"]}}, "policy must be one of"),
         ({"config": {**CONFIG, "hunter_poses": [[1, 2], 3]}}, "hunter_poses[0] must be"),
-        ({"config": {**CONFIG, "hunter_poses": "ab"}}, "hunter_poses must be 2 poses"),
-        ({"config": {**CONFIG, "start_radius_m": "1"}}, "start_radius_m must be"),
         ({"config": {**CONFIG, "name_prefix": "\x07"}}, "name_prefix must be at most 200 printable"),
         ({"config": {**CONFIG, "nonsense": 1}}, "unknown setting 'nonsense'"),
         ({"config": {**CONFIG, "control_period_ms": 10**9}}, "more than a day"),
@@ -488,14 +411,11 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
     ("change", "says"),
     [
         (lambda match: match.choices[3].__setitem__(0, 9), "holds actions of hunter_0"),
-        (lambda match: match.choices[3].__setitem__(0, -1), "holds actions of hunter_0"),
         (lambda match: match.choices[3].__setitem__(1, 1), "holds actions of hunter_1"),
         (lambda match: match.choices[3].__setitem__(3, 2**62), "holds actions of hunter_3"),
         (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
-        (lambda match: match.commands[3].__setitem__((2, 1), np.inf), "holds velocity commands"),
         (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "holds velocity commands"),
         (lambda match: match.states[3].__setitem__(9, 2**60), "a number beyond 2^53"),
-        (lambda match: match.states[3].__setitem__(12, -(2**60)), "a number beyond 2^53"),
         (lambda match: match.states[3].__setitem__(-5, match.states[3][-10]), "cannot be alive together"),
     ],
 )
@@ -503,39 +423,6 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
 def test_actions_and_numbers_that_cannot_be_are_refused(mixed, tmp_path, change, says):
     """NaN, infinity, ranks that nobody sees, commands of those who give none, numbers without measure."""
     assert says in refusal(rebuilt(mixed, tmp_path, change), tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        (lambda match: match.prey_commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
-        (lambda match: match.prey_commands[3].__setitem__((2, 1), 1.0000001), "holds velocity commands"),
-        (lambda match: match.states[3].__setitem__(-1, 2**60), "a number beyond 2^53"),
-    ],
-)
-@pytest.mark.filterwarnings("ignore:invalid value encountered in cast:RuntimeWarning")  # a NaN is made on purpose
-def test_commands_and_numbers_of_prey_that_cannot_be_are_refused(hunted, tmp_path, change, says):
-    assert says in refusal(rebuilt(hunted, tmp_path, change), tmp_path)
-
-
-@contextmanager
-def named_in_one_line():
-    """A ReplayError's text has no line break and no control character."""
-    try:
-        yield
-    except ReplayError as error:
-        if not re.match(ONE_LINE, str(error)):
-            raise AssertionError(repr(str(error))) from error
-        raise
-
-
-def load_and_play(content: bytes, folder: Path) -> None:
-    """Any other error than a ReplayError of one line fails."""
-    path = folder / "fuzzed.replay"
-    path.write_bytes(content)
-    with suppress(ReplayError), named_in_one_line():
-        for _ in Replay.load(path).worlds():
-            pass
 
 
 @settings(max_examples=300 * EFFORT, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -551,115 +438,42 @@ def test_whatever_is_sealed_loads_and_plays_or_is_refused(small, small_moving, s
             st.binary(max_size=12) | st.sampled_from([b"\xff" * 8, b"\x08" * 9, bytes(40), b"1e999", b"[]"])
         )
         body[at : at + size] = new * data.draw(st.integers(0, 3))
-    load_and_play(sealed(bytes(body), form=content[8]), tmp_path)
-
-
-JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=9),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
-    max_leaves=8,
-)
-
-
-@settings(max_examples=200 * EFFORT, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.data())
-def test_any_json_in_a_header_loads_and_plays_or_is_refused(small, tmp_path, data):
-    """Any entry of the header or any setting, as anything that JSON can say."""
-    header = decode(small)
-    if data.draw(st.booleans()):
-        changes = {
-            data.draw(
-                st.sampled_from(["seed", "names", "title", "steps", "withdrawals", "spans", "config"])
-            ): data.draw(JSON)
-        }
-    else:
-        setting = data.draw(st.sampled_from(sorted(header["config"])))
-        changes = {"config": {**header["config"], setting: data.draw(JSON)}}
-    load_and_play(with_header(small, **changes), tmp_path)
+    (tmp_path / "fuzzed.replay").write_bytes(sealed(bytes(body), form=content[8]))
+    said = "it plays"
+    try:
+        for _ in Replay.load(tmp_path / "fuzzed.replay").worlds():
+            pass
+    except ReplayError as error:
+        said = str(error)
+    assert re.match(ONE_LINE, said), said
 
 
 LIMITED = """
 import resource, sys, time
-from catch_arena import ArenaConfig, Engine, Replay
+from catch_arena import Replay
 from catch_arena.errors import ReplayError
-from catch_arena.replay.verification import verify
 resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
-Engine(ArenaConfig())
 for path in sys.argv[1:]:
     began = time.process_time()
     try:
-        replay = Replay.load(path)
-        outcome = f"loaded: {verify(replay)[0]}"
+        Replay.load(path)
+        outcome = "loaded"
     except ReplayError as error:
         outcome = str(error).removeprefix(f"{path}: ")
     print(f"{time.process_time() - began:.1f}|{outcome}")
 """
 
 
-def longest_steps(config: dict) -> int:
-    """The steps of the longest match of these settings that is read."""
-    of_target = 5 if config["target_motion"] == "still" else 8
-    numbers = 8 + 11 * config["hunters"] + of_target * config["max_targets"]
-    return min((1 << 23) // numbers - 1, 86_400_000 // config["control_period_ms"])
-
-
-def longest(small: bytes, columns: bytes = b"", spans: bytes = bytes(7), **settings) -> bytes:
-    """That match, well-formed; all zeros, or with these columns of hunters."""
-    config = {**CONFIG, "control": "full", "max_cycles": 10**9, **settings}
-    hunters, steps = config["hunters"], longest_steps(config)
-    if columns:
-        columns = b"".join(b"\x03" + columns[at : at + 3 * (steps + 1)] for at in range(11 * hunters))
-    states = bytes(8) + (columns or bytes(11 * hunters)) + spans
-    return match_file(small, config, steps, states, 0 if spans == bytes(7) else 1 << 18)
-
-
-def herd(small: bytes) -> bytes:
-    """Targets that live from the beginning to the end of the longest match, and move as much as numbers can say."""
-    config = {**CONFIG, "hunters": 1, "control": "full", "max_cycles": 10**9, "target_motion": "flee"}
-    config |= {"max_targets": 64, "initial_targets": 64}
-    steps = longest_steps(config)
-    clock = pack_columns([np.full(steps + 1, 1000)]) + bytes(7)
-    spans = pack_columns(np.array([[0] * 64, [steps + 1] * 64, range(64), [0] * 64]))
-    motion = np.random.default_rng(5).bytes(1 << 20) * 8
-    tracks = b"".join(b"\x01" + motion[at : at + 64 * (steps + 1)] for at in range(6))
-    return match_file(small, config, steps, clock + bytes(11) + spans + tracks, 64)
-
-
-def match_file(small: bytes, config: dict, steps: int, states: bytes, spans: int) -> bytes:
-    """A file in which everybody does nothing."""
-    hunters = config["hunters"]
-    header = {**{name: decode(small)[name] for name in ("ruleset", "package", "seed", "title")}, "config": config}
-    header |= {"names": [""] * hunters, "steps": steps, "withdrawals": [], "spans": spans}
-    text = json.dumps(header).encode()
-    return sealed(struct.pack("<I", len(text)) + text + bytes(3 * hunters) + bytes(8 * steps + 8) + states)
-
-
-def most_spans() -> bytes:
-    """As many targets as a file may hold, 64 new ones in each state."""
-    table = np.ones((7, 1 << 18), dtype=np.int64)
-    table[0] = np.arange(1 << 18) % 64 == 0
-    table[0, 0] = 0
-    table[2] = np.arange(1 << 18)
-    return pack_columns(table)
-
-
 def test_hostile_files_take_neither_memory_nor_time(small, tmp_path):
-    """A process that may have 1 GiB of address space; every bomb is refused or played, in seconds."""
+    """A process with 1 GiB of address space refuses each of them in seconds."""
     bomb = zlib.compressobj(9)
-    crowd = {"hunters": 64, "max_targets": 64, "initial_targets": 64}
     files = {
         "bomb": sealed(b"", packed_as=b"".join(bomb.compress(bytes(1 << 20)) for _ in range(128)) + bomb.flush()),
         "long": bytes(1 << 27),
         "steps": with_header(small, steps=10**7),
         "spans": with_header(small, spans=2**18),
         "json": sealed(struct.pack("<I", 65_000) + b'{"a":[' + b"[],[{}]," * 8124),
-        "dense": longest(small, np.random.default_rng(5).bytes(1 << 20), most_spans(), **crowd),
-        "herd": herd(small),
     }
-    if EFFORT > 1:
-        files["crowd"] = longest(small, spawn_frequency_hz=1e6, **crowd)
-        files["most"] = longest(small, hunters=1, max_targets=1, initial_targets=0)
-        files["slow"] = longest(small, hunters=64, max_targets=1, initial_targets=0, control_period_ms=86_400_000)
     for name, content in files.items():
         (tmp_path / name).write_bytes(content)
     done = subprocess.run(
@@ -672,6 +486,5 @@ def test_hostile_files_take_neither_memory_nor_time(small, tmp_path):
         env={**os.environ, "NUMBA_DISABLE_JIT": "0", "OPENBLAS_NUM_THREADS": "1"},
     )
     outcomes = dict(zip(files, (line.split("|", 1) for line in done.stdout.splitlines()), strict=True))
-    played = {name for name, (_, text) in outcomes.items() if text.startswith("loaded")}
-    assert played == files.keys() & {"most", "crowd", "dense", "slow", "herd"}, outcomes
+    assert not any(text.startswith("loaded") for _, text in outcomes.values()), outcomes
     assert all(float(seconds) < 60 for seconds, _ in outcomes.values()), outcomes

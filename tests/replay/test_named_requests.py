@@ -1,4 +1,4 @@
-"""Requests by name that no rank stands for: kept, judged again, told, and bounded."""
+"""Requests by name are kept in a replay, judged again, and bounded in number."""
 
 from collections import Counter
 from itertools import pairwise
@@ -40,7 +40,7 @@ def test_r8_4_every_request_is_in_the_replay_with_the_ruling_that_it_had(seed, t
 
 
 def test_a_catch_that_was_written_into_the_names_is_found(named):
-    """Whoever makes such a file could else have a catch told that never was: what is in reach has a rank."""
+    """A target in reach has a rank, so a forged request by name is a catch that never was."""
     forged = named.copy()
     for step, (before, after) in enumerate(pairwise(named.worlds())):
         silent = (
@@ -102,7 +102,6 @@ def test_a_flood_leaves_the_others_their_part_and_the_match_its_file(tmp_path):
 
 @pytest.mark.parametrize("control", ["target", "velocity"])
 def test_a_hunter_whose_controller_asks_cannot_ask_by_name(control):
-    """Its replay would hold an action that no arena would have taken."""
     service = ArenaService("duel", control=("full", control))
     service.reset(1)
     with pytest.raises(ActionError, match=f"hunter_1: a request must be of a hunter under full control.*{control}"):

@@ -1,4 +1,4 @@
-"""verify: the first step that differs, and in what; an edited file is told from an edited match."""
+"""`verify` names the first step that differs, and tells an edited file from an edited match."""
 
 import copy
 import re
@@ -29,7 +29,6 @@ def number_of(replay: Replay, step: int, seat: int, field: int) -> int:
 
 
 def test_a_match_that_plays_as_recorded_has_no_faults(mixed):
-    """And progress is told, to the end."""
     told = []
 
     assert verify(mixed, lambda done, total: told.append((done, total))) == []
@@ -47,15 +46,6 @@ def test_an_edited_action_is_named_by_what_it_moves(mixed):
         f"step 23: hunter_1 (b): angular velocity is {rate:.6f} rad/s as recorded and {-rate:.6f} rad/s as replayed, "
         f"{2 * abs(rate):.6f} rad/s apart"
     ) in found
-
-
-def test_an_edited_choice_is_named_by_the_active_target(mixed):
-    """Under target control."""
-    step = next(at for at, choices in enumerate(mixed.choices) if at > 30 and choices[0] == 1)
-    found = verify(altered(mixed, lambda match: match.choices[step].__setitem__(0, 2)))
-
-    assert found[0] == f"step {step + 1} is the first that differs"
-    assert any(re.search(r"\(a\): active target is target_turtle_\d+ as recorded and target_", line) for line in found)
 
 
 @pytest.mark.parametrize(
@@ -81,25 +71,6 @@ def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line
 
     assert found[0] == f"{first} is the first that differs"
     assert any(re.match(f"{first}: {line}", one) for one in found), found
-
-
-def test_a_target_that_moves_otherwise_is_named_with_each_of_its_numbers(fleeing):
-    """Faster targets, a longer alarm: which target, which number, and how far apart."""
-    found = verify(
-        altered(fleeing, lambda match: setattr(match, "config", match.config.replace(target_speed_mps=1.25)))
-    )
-
-    assert found[0] == "step 1 is the first that differs"
-    speeds = [line for line in found if "linear velocity" in line]
-    assert speeds
-    for line in speeds:
-        told = re.fullmatch(
-            r"step 1: target_turtle_\d: linear velocity is (\S+) m/s as recorded and (\S+) m/s as replayed, "
-            r"(\S+) m/s apart",
-            line,
-        )
-        assert told is not None
-        assert told.groups() in {("0.500000", "0.625000", "0.125000"), ("1.000000", "1.250000", "0.250000")}
 
 
 @pytest.mark.parametrize(
@@ -128,7 +99,7 @@ def test_an_edited_number_of_a_moving_target_is_named_from_the_file_too(fleeing,
 
 
 def test_dropouts_follow_from_the_seed(fleeing):
-    """Nobody is listed; with a rate of zero the match differs from the first dropout on, by who is withdrawn."""
+    """With a rate of zero the match differs from the first dropout on."""
     assert fleeing.withdrawals == []
     first = next(world for world in fleeing.worlds() if any(hunter.withdrawn for hunter in world.hunters))
     found = verify(altered(fleeing, lambda match: setattr(match, "config", match.config.replace(dropout_rate=0.0))))
@@ -137,20 +108,6 @@ def test_dropouts_follow_from_the_seed(fleeing):
     for seat, hunter in enumerate(first.hunters):
         line = f"step {first.step}: hunter_{seat} ({'abcd'[seat]}): withdrawn is yes as recorded and no as replayed"
         assert (line in found) == hunter.withdrawn
-
-
-def test_an_edited_quantised_state_is_told_from_an_edited_action(mixed):
-    """Every digest agrees, so the match is what it was."""
-
-    def shift(match):
-        for step in (31, 40, 41):
-            match.states[step][8 + 11 * 2 + 1] += 17
-
-    y = number_of(mixed, 31, 2, 1)
-    (found,) = verify(altered(mixed, shift))
-    told, _, number = found.partition("the digest agrees, but hunter_2 (c): ")
-    assert told == "step 31: its quantised state was altered, and that of 2 later steps: "
-    assert number == f"y is {(y + 17) / 1e6:.6f} m as recorded and {y / 1e6:.6f} m as replayed, 0.000017 m apart"
 
 
 def test_an_edited_digest_is_told_from_an_edited_action(mixed):
@@ -162,22 +119,6 @@ def test_an_edited_digest_is_told_from_an_edited_action(mixed):
         "step 80 is the first that differs",
         "step 80: every number by less than a millionth of its unit",
     ]
-
-
-def test_several_faults_are_all_told(mixed):
-    """A digest, a state's numbers, and the match itself."""
-
-    def change(match):
-        match.digests[3] = b"12345678"
-        match.states[5][0] += 1
-        alter_action(match)
-
-    found = verify(altered(mixed, change))
-    assert found[0].startswith("step 3: its digest was altered")
-    assert found[1].startswith(
-        "step 5: its quantised state was altered: the digest agrees, but clock and counters: time is 501"
-    )
-    assert found[2] == "step 23 is the first that differs"
 
 
 def test_worlds_stop_at_the_first_step_that_differs_and_say_in_what(mixed):
@@ -205,43 +146,12 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
     assert lines[-1] == "3 of 4 replays failed"
 
 
-def test_verify_says_by_its_exit_code_whether_a_file_was_altered_or_cannot_be_read(mixed, tmp_path):
-    """As diff does: 1 for another match, 2 for no match."""
-    altered(mixed, alter_action).save(tmp_path / "played.replay")
-    for name, code in (("played.replay", 1), ("none.replay", 2)):
-        assert CliRunner().invoke(main, ["verify", str(tmp_path / name)]).exit_code == code
-
-
-def test_verify_prints_no_more_than_a_screen_for_a_file(play, tmp_path):
-    """Another seed: everything differs."""
-    match = altered(play("crowd", max_cycles=2), lambda match: setattr(match, "seed", 99))
-    match.save(tmp_path / "m.replay")
-    lines = CliRunner().invoke(main, ["verify", str(tmp_path / "m.replay")]).stderr.splitlines()
-
-    assert len(lines) == 14
-    assert re.search(r"m\.replay: the initial state: and \d+ more$", lines[-1])
-
-
-def test_a_match_with_prey_plays_as_recorded_from_its_file(hunted, hunted_once, tmp_path):
-    for match in (hunted, hunted_once):
-        match.save(tmp_path / "match.replay")
-        assert verify(Replay.load(tmp_path / "match.replay")) == []
-        assert {one.times_caught > 0 for one in list(match.worlds())[-1].prey} >= {True}
-
-
 def test_an_edited_action_of_prey_is_named_by_the_target_that_it_moves(hunted):
-    """Its first command; it plays target 1 then."""
     found = verify(altered(hunted, lambda match: match.prey_commands[0].__setitem__(0, (0.1, 0.9))))
 
     assert found[0] == "step 1 is the first that differs"
     assert all(line.startswith("step 1: target_turtle_1: ") for line in found[1:])
     assert any("linear velocity is " in line and "as recorded and 0.100000 m/s as replayed" in line for line in found)
-
-
-def test_a_withdrawal_of_prey_that_was_taken_out_is_found(hunted):
-    found = verify(altered(hunted, lambda match: match.withdrawals.remove((90, 5))))
-
-    assert found[0].startswith("step 91 is the first that differs")
 
 
 def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
@@ -263,7 +173,6 @@ def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
 
 
 def test_altered_numbers_of_prey_are_told_by_its_name(hunted):
-    """Its score, the target that it plays, and when it was caught."""
     for place, line in (
         (-9, r"prey_0 \(p\): target is target_turtle_\d+ as recorded and target_turtle_1 as replayed"),
         (-5, r"prey_1 \(q\): times caught is 7 as recorded and 0 as replayed, 7 apart"),

@@ -1,4 +1,4 @@
-"""One real tournament, played once: four agents, ten seconds a match, every match recorded."""
+"""A real tournament of four agents, played once, with every match recorded."""
 
 import pytest
 from typer.testing import CliRunner
@@ -8,7 +8,7 @@ from catch_arena.cli import main
 
 @pytest.fixture(scope="session")
 def played(tmp_path_factory):
-    """Its folder."""
+    """Folder of the tournament."""
     folder = tmp_path_factory.mktemp("tournament")
     agents = ["nearest", "contested", "patrol", "first"]
     words = ["--set", "time_limit_s=10", "--scenario", "standard", "--record", "--seed", "0", "--jobs", "1"]

@@ -1,4 +1,4 @@
-"""Tournaments that nobody played: results drawn at random, put into a store as a runner does."""
+"""Store of a tournament with random results, for reports."""
 
 from collections.abc import Sequence
 from pathlib import Path

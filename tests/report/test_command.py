@@ -1,4 +1,4 @@
-"""`catch-arena report`, as people type it."""
+"""`catch-arena report` writes a page next to its tournament, or serves it until Ctrl-C."""
 
 import re
 import urllib.request

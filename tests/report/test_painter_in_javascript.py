@@ -1,4 +1,4 @@
-"""What the player paints by rules of its own is what render/ draws."""
+"""The player's JavaScript paints the grid and the numbers as render/ draws them."""
 
 import json
 from pathlib import Path
@@ -21,7 +21,7 @@ ARENAS = [(2.0, 200), (11.0, 500), (11.0, 900), (40.0, 500), (250.0, 600), (5000
 
 
 def hunter_colors():
-    """Of a lot of hunters, alone and in teams."""
+    """Return the colours of many hunters, alone and in teams."""
     alone = MatchInfo.of(catch_arena.ArenaConfig(hunters=64))
     paired = MatchInfo.of(
         catch_arena.ArenaConfig(hunters=64, teams=tuple((seat, seat + 1) for seat in range(0, 64, 2)))

@@ -1,4 +1,4 @@
-"""A replay as a piece of a page."""
+"""The HTML of a replay loads nothing from elsewhere, and names in it are never markup."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Which matches a report plays."""
+"""A report chooses matches with contests between teams, not within a team."""
 
 from pathlib import Path
 

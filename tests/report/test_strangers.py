@@ -1,4 +1,4 @@
-"""What strangers write into a report is text, and nothing of the teacher's machine stands in it."""
+"""Text from agents is only text in a report, and no path of the teacher's machine stands in it."""
 
 import base64
 import csv
@@ -16,7 +16,6 @@ from catch_arena.report import write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
 from catch_arena.text import spreadsheet_cell, without_folders
-from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.standings_files import TABLES, write_standings
 
 
@@ -25,7 +24,7 @@ def policy_of(text):
 
 
 def scripts_of(text):
-    """What runs: blocks of data have a type of their own."""
+    """Return the scripts that run; blocks of data have another type."""
     return re.findall(r"<script>(.*?)</script>", text, re.DOTALL)
 
 
@@ -55,7 +54,6 @@ def test_the_served_page_has_it_too_and_stands_in_no_frame(tmp_path):
 
 
 def test_a_report_has_no_whole_path_and_no_whole_command(tmp_path):
-    """Its reader may be anybody: where things lie on the machine that played is not theirs to know."""
     folder = tmp_path / "home of ann"
     specs = [
         f"{folder}/hand ins/mine.py",
@@ -89,12 +87,6 @@ def test_a_report_has_no_whole_path_and_no_whole_command(tmp_path):
 )
 def test_a_whole_path_is_told_by_its_last_part(text, short):
     assert without_folders(text) == short
-
-
-def test_a_commands_source_is_its_program():
-    assert Entrant("x", "cmd:'/a b/run' --fast", "target", "").source == "a command: run"
-    for wrong in ("cmd:", "cmd:'"):
-        assert Entrant("x", wrong, "target", "").source == "a command"
 
 
 @settings(max_examples=15, deadline=None)

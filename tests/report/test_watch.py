@@ -1,7 +1,6 @@
-"""The report while a tournament runs: a real server, on this machine alone."""
+"""A running tournament is served to this machine alone, and the page follows it."""
 
 import socket
-import threading
 import urllib.error
 import urllib.request
 from http.client import HTTPConnection
@@ -100,15 +99,3 @@ def test_a_port_that_is_taken_gives_way_to_the_next_or_is_named(tmp_path, monkey
             serve(LiveReport(tmp_path), port),
         ):
             pass
-
-
-def test_the_server_ends_with_its_context(tmp_path):
-    tournament(tmp_path, 1, most=4)
-    before = set(threading.enumerate())
-    with serve(LiveReport(tmp_path), 0) as address:
-        fetched(address)
-    for thread in set(threading.enumerate()) - before:
-        thread.join(timeout=30)
-        assert not thread.is_alive()
-    with pytest.raises(urllib.error.URLError):
-        fetched(address)

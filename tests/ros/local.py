@@ -6,7 +6,7 @@ from catch_arena.ros.middleware.bus import Bus, Call, Request
 
 
 class Hub:
-    """What all buses of a test are plugged into."""
+    """Hub that connects all buses of a test."""
 
     def __init__(self):
         self.heard = {}
@@ -61,7 +61,7 @@ class LocalBus(Bus):
         return len(self.hub.publishers.get(topic, ()))
 
     def gone(self):
-        """Its process has ended."""
+        """Remove the publishers of a process that has ended."""
         for names in self.hub.publishers.values():
             names.discard(self.name)
 

@@ -1,8 +1,7 @@
-"""Recordings of turtlesim, and what the arbiter says of the catches in them."""
+"""Bags of turtlesim are read, and the arbiter judges each catch in them."""
 
 import csv
 import math
-import shutil
 import sqlite3
 from itertools import pairwise
 from pathlib import Path
@@ -131,7 +130,7 @@ def test_what_was_caught_in_a_match_comes_back_with_the_same_rulings(tmp_path, s
 
 
 def test_a_target_without_a_name_and_one_out_of_reach_are_told_apart(tmp_path):
-    """What the exercise's own nodes do wrong: a spawn that failed is listed with an empty name and can be caught."""
+    """The exercise's own nodes list a spawn that failed with an empty name."""
     one, far = ("target_turtle_1", 5.0, 5.2), ("target_turtle_2", 9.0, 5.0)
     lists = {496: [("", 5.0, 5.0), one, far], 800: [one, far], 1008: [far], 2000: []}
     with Recorder(tmp_path / "wrong") as bag:
@@ -178,30 +177,6 @@ def test_the_video_shows_who_was_where_and_is_as_long_as_the_bag(tmp_path):
     assert (tmp_path / "f.mp4").stat().st_size > 10_000
 
 
-def test_a_target_without_poses_is_shown_where_each_list_has_it(tmp_path):
-    with Recorder(tmp_path / "b") as bag:
-        for time_ms in range(0, 1600, 16):
-            bag.pose("turtle1", time_ms, 5.0, 5.0)
-        bag.alive(100, ("a", 1.0, 1.0))
-        bag.alive(800, ("a", 2.0, 1.0))
-    worlds = {
-        world.time_ms: [target.x for target in world.targets] for world in bag_worlds(read_bag(tmp_path / "b"), [])
-    }
-    assert [worlds[time_ms] for time_ms in (96, 112, 784, 816)] == [[], [1.0], [1.0], [2.0]]
-
-
-def test_a_bag_is_read_by_its_file_too_and_what_a_class_recorded_besides_does_no_harm(tmp_path):
-    record_chase(tmp_path / "chase", storage="mcap")
-    with Recorder(tmp_path / "more") as bag:
-        bag.raw("/rosout", "rcl_interfaces/msg/Log", 0, b"\0\1\0\0nonsense")
-        bag.pose("turtle1", 0, 5.0, 5.0)
-        bag.pose("turtle1", 16, 5.0, 5.0)
-    assert read_bag(tmp_path / "more").left_out == 0
-    whole, file = (run("ros", "import", path, "--list") for path in (tmp_path / "chase", tmp_path / "chase/chase.mcap"))
-    assert whole.stdout == file.stdout
-    assert whole.exit_code == 0
-
-
 @pytest.mark.parametrize("pose", [(math.nan, 5.0), (5.0, math.inf), (1e30, 5.0), (-3.0, 5.0)])
 def test_poses_that_cannot_be_are_left_out_and_counted(tmp_path, pose):
     with Recorder(tmp_path / "b") as bag:
@@ -214,21 +189,6 @@ def test_poses_that_cannot_be_are_left_out_and_counted(tmp_path, pose):
     assert told.exit_code == 0
     assert told.stderr == "left out: 2 messages that are damaged or have impossible values\n"
     assert "catches: 1 in the recording, 1 of them granted" in told.stdout
-
-
-def test_a_name_of_ten_megabytes_and_one_with_control_characters_are_shown_short(tmp_path):
-    names = ["x" * 10_000_000, "\x1b[31mred\n"]
-    with Recorder(tmp_path / "b", "mcap") as bag:
-        bag.pose("turtle1", 0, 5.0, 5.0)
-        bag.alive(1, *((name, 5.1, 5.0) for name in names))
-        bag.alive(2)
-        bag.pose("turtle1", 500, 5.0, 5.0)
-    told = run("ros", "import", tmp_path / "b", "--list")
-    assert told.exit_code == 0, told.output
-    assert max(map(len, told.stdout.splitlines())) < 200
-    assert "MALFORMED" in told.stdout
-    assert "\\x1b[31mred\\n" in told.stdout
-    assert "\x1b" not in told.stdout
 
 
 DAMAGE = {
@@ -278,14 +238,3 @@ def test_a_folder_without_turtles_and_one_with_targets_alone_say_what_to_record(
     ):
         refused = run("ros", "import", tmp_path / name)
         assert refused.stderr == f"error: {tmp_path / name}: {why}\n"
-
-
-def test_a_bag_that_lasts_for_years_is_refused_before_its_video_is_made(tmp_path):
-    with Recorder(tmp_path / "b") as bag:
-        bag.pose("turtle1", 0, 5.0, 5.0)
-        bag.pose("turtle1", 4e10, 5.0, 5.0)
-    refused = run("ros", "import", tmp_path / "b")
-    assert refused.stderr == (
-        f"error: {tmp_path / 'b'}: must last 24 hours at most, and its time must not go backwards\n"
-    )
-    shutil.rmtree(tmp_path / "b")

@@ -1,4 +1,4 @@
-"""Messages and services as bytes, which are written out here from the description of the wire."""
+"""Messages and services have the bytes of ROS's wire format, which are written out here."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Our spawner and our controller, beside what a real turtlesim and a class do to them; all in one process."""
+"""Our spawner and our controller play the exercise with a simulated turtlesim, all in one process."""
 
 import pytest
 from ros.local import Hub
@@ -82,13 +82,6 @@ def test_names_that_are_taken_are_passed_over_at_once_and_told_once(node, turtle
     assert line.startswith("warning: t_1 is not spawned, as turtlesim has one of that name")
 
 
-def test_where_nothing_can_be_spawned_it_is_not_asked_without_end(node, turtlesim):
-    turtlesim.there |= {f"t_{number}": Pose(1.0, 1.0, 0.0, 0.0, 0.0) for number in range(1, 1000)}
-    node.play(A_SECOND + 200)
-    assert 64 <= len(turtlesim.asked) <= 4 * 64
-    assert len(node.said) == 1
-
-
 @pytest.fixture
 def drives(hub):
     """Makes turtle2's controller, with a target within its reach; what it says, and one control period."""
@@ -146,49 +139,3 @@ def test_where_nobody_judges_a_controller_says_so_once(drives):
     assert [line for line in said if "nobody" in line] == [
         "warning: tom is within reach, and nobody serves /turtle2/catch_turtle or /catch_turtle"
     ]
-
-
-class Watching:
-    """An agent that holds, and what it has seen."""
-
-    controls = ("target",)
-
-    def __init__(self):
-        self.views = []
-
-    def reset(self, seeds, limits):
-        del seeds
-        (self.limits,) = limits
-        return {}
-
-    def act(self, seen):
-        self.views.append(self.limits.view(*seen[0]))
-        return {0: (0, None, None)}
-
-
-def test_a_target_is_as_old_as_it_is_long_since_the_controller_heard_of_it(hub, monkeypatch):
-    """Of those that it heard of together, the first in the list is the oldest, by a millisecond each. Its own arena
-    begins again after a minute, and that changes nothing.
-    """
-    now = 50.0
-    monkeypatch.setattr("catch_arena.ros.nodes.controller.time.monotonic", lambda: now)
-    players, ours, others = Watching(), hub.bus("ours"), hub.bus("others")
-    node = Controller(ours, players, scenario("capstone", time_limit_s=60.0), "turtle2", TYPES, log=print)
-    tom, tim, kim = Turtle("tom", 5.0, 8.0, 0.0), Turtle("tim", 5.0, 7.0, 0.0), Turtle("kim", 5.0, 9.0, 0.0)
-    alive, pose = others.publisher("/alive_turtles", TYPES.turtle_array), others.publisher("/turtle2/pose", TYPES.pose)
-
-    def ages(*turtles):
-        alive(TurtleArray(turtles))
-        pose(Pose(5.0, 5.0, 0.0, 0.0, 0.0))
-        ours.spin()
-        node.tick()
-        return [round(target.age, 4) for target in players.views[-1].targets]
-
-    assert ages(tom, tim) == [0.001, 0.002]
-    now += 0.25
-    assert ages(tom, tim, kim) == [0.252, 0.253, 0.001]
-    for _ in range(700):
-        now += 0.1
-        ages(tom, kim)
-    assert ages(kim, tom) == [70.251, 70.002]
-    assert ages(kim, tom, tim) == [0.001, 70.252, 70.003]

@@ -1,4 +1,4 @@
-"""What other nodes of a graph do, and the line for each; and what the doctor makes of it."""
+"""A node with other names, other types or a second referee gets a line that says what to change."""
 
 import pytest
 from ros.local import Hub, LocalBus
@@ -7,7 +7,7 @@ from catch_arena.errors import BusError
 from catch_arena.ros.doctor import examine
 from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import Interfaces
-from catch_arena.ros.nodes.neighbours import Neighbours, run_line
+from catch_arena.ros.nodes.neighbours import Neighbours
 
 TYPES = Interfaces()
 TWIST, POSE = "geometry_msgs/msg/Twist", "turtlesim/msg/Pose"
@@ -31,13 +31,6 @@ def lines(graph, driven=("hunter_0",)):
 
 def test_a_node_of_the_exercise_is_no_news():
     assert lines(PLAYER) == []
-
-
-def test_nor_is_one_that_was_remapped():
-    """The arena answers at each hunter's own service."""
-    remapped = [one._replace(name=one.name.replace("turtle1", "hunter_1")) for one in PLAYER[:3]]
-    asks = Endpoint("/turtle_controller", "client", "/hunter_1/catch_turtle", CATCH)
-    assert lines([*remapped, asks], ("hunter_0", "hunter_1")) == []
 
 
 @pytest.mark.parametrize(
@@ -76,17 +69,6 @@ def test_other_names_get_the_remapping_to_type():
     assert lines(graph[2:]) == []  # the list and the service are then served under both names
 
 
-def test_a_remapping_proposes_a_free_hunter_and_is_printed_once():
-    """The first seat is taken; later the second one is, too."""
-    said = []
-    watch = Neighbours(["hunter_0", "hunter_1"], ["hunter_0", "hunter_1"], TYPES, said.append)
-    graph = [Endpoint("/bot", "publisher", "/autobot/cmd_vel", TWIST)]
-    watch.look(graph, ["hunter_1"])
-    watch.look(graph, [])
-    (line,) = said
-    assert line.endswith("start it with --ros-args -r /autobot/cmd_vel:=/hunter_1/cmd_vel")
-
-
 def test_a_type_of_our_name_with_other_fields_is_told():
     """Both packages have the course's name, and one has float32."""
     (line,) = lines([*PLAYER[:2], Endpoint("/mine", "subscription", "/alive_turtles", LIST, fields_differ=True)])
@@ -97,14 +79,6 @@ def test_a_type_of_our_name_with_other_fields_is_told():
 def test_a_node_with_another_package_is_told_which_one_to_give():
     (line,) = lines([*PLAYER[:2], Endpoint("/mine", "subscription", "/alive_turtles", "other_msgs/msg/Turtles")])
     assert line.endswith("Start the arena again with --interfaces other_msgs")
-
-
-def test_each_of_several_seats_has_a_command_of_its_own():
-    assert run_line("hunter_1", shared=False) == "ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
-    assert run_line("hunter_1", shared=True) == (
-        "ros2 run YOUR_PACKAGE YOUR_CONTROLLER --ros-args -r /turtle1/cmd_vel:=/hunter_1/cmd_vel "
-        "-r /turtle1/pose:=/hunter_1/pose -r /catch_turtle:=/hunter_1/catch_turtle"
-    )
 
 
 class Bus(LocalBus):

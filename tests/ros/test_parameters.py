@@ -1,4 +1,4 @@
-"""Parameters after --ros-args."""
+"""Parameters after --ros-args are read as ROS reads them, or refused in one line."""
 
 import pytest
 
@@ -37,7 +37,6 @@ def test_a_value_has_the_type_of_its_parameter_and_the_last_one_counts(words, gi
     ],
 )
 def test_a_word_that_cannot_be_is_one_line(words, why):
-    """As for every other option."""
     with pytest.raises(ConfigError) as error:
         parameters_from(words, DEFAULTS)
     assert str(error.value).startswith(why)

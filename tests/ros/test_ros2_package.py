@@ -1,18 +1,14 @@
-"""ros2/catch_arena_interfaces, which colcon builds: it has what goes over the bus."""
+"""ros2/catch_arena_interfaces has the messages that we send, and its launch file the options of `ros serve`."""
 
-import re
 import runpy
 import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
-from xml.etree import ElementTree as ET
 
 import pytest
 from rosbags.typesys import get_types_from_msg
 from rosbags.typesys.store import Typestore
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.ros.middleware.interfaces import OWN_PACKAGE, RULING, STANDING, Interfaces
 from catch_arena.ros.middleware.typestore import type_hash
 
@@ -48,7 +44,7 @@ class StandIn(ModuleType):
 
 @pytest.fixture
 def described(monkeypatch):
-    """What the launch file describes, by the names of the classes."""
+    """Actions of the launch file, by the names of their classes."""
     for module in ("launch", "launch.actions", "launch.event_handlers", "launch.events", "launch_ros.actions"):
         monkeypatch.setitem(sys.modules, module, StandIn(module))
     of_context = SimpleNamespace(LaunchConfiguration=lambda name: SimpleNamespace(perform=lambda given: given[name]))
@@ -65,7 +61,7 @@ def by_kind(actions):
 
 @pytest.fixture
 def arguments(described):
-    """Its arguments, with their defaults."""
+    """Arguments of the launch file with their defaults."""
     return {one.words[0]: one.fields.get("default_value", "mine") for one in described["DeclareLaunchArgument"]}
 
 
@@ -89,28 +85,6 @@ def test_its_service_is_the_one_that_we_serve():
         assert [line for line in text.splitlines() if not line.startswith("#")] == kind.definition.splitlines()
 
 
-def test_cmake_builds_each_of_its_files_and_installs_the_launch_file():
-    """And package.xml has the package's name."""
-    cmake = (PACKAGE / "CMakeLists.txt").read_text(encoding="utf-8")
-    files = {path.relative_to(PACKAGE).as_posix() for path in PACKAGE.glob("*/*") if path.suffix in {".msg", ".srv"}}
-    assert set(re.findall(r'"((?:msg|srv)/\w+\.\w+)"', cmake)) == files
-    assert "install(DIRECTORY launch " in cmake
-    assert f"project({OWN_PACKAGE})" in cmake
-    assert ET.parse(PACKAGE / "package.xml").getroot().findtext("name") == OWN_PACKAGE  # noqa: S314 - our own
-
-
-def test_the_launch_file_names_options_that_there_are(arguments, launched):
-    """Whatever it is given."""
-    command, *_ = launched(**dict.fromkeys(arguments, "x") | {"force": "true"})
-    options = {word for word in command if word.startswith("--")}
-    assert options == {
-        *("--seat", "--scenario", "--seed", "--speed", "--record", "--force"),
-        *("--interfaces", "--turtlesim", "--bus", "--set"),
-    }
-    helped = CliRunner().invoke(main, ["ros", "serve", "--help"], env={"COLUMNS": "200"}).output
-    assert all(option in helped for option in options)
-
-
 @pytest.mark.parametrize(("speed", "simulated"), [("", False), ("1", False), ("1.0", False), ("5", True)])
 def test_the_node_goes_by_the_arenas_clock_where_there_is_one(launched, speed, simulated):
     """Without /clock its timers would never fire."""
@@ -118,7 +92,7 @@ def test_the_node_goes_by_the_arenas_clock_where_there_is_one(launched, speed, s
 
 
 def test_the_launch_file_passes_on_what_it_is_given_and_nothing_else(launched):
-    """So that a scenario has its own settings; both processes are in one domain, and on one middleware."""
+    """Both processes are in one domain and use one middleware."""
     assert launched()[:2] == (["catch-arena", "ros", "serve"], {})
     assert launched(bus="cyclonedds")[1] == {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
     given = {"scenario": "duel", "record": "a.replay", "bus": "rosbridge", "domain": "7", "seed": "3", "speed": "2.0"}

@@ -1,4 +1,4 @@
-"""Interface packages as students have them: what is found in them, and what is said where it is not."""
+"""A student's interface package is used as it is, or an error names what it lacks."""
 
 from types import SimpleNamespace
 
@@ -69,7 +69,6 @@ def test_a_package_is_taken_as_it_is(package, name):
 
 
 def test_fields_may_stand_in_a_message_and_an_answer_may_have_none(package):
-    """And a service for something else stands beside it, as in the course's package."""
     msg = {
         "Place": {"x": "float", "y": "float"},
         "Turtle": {"at": "mine/Place", "name": "string"},

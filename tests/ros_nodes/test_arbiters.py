@@ -6,7 +6,6 @@ pytestmark = pytest.mark.rclpy
 
 
 def test_conformance_passes_a_node_that_follows_the_rules(bus_with):
-    """It is asked over the bus."""
     bus = bus_with("my_robot_interfaces")
     bus.node("referee", "--judges", "0.3")
     code, printed = bus.command("conformance", "ros:/catch_turtle", "--only", "reach").finish()

@@ -1,4 +1,4 @@
-"""Every script can be loaded: what it takes from the package is there."""
+"""Every script can be imported."""
 
 import runpy
 import sys
@@ -12,7 +12,7 @@ LOADED = sorted(path.relative_to(SCRIPTS).as_posix() for path in SCRIPTS.rglob("
 
 @pytest.fixture
 def forget_modules():
-    """Those that a script imports from its own folder: several have modules of one name."""
+    """Forget the modules that a script imports from its own folder, since several have the same names."""
     before = set(sys.modules)
     yield
     for name in set(sys.modules) - before:

@@ -1,4 +1,4 @@
-"""Contents of the suite's version and its first matches: written once for each version, and never again.
+"""Contents of the suite's version and its first matches, written once for each version.
 
 `PYTHONPATH=tests python tests/suite/frozen.py` writes tests/data/suite_v1.json. That is right while nobody has
 published numbers of this version; after that, what must be otherwise goes into the next one.

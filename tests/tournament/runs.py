@@ -1,4 +1,4 @@
-"""Whole plans played, with a store that is not kept."""
+"""Function that plays a whole plan without a store on disk."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

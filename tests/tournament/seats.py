@@ -1,4 +1,4 @@
-"""Arenas by their number of hunters, and plans of given matches."""
+"""Parties of arenas by their number of hunters, and plans of given matches."""
 
 from collections.abc import Iterable, Sequence
 from itertools import groupby

@@ -54,7 +54,6 @@ def test_what_would_forfeit_is_explained_and_the_exit_code_is_1(check, source, w
 
 
 def test_one_that_hangs_is_tried_in_two_arenas(check):
-    """It used to wait for its limit once in every scenario."""
     result = check(HEAD + "while True: pass\n", "--limit", "step_ms=50", "--limit", "bank_s=0")
     assert result.exit_code == 1
     assert result.output.count("error: ") == 2
@@ -63,7 +62,6 @@ def test_one_that_hangs_is_tried_in_two_arenas(check):
 
 
 def test_one_that_fails_in_one_scenario_is_played_again_in_another(check):
-    """Where it does not: a match that a crash cut short says little."""
     words = ["-s", "standard", "-s", "duel", "--set", "time_limit_s=3"]
     result = check(HEAD + "return 99 if len(view.rivals) > 1 else 0\n", *words)
     assert "standard: FORFEIT_ILLEGAL" in result.output

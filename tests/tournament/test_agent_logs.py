@@ -1,4 +1,4 @@
-"""Log files: what each agent printed and how it failed, by match and seat, up to a size."""
+"""A log file has the output and the failures of one agent, by match and seat, up to a size."""
 
 import pytest
 from tournament.played_matches import made_up
@@ -51,12 +51,6 @@ def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, fir
     name = one.match.id
     said = [f"== match {name}, {first}", "ann", f"== match {name}, {last}", "bob"]
     assert (tmp_path / "loud.log").read_text().splitlines() == said
-
-
-def test_an_agent_whose_name_has_parts_has_a_file_too(tmp_path):
-    entrants = [ENTRANTS[0], Entrant("ann/agent", "ann/agent", "target", "")]
-    add_to_logs(tmp_path / "logs", entrants, SEATS, played(1, "hello"))
-    assert (tmp_path / "logs" / "ann" / "agent.log").read_text() == "== match r00001-g000002-s00, seat 1\nhello\n"
 
 
 def test_a_file_does_not_grow_for_ever(tmp_path):

@@ -1,4 +1,4 @@
-"""`catch-arena export` writes all that is known of each match, the same bytes for the same plan."""
+"""`catch-arena export` writes everything about each match, and the same bytes for the same plan."""
 
 import csv
 import json
@@ -100,17 +100,6 @@ def test_while_it_is_played_it_tells_no_seed_of_what_is_to_come(store, tmp_path)
         export(under_way, "jsonl", tmp_path / "m")
     lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]
     assert [(line["block"], line["tournament_seed"]) for line in lines] == [(0, None), (0, None)]
-
-
-@pytest.mark.parametrize("form", ["jsonl", "csv", "parquet"])
-def test_a_tournament_without_a_match_yet_is_exported_too(tmp_path, form):
-    with new_store(FACTS) as empty:
-        export(empty, form, tmp_path / "m")
-    assert {
-        "jsonl": lambda path: path.read_bytes() == b"",
-        "csv": lambda path: path.read_text() == ",".join(columns()) + "\n",
-        "parquet": lambda path: parquet.read_table(path).column_names == list(columns()),
-    }[form](tmp_path / "m")
 
 
 def test_what_cannot_be_is_one_line(store, tmp_path):

@@ -1,4 +1,4 @@
-"""One match: ranks, the agents' seeds, and agents that misbehave."""
+"""A match ranks agents, gives them their seeds, and goes on when one of them fails."""
 
 import re
 
@@ -44,7 +44,7 @@ def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
     ("planned", "told"), [((5, 2**63 - 1), [5, 2**63 - 1]), ((), [6258151732429448147, 2098520664363859099])]
 )
 def test_agents_seeds_are_those_of_the_plan_or_follow_from_the_match_and_the_seat(planned, told):
-    """These very numbers, for ever: else a match could not be played again."""
+    """These numbers never change, or a match could not be played again."""
     agents = [Plays(), Plays()]
     play_match(SHORT, 77, agents, ["a", "b"], agent_seeds=planned)
     assert [agent.seed for agent in agents] == told

@@ -1,4 +1,4 @@
-"""The store keeps each match once, belongs to one tournament, and is read while it is written."""
+"""The store keeps each match once, belongs to one tournament, and can be read while it is written."""
 
 import dataclasses
 import re
@@ -7,14 +7,14 @@ import stat
 
 import pytest
 from tournament.runs import run
-from tournament.seats import blocks_of, hunters, listed
+from tournament.seats import blocks_of, hunters
 
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
-from catch_arena.tournament.store import STORE, Store, Tournament, store_bytes
+from catch_arena.tournament.store import STORE, Store, Tournament
 
 SHORT = scenario("duel", time_limit_s=3)
 ENTRANTS = enter(["nearest", "idle", "random"])
@@ -74,11 +74,6 @@ def test_keeping_a_match_again_changes_nothing(store, played):
     store.add([PlayedMatch(played[0].match, slower)])
     assert list(store.played()) == played[:1]
     assert next(store.played()).result.thinking[0].total_s < 9.0
-
-
-def test_planning_again_changes_nothing(store):
-    assert store.plan(PLAN.stage(0, ())) == store.count_planned() == 12
-    assert list(store.waiting()) == blocks_of(PLAN)
 
 
 def changed(**facts):
@@ -143,7 +138,7 @@ def test_nothing_is_overwritten_without_a_word(tmp_path):
 
 
 def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):
-    """As where a cluster did not answer."""
+    """For example if a cluster did not answer."""
     Store.begin(FACTS, tmp_path).close()
     other = dataclasses.replace(FACTS, plan=round_robin(3, hunters(2), 3, seed=4).parameters)
     Store.begin(other, tmp_path).close()
@@ -188,18 +183,6 @@ def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
     assert sorted(path.name for path in tmp_path.iterdir()) == [STORE, f"{STORE}-shm"]
 
 
-def test_its_size_is_what_a_plan_says(tmp_path):
-    """Within a quarter, on matches of the standard length."""
-    config, entrants = scenario("standard"), enter(["nearest", "contested", "first", "random"])
-    plan = round_robin(4, hunters(4), 500, seed=0)
-    (first, *_) = run(config, entrants, listed(list(plan)[:1]))
-    with Store.begin(Tournament(config, entrants, plan.parameters), tmp_path) as store:
-        store.plan(plan.stage(0, ()))
-        for block in plan.blocks():
-            store.add(PlayedMatch(match, first.result) for match in block)
-    assert (tmp_path / STORE).stat().st_size / plan.size == pytest.approx(store_bytes(4), rel=1 / 4)
-
-
 def test_one_command_plays_in_a_folder_at_a_time(tmp_path):
     with (
         Store.begin(FACTS, tmp_path),
@@ -210,7 +193,7 @@ def test_one_command_plays_in_a_folder_at_a_time(tmp_path):
 
 
 def test_a_reader_sees_each_block_that_is_kept_and_changes_nothing(store, tmp_path, played):
-    """As `export` and `report`, in other processes, while a tournament runs."""
+    """`export` and `report` read in other processes while a tournament runs."""
     with Store.read(tmp_path) as reader:
         store.add(played[:1])
         assert list(reader.played()) == played[:1]

@@ -1,4 +1,4 @@
-"""Hostile text of agents harms no terminal, log, report, export or grade, and a tournament with it ends."""
+"""Hostile text from agents harms no terminal, log, report, export or grade."""
 
 import csv
 import json
@@ -145,24 +145,6 @@ def test_a_mark_is_xml_and_json_and_one_line_each(played):
     assert SHOWN in failure
 
 
-@pytest.mark.parametrize(
-    ("words", "status"),
-    [
-        (["check-agent", "[red]x.py", *PATIENCE], 1),
-        (["match", "quiet.py", "nearest", "-o", "m.replay", "--force", *PATIENCE], 0),
-        (["match", "quiet.py", "nearest", "-o", "m.replay", "--force", "--trusted"], 0),
-    ],
-    ids=["check-agent", "match", "trusted match"],
-)
-def test_a_look_at_it_and_one_match_show_the_escapes(played, words, status):
-    folder, _ = played
-    (folder / "quiet.py").write_text(HOSTILE.replace("print(", "str(").replace("sys.stdout.buffer.write", "len"))
-    ended = run(folder, *words, *QUICK)
-    assert ended.returncode == status, ended.stderr.decode()
-    assert SHOWN in ended.stdout.decode()
-    assert b"\x1b" not in ended.stdout + ended.stderr
-
-
 def test_a_real_terminal_is_sent_none_of_its_commands(played):
     """A pipe proves little: what is printed through one loses its colours in any case."""
     folder, _ = played
@@ -192,7 +174,7 @@ def sandbox():
 
 @pytest.mark.parametrize("line", LINES)
 def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, line):
-    """It writes to the descriptor itself, behind the back of our side of the protocol."""
+    """The agent writes to the pipe itself."""
     answers = (
         "for file in range(3, 64):\n    with suppress(OSError):\n"
         f"        os.write(file, {line!r} + b'\\n')\nos._exit(0)"
@@ -204,15 +186,6 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
     assert result.forfeit_codes[1] is None
     assert result.forfeits[0].reason.isprintable()
     assert len(result.forfeits[0].reason) <= 300
-
-
-def test_what_an_agent_says_of_itself_is_no_file_to_be_read(tmp_path):
-    """For a folder, a device, an unreadable file or an empty pipe, the digest is that of the spec."""
-    os.mkfifo(tmp_path / "pipe")
-    usual = enter(["no_such_module:Agent"], lambda _: Inspection())[0].digest
-    for source in ("/", "/dev/zero", "\0", "\ud800", "", str(tmp_path / "pipe"), "x" * 9999, "/proc/self/mem"):
-        found = enter(["no_such_module:Agent"], lambda _, source=source: Inspection(sources=(source,)))
-        assert found[0].digest == usual, source
 
 
 def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
@@ -233,17 +206,3 @@ def test_a_name_that_cannot_be_shown_is_refused_in_one_line(tmp_path, name):
     assert "its name must be of characters that can be printed, at most 100 of them" in ended.stderr
     assert ended.stderr.replace("\n", "").isprintable()
     assert not (tmp_path / "o").exists()
-
-
-def test_files_of_any_name_are_listed_without_harm(played):
-    folder, _ = played
-    place = folder / "films"
-    place.mkdir()
-    replay = min((folder / "out/replays").glob("*.replay"))
-    for name in (b"a\x1b[2J.replay", b"caf\xe9.replay", "\u202eb.replay".encode()):
-        Path(os.fsdecode(bytes(place) + b"/" + name)).write_bytes(replay.read_bytes())
-    filmed = ["mosaic", "films", "-o", "m2.gif", "--size", "320x320", "--force"]
-    for words in (filmed, ["highlights", "films", "--list"]):
-        ended = run(folder, *words)
-        assert b"Traceback" not in ended.stderr
-        assert b"\x1b" not in ended.stdout + ended.stderr

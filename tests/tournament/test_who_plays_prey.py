@@ -1,4 +1,4 @@
-"""If an agent has no `Prey` (R12.7), everything that a tournament writes names the shipped one that plays for it."""
+"""All output of a tournament names the shipped prey that plays for an agent without `Prey` (R12.7)."""
 
 import csv
 import dataclasses

@@ -1,4 +1,4 @@
-"""A function of one hunter's view, compiled for many: it reads what a `View` has, and gives what Python gives."""
+"""A compiled function of a hunter's view returns the same for many hunters as in plain Python."""
 
 import math
 
@@ -60,7 +60,7 @@ def test_it_reads_what_a_view_has(scenario):
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_code_that_is_kept_is_of_these_functions_and_numbers(monkeypatch):
-    """Its name says so: Numba's cache looks at one file alone."""
+    """Numba's cache compares one file only, so the name has a digest."""
 
     def name():
         compiled._compiled.cache_clear()

@@ -1,14 +1,11 @@
-"""What trained agents look at: the candidates, and what is told of each."""
+"""The features of trained agents are the same for one view and for a batch."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.agents.contested_by_time import Agent as ContestedByTime
-from catch_arena.agents.triage import Agent as Triage
 from catch_arena.batch_policy import BatchView
 from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
@@ -19,7 +16,7 @@ PLAYED = [name for name in SCENARIOS if name not in ("capstone", "squads", "faul
 
 
 def played(scenario, control, steps=40, arenas=3):
-    """What hunters see while all chase what is near: limits, observations, masks."""
+    """Return the limits and the observations of hunters that chase the nearest target."""
     config = catch_arena.scenario(scenario, control=control, max_cycles=steps)
     arena = catch_arena.VectorArena(config, arenas)
     columns = observation_size(config)
@@ -57,69 +54,8 @@ def test_one_view_and_a_batch_are_described_alike(scenario, control):
             np.testing.assert_allclose(of_batch[row], one[0], rtol=0, atol=1e-6)
 
 
-def test_candidates_lie_where_the_targets_are_and_absent_ones_are_not_legal():
-    """Behind the places, by rank, in the hunter's own frame."""
-    limits, observations = played("standard", "velocity")
-    for observation in observations:
-        view, seen = view_of(observation, limits), destinations(view_of(observation, limits))
-        assert seen.legal[0, : seen.places].all()
-        assert seen.legal[0, seen.places :].sum() in (len(view.targets), len(view.targets) - 1)
-        for target in view.targets:
-            at = seen.places + target.rank - 1
-            assert (seen.forward[0, at], seen.left[0, at]) == (target.forward, target.left)
-            if seen.legal[0, at]:
-                told = dict(zip(FEATURES, seen.features[0, at].tolist(), strict=True))
-                assert told["distance"] * 3 == pytest.approx(target.distance)
-                assert told["bearing"] * math.pi == pytest.approx(abs(target.bearing), abs=1e-5)
-        assert not seen.features[0][~seen.legal[0]].any()
-
-
-@pytest.mark.parametrize(("agent", "control"), [(Triage, "velocity"), (ContestedByTime, "target")])
-def test_what_is_preferred_is_what_the_scripted_agent_does(agent, control):
-    """Found anew from the view: the race that suits best, unless it is lost by far."""
-    from catch_arena.agents.patrol import drive
-
-    compared = 0
-    for scenario in ("standard", "duel", "scarce", "crowd"):
-        limits, observations = played(scenario, control, steps=60, arenas=6)
-        for observation in observations:
-            view, seen = view_of(observation, limits), destinations(view_of(observation, limits))
-            (preferred,) = seen.preferred
-            action = agent().act(view)
-            if control == "target":
-                assert preferred == action
-            elif preferred >= seen.places:
-                assert action == pytest.approx(drive(seen.forward[0, preferred], seen.left[0, preferred], view))
-            compared += preferred >= seen.places
-    assert compared > 8
-
-
-def test_the_order_of_equally_ranked_rivals_says_nothing():
-    """Rivals are told in the order of their arrival, whatever their ranks."""
-    limits, observations = played("standard", "velocity")
-    first = 10 + 5 * limits.targets_seen
-    for observation in observations:
-        swapped = observation.copy()
-        swapped[first:].reshape(3, 7)[:] = observation[first:].reshape(3, 7)[[2, 0, 1]]
-        one, other = (destinations(view_of(seen, limits)) for seen in (observation, swapped))
-        np.testing.assert_allclose(one.features, other.features, atol=1e-6)
-
-
-def test_a_target_that_drives_off_is_met_farther_ahead():
-    """Where both are at the same time: the hunter's way takes as long as the target's."""
-    config = catch_arena.scenario("wander", control="velocity")
-    limits = Limits.of(config)
-    observation = np.zeros(catch_arena.parallel_env(config).observation_space("hunter_0").shape[0])
-    observation[:4] = (1, 5, 1, 0)
-    observation[10:18] = (3, 0, 1, 0, 0, 1, 0, 1)  # three metres ahead, and away at 1 m/s
-    seen = destinations(view_of(observation, limits))
-    met = seen.forward[0, seen.places]
-    assert 3.9 < met <= 4.5  # R2.5: 2 m/s against 1 m/s
-    assert seen.left[0, seen.places] == 0
-
-
 def test_a_target_within_reach_that_no_rival_is_nearer_to_is_passed_over():
-    """It is requested for whoever drives by (R4.4); under target control it has to be chosen."""
+    """R4.4 requests it; under target control it has to be chosen."""
     for control, legal in (("velocity", False), ("target", True)):
         limits = dataclasses.replace(Limits.of(catch_arena.scenario("duel")), control=control)
         observation = np.zeros(57)

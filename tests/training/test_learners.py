@@ -1,13 +1,11 @@
-"""What learners get: rows of their own, normalised where that is asked for, by Gymnasium's vector interface too."""
+"""`LearnerBatch` and the Gymnasium env give learners rows of their own, and can be saved and restored."""
 
-import contextlib
 import copy
 import io
 import pickle
 import re
 import sys
 import threading
-import warnings
 
 import gymnasium
 import numpy as np
@@ -138,18 +136,12 @@ class Counting:
     ("control", "bad"),
     [
         ("target", [0, 9, 0]),
-        ("target", [0, -1, 0]),
         ("target", [0.0, 1.0, 0.0]),
         ("target", [0, 0]),
-        ("target", [[0], [1, 2], [3]]),
-        ("target", {"catch": [0, 0, 0]}),
         ("velocity", [[0, 0], [float("nan"), 0], [0, 0]]),
-        ("velocity", [[0, 0], [float("inf"), 0], [0, 0]]),
         ("velocity", [0, 0, 0]),
-        ("full", {"catch": [0, 0, 0]}),
         ("full", {"cmd_vel": [[0, 0]] * 3, "catch": [0, 0, 9]}),
         ("full", [0, 0, 0]),
-        ("full", {"cmd_vel": {}, "catch": [0, 0, 0]}),
     ],
 )
 @pytest.mark.parametrize("other", ["target", "velocity", "full"])
@@ -237,20 +229,6 @@ def test_r10_2_a_batch_of_learners_goes_on_from_any_point(scenario, pool, prey, 
     assert played(twins[0], 2) == expected
 
 
-def test_a_restored_batch_gives_what_its_learners_saw():
-    """Observations and masks, as the step before had given them."""
-    batch = LearnerBatch("evasive", 4, opponents=["random", "nearest"])
-    batch.reset(seed=9)
-    for _ in range(10):
-        step = batch.step(np.ones(4, int))
-        saved = batch.save()
-        batch.step(np.zeros(4, int))
-        observations, masks = batch.restore(saved)
-        assert (observations == step.observations).all()
-        assert (masks == step.masks).all()
-        assert (batch.masks == step.masks).all()
-
-
 class Locked(Counting):
     """Holds what cannot be copied."""
 
@@ -260,7 +238,7 @@ class Locked(Counting):
 
 
 class LockedAlone(Locked):
-    """It is made anew for each hunter, by copying."""
+    """Agent for one hunter, which is copied for each hunter."""
 
     act_batch = None
 
@@ -270,7 +248,7 @@ class LockedAlone(Locked):
 
 
 def test_an_opponent_that_cannot_be_copied_is_named():
-    """Where it would have to be: when it is kept, and where each hunter has an instance of its own."""
+    """Saving copies it, and so does giving each hunter an instance."""
     batch = LearnerBatch("duel", 2, opponents=["nearest", Locked])
     batch.reset(seed=1)
     for keep in (batch.save, batch.clone):
@@ -281,7 +259,6 @@ def test_an_opponent_that_cannot_be_copied_is_named():
 
 
 def test_what_a_batch_cannot_go_on_from_is_refused():
-    """And nothing changes."""
     batch = LearnerBatch("standard", 2, opponents="random", learners=2)
     with pytest.raises(EpisodeError, match="save must follow a reset: no episode has begun"):
         batch.save()
@@ -300,16 +277,6 @@ def test_what_a_batch_cannot_go_on_from_is_refused():
     with pytest.raises(ConfigError, match="saved must be what save gives, got 'state'"):
         batch.restore("state")
     assert played(batch, 1) == before
-
-
-def test_saved_learners_are_equal_until_something_happens():
-    """An agent in it equals only itself, so that they are equal where nobody else plays."""
-    batch = LearnerBatch("duel", 2)
-    batch.reset(seed=1)
-    saved = batch.save()
-    assert saved == batch.save()
-    played(batch, 1, steps=1)
-    assert saved != batch.save()
 
 
 def test_gymnasiums_vector_wrappers_fit():
@@ -357,27 +324,6 @@ def test_gymnasiums_wrappers_of_observations_fit_where_ended_arenas_wait():
         env.reset(options={"reset_mask": np.array([True, False])})
 
 
-@pytest.mark.parametrize(
-    ("seed", "got"), [([], "0"), ((), "0"), ([1], "1"), ((1, 2), "2"), ([1, 2, 3, 4], "4")], ids=str
-)
-def test_seeds_of_a_gymnasium_env_that_are_not_one_for_each_row_are_refused(seed, got):
-    """With their number."""
-    env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
-    with pytest.raises(ConfigError, match=f"^seed must be one number, or one for each of 3 rows, got {got}$"):
-        env.reset(seed=seed)
-
-
-@pytest.mark.parametrize("seeds", [range(4, 7), np.arange(4, 7), np.int64(4), np.array(4)], ids=str)
-def test_seeds_of_a_gymnasium_env_may_be_a_range_or_numpys(seeds):
-    env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
-    assert np.array_equal(env.reset(seed=seeds)[0], env.reset(seed=4)[0])
-
-
-def test_options_of_a_gymnasium_env_are_a_dict_or_none():
-    with pytest.raises(ConfigError, match=r"^options must be a dict or None, got 3 \(int\)$"):
-        GymnasiumVectorEnv("duel", 3, opponents="nearest").reset(options=3)
-
-
 def test_seeds_of_a_gymnasium_env_may_be_a_list_or_a_tuple():
     """Gymnasium's own envs take both, with None among them; the first counts."""
     env = GymnasiumVectorEnv("duel", 3, opponents="nearest")
@@ -385,62 +331,6 @@ def test_seeds_of_a_gymnasium_env_may_be_a_list_or_a_tuple():
     for seed in ([7, 8, None], (7, 7, 7)):
         assert (env.reset(seed=seed)[0] == expected).all()
     assert (env.reset(seed=[None, 7, 7])[0] != expected).any()
-
-
-def test_masks_of_a_gymnasium_env_are_those_that_its_spaces_sample_by():
-    """int8, in the reset, in a step, and where an episode has ended."""
-    env = GymnasiumVectorEnv("scarce", 2, opponents="nearest", max_cycles=2)
-    _, infos = env.reset(seed=3)
-    for _ in range(2):
-        assert infos["action_mask"].dtype == np.int8
-        actions = env.action_space.sample(mask=tuple(infos["action_mask"]))
-        assert env.single_action_space.sample(mask=infos["action_mask"][1]) == 0  # there is no target yet
-        *_, infos = env.step(actions)
-    assert infos["final_info"]["action_mask"].dtype == np.int8
-    assert infos["final_info"]["action_mask"].tolist() == [[1, *[0] * 8]] * 2
-
-
-@pytest.mark.torch
-def test_stable_baselines3_finds_the_figures_of_a_monitor():
-    """VecMonitor keeps what `info_keywords` names, and evaluate_policy does not miss a Monitor."""
-    from stable_baselines3 import PPO
-    from stable_baselines3.common.evaluation import evaluate_policy
-    from stable_baselines3.common.vec_env import VecMonitor
-
-    from catch_arena.training import SB3VecEnv
-
-    env = SB3VecEnv("duel", 2, opponents="nearest", max_cycles=30)
-    model = PPO("MlpPolicy", env, n_steps=8, batch_size=16, seed=1, device="cpu")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        returns, lengths = evaluate_policy(model, env, n_eval_episodes=4, return_episode_rewards=True)
-    assert lengths == [30] * 4
-    assert len(returns) == 4
-
-    with pytest.warns(UserWarning, match="already wrapped with a `Monitor`"):  # whose figures it replaces by its own
-        env = VecMonitor(env, info_keywords=("score", "rank"))
-    env.reset()
-    for _ in range(30):
-        *_, infos = env.step(np.ones(2, dtype=np.int64))
-    for info in infos:
-        assert info["episode"]["l"] == 30
-        assert (info["episode"]["score"], info["episode"]["rank"]) == (info["score"], info["rank"])
-
-
-def test_the_rows_of_a_gymnasium_env_are_those_of_the_batch():
-    """Observations, last observations and masks, row by row."""
-    env, batch = GymnasiumVectorEnv("crowd", 2, max_cycles=3), LearnerBatch("crowd", 2, max_cycles=3)
-    assert (env.reset(seed=[5, *[None] * 31])[0] == batch.reset(5)[0]).all()
-    for _ in range(4):
-        actions = env.action_space.sample()
-        observations, rewards, *_, infos = env.step(actions)
-        step = batch.step(actions)
-        assert (observations == step.observations).all()
-        assert (infos["action_mask"] == step.masks).all()
-        assert (rewards == step.rewards).all()
-        if len(step.ended):
-            assert (infos["final_obs"] == step.final_observations).all()
-            assert (infos["final_info"]["score"] == step.figures["score"]).all()
 
 
 @pytest.mark.parametrize(("name", "library"), [("SB3VecEnv", "stable_baselines3"), ("TorchRLEnv", "torchrl")])
@@ -517,7 +407,7 @@ def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
     """Damaged anywhere, of something else, of another ruleset, with what is no number."""
     good = tmp_path / "good.npz"
     Mlp([(np.ones((4, 3)), np.zeros(4)), (np.ones((2, 4)), np.zeros(2))]).save(good)
-    whole, source = good.read_bytes(), np.random.default_rng(0)
+    whole = good.read_bytes()
     with np.load(good) as file:
         tables = {name: file[name] for name in file.files}
 
@@ -542,9 +432,3 @@ def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
     assert "must be what Mlp.save writes" in said({name: table for name, table in tables.items() if name != "w_1"})
     with pytest.raises(ConfigError, match=r"none\.npz: must be what Mlp\.save writes"):
         Mlp.load(tmp_path / "none.npz")
-    for _ in range(200):
-        damaged = bytearray(whole)
-        damaged[source.integers(len(damaged))] ^= 1 << int(source.integers(8))
-        (tmp_path / "damaged.npz").write_bytes(damaged)
-        with contextlib.suppress(ConfigError):
-            Mlp.load(tmp_path / "damaged.npz")

@@ -1,16 +1,14 @@
-"""Prey beside learners: it plays in a batch as it does in an env of its own."""
-
-import sys
+"""Prey plays in a batch as it does in an env of its own."""
 
 import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.errors import ActionError, AgentError
+from catch_arena.errors import AgentError
 from catch_arena.policy import PreyLimits
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
-from catch_arena.training import GymnasiumVectorEnv, LearnerBatch
+from catch_arena.training import LearnerBatch
 
 WORDS = {0: "target", 1: "velocity"}
 
@@ -32,7 +30,7 @@ class Twins:
             one.reset(0)
 
     def step(self, seats):
-        """What the learners in these seats see and earn, when hunters do what they did in the batch."""
+        """Return observations and rewards of the learners in these seats, with the batch's own actions of hunters."""
         seen, earned = [], []
         for arena, (env, prey) in enumerate(zip(self.envs, self.prey, strict=True)):
             told = {
@@ -111,7 +109,7 @@ class Prey:
     ],
 )
 def test_prey_that_fails_is_named_in_one_line(tmp_path, monkeypatch, fault, play, message):
-    """And where it plays; a step moves nothing then."""
+    """The line names its place, and nothing has moved."""
     file = tmp_path / "mine.py"
     file.write_text(HAND_IN)
     batch = LearnerBatch("tag", 2, prey_agent=str(file))
@@ -128,30 +126,3 @@ def test_an_agent_without_a_prey_is_refused():
     """`patrol` has none."""
     with pytest.raises(AgentError, match="patrol"):
         LearnerBatch("tag", 2, prey_agent="patrol")
-
-
-def test_prey_does_not_act_in_a_step_that_is_refused(monkeypatch):
-    """It could not take it back."""
-    asked = []
-    flee = sys.modules[create_policy(resolve_spec("flee"), "prey").__class__.__module__].Prey
-    act = flee.act
-    monkeypatch.setattr(flee, "act", lambda self, view: asked.append(1) or act(self, view))
-    batch = LearnerBatch("tag", 3, opponents="nearest")
-    batch.reset(seed=1)
-    with pytest.raises(ActionError, match="commands must be two finite numbers"):
-        batch.step(np.full((3, 2), np.inf))
-    assert not asked
-    batch.step(np.zeros((3, 2)))
-    assert len(asked) == 3
-
-
-def test_gymnasiums_rows_are_hunters_alone():
-    """Of an arena with prey; the episodes' figures are theirs too."""
-    env = GymnasiumVectorEnv("herd", 3, opponents="nearest", learners=2, max_cycles=4)
-    observations, _ = env.reset(seed=1)
-    assert observations.shape == (6, len(catch_arena.columns(env.batch.config)))
-    for _ in range(4):
-        observations, rewards, _, cut, infos = env.step(np.zeros(6, int))
-    assert cut.all()
-    assert rewards.shape == infos["final_info"]["score"].shape == (6,)
-    assert infos["final_obs"].shape == observations.shape

@@ -1,4 +1,4 @@
-"""stable-baselines3's PPO and sb3-contrib's MaskablePPO over `SB3VecEnv`, with opponents in the batch."""
+"""PPO of stable-baselines3 and MaskablePPO of sb3-contrib train on `SB3VecEnv` with opponents."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""An X server without a screen, keys from xdotool, and pictures of all that it shows: `make window` runs these."""
+"""An X server without a screen, with keys from xdotool and pictures of its contents; `make window` runs these tests."""
 
 import os
 import subprocess

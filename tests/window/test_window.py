@@ -1,4 +1,4 @@
-"""A person at a real window: keys go in through the X server, and what is seen comes out of it."""
+"""A person plays in a real window: keys go in through the X server, and pictures come out."""
 
 import time
 
@@ -21,7 +21,7 @@ while env.agents:
 
 
 def share(picture: np.ndarray, color: tuple[int, int, int]) -> float:
-    """How much of a picture has that colour."""
+    """Return the share of a picture that has this colour."""
     return float((np.abs(picture.astype(int) - color).max(axis=2) < 10).mean()) if picture.size else 0.0
 
 

@@ -14,7 +14,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from turtlesim.msg import Pose
-from turtlesim.srv import Kill, SetPen
+from turtlesim.srv import SetPen
 
 
 class Controller(Node):
@@ -25,13 +25,12 @@ class Controller(Node):
         self.choices = choices
         package, word, self.list_field, self.name_field, self.answer_field = choices.types
         self.catch = import_module(f"{package}.srv").CatchTurtle
-        self.pose, self.turtles, self.asking, self.lists = None, [], False, 0
+        self.pose, self.turtles, self.asking = None, [], False
         group = ReentrantCallbackGroup() if choices.answers == "threads" else None
         self.publisher = self.create_publisher(Twist, f"{choices.turtle}/cmd_vel", 10)
         self.create_subscription(Pose, f"{choices.turtle}/pose", self.on_pose, 10, callback_group=group)
         turtle_array = getattr(import_module(f"{package}.msg"), word)
         self.create_subscription(turtle_array, "alive_turtles", self.on_list, 10, callback_group=group)
-        self.kill = self.create_client(Kill, "/kill") if choices.kills else None
         self.pen = self.create_client(SetPen, f"{choices.turtle}/set_pen") if choices.pen else None
         self.client = (
             None if choices.new_client else self.create_client(self.catch, choices.service, callback_group=group)
@@ -47,18 +46,12 @@ class Controller(Node):
         if self.choices.hasty:
             self.pose.x  # noqa: B018 - it dies if the list comes first, as many solutions do
         self.turtles = getattr(message, self.list_field)
-        self.lists += 1
 
     def step(self):
         if self.pose is None or not self.turtles:
             return
         turtle = self.choose()
         distance = self.distance(turtle)
-        if self.kill is not None:
-            if not self.asking:
-                self.kill_from_afar(getattr(turtle, self.name_field))
-            self.asking = True
-            return
         turn = math.remainder(math.atan2(turtle.y - self.pose.y, turtle.x - self.pose.x) - self.pose.theta, math.tau)
         gain = min(6.0, 0.8 * self.choices.hz)
         twist = Twist()
@@ -76,8 +69,6 @@ class Controller(Node):
     def choose(self):
         if self.choices.target == "nearest":
             return min(self.turtles, key=self.distance)
-        if self.choices.target == "farthest":
-            return max(self.turtles, key=self.distance)
         return self.turtles[0]
 
     def ask(self, name):
@@ -106,20 +97,6 @@ class Controller(Node):
         self.say(f"{'caught' if caught else 'refused'} {name}")
         self.asking = False
 
-    def kill_from_afar(self, name):
-        before = self.lists
-
-        def on_killed(_):
-            self.create_timer(0.1, look)
-
-        def look():
-            if self.lists >= before + 3:
-                listed = any(getattr(one, self.name_field) == name for one in self.turtles)
-                self.say(f"{'refused' if listed else 'killed'} {name}")
-                raise SystemExit
-
-        self.kill.call_async(Kill.Request(name=name)).add_done_callback(on_killed)
-
     def say(self, line):
         print(line, flush=True)  # noqa: T201
 
@@ -128,13 +105,13 @@ def main():
     parser = argparse.ArgumentParser()
     course = ["my_robot_interfaces", "TurtleArray", "turtles", "name", "success"]
     parser.add_argument("--types", nargs=5, default=course)
-    parser.add_argument("--target", choices=("nearest", "first", "farthest"), default="nearest")
+    parser.add_argument("--target", choices=("nearest", "first"), default="nearest")
     parser.add_argument("--answers", choices=("callback", "spin", "threads"), default="callback")
     parser.add_argument("--stop", type=float, default=0.5)
     parser.add_argument("--hz", type=float, default=10.0)
     parser.add_argument("--turtle", default="turtle1")
     parser.add_argument("--service", default="catch_turtle")
-    for flag in ("--new-client", "--hasty", "--kills", "--pen"):
+    for flag in ("--new-client", "--hasty", "--pen"):
         parser.add_argument(flag, action="store_true")
     rclpy.init()
     node = Controller(parser.parse_args(rclpy.utilities.remove_ros_args()[1:]))

@@ -1,4 +1,4 @@
-"""An agent that forfeits too often in a row is out, whenever and wherever matches are played."""
+"""An agent that forfeits too many matches in a row plays no more, with any number of processes."""
 
 import random
 from collections import Counter
@@ -123,23 +123,6 @@ def test_whoever_plays_what_when_and_is_broken_off_the_records_are_those_of_one_
                 play_plan(store, plan, executor, max_forfeits=most)
                 break
         assert list(store.played()) == expected
-
-
-def test_of_one_that_has_ended_no_match_no_more_are_begun_than_it_may_forfeit():
-    """However many workers there are: each of its matches may cost all the time that it is allowed."""
-    field = Field([0.0, 0.0, 1.0], 1)
-    plan = round_robin(3, hunters(SEATS), 50, seed=1)
-    executor = Shuffled(field, 100, seed=1)
-    begun = []
-
-    def submit(block, out):
-        begun.append((block, dict(out)))
-        return Shuffled.submit(executor, block, out)
-
-    executor.submit = submit
-    played_by(executor, field, plan, 10)
-    blocks = {block for block, out in begun if not out}
-    assert sum(map(len, blocks)) == 12  # whole blocks of three
 
 
 @pytest.mark.parametrize(

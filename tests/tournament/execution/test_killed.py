@@ -1,4 +1,4 @@
-"""A tournament that is killed (SIGKILL) continues, ends as if undisturbed, and leaves no process behind."""
+"""A tournament that is killed with SIGKILL resumes, ends with the same results, and leaves no process behind."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""Matches on Ray have the results of matches here, and every machine needs the same versions."""
+"""Matches on Ray have the same results as local ones, and every machine must have the same versions."""
 
 import shutil
 import subprocess

@@ -1,4 +1,4 @@
-"""Every way to fail, at both levels: the agent forfeits with its code, the others play on, and nothing is left."""
+"""An agent that fails forfeits with the right code at each level of isolation, and the other agents play on."""
 
 import re
 from dataclasses import replace
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from isolation_levels import LEVELS
-from tournament.agents import LEAVES_A_CHILD, source, write_agent
+from tournament.agents import LEAVES_A_CHILD, source
 
 from catch_arena import Replay, scenario
 from catch_arena.interrupts import family
@@ -115,13 +115,7 @@ def played(tmp_path):
             r"act took longer than step_ms \(1000 ms\) and what was left of bank_s \(3 s\)",
         ),
         ("hangs", {"cpu_s": 1}, "FORFEIT_CRASH", 5, r"act: its process used up its CPU time \(cpu_s\)"),
-        (
-            "never_reads.sh",
-            {"init_s": 6},
-            "FORFEIT_INIT",
-            0,
-            r"reset took longer than what was left of init_s \(6 s\)",
-        ),
+        ("never_reads.sh", {"init_s": 3}, "FORFEIT_INIT", 0, r"reset took longer than what was left of init_s \(3 s\)"),
         ("hangs_at_import", {"init_s": 1}, "FORFEIT_INIT", 0, r"init took longer than init_s \(1 s\)"),
         ("speaks_garbage", {}, "FORFEIT_ILLEGAL", 1, "(said more than one line|its line is no JSON object): 'no JSON"),
         ("floods_the_answers", {}, "FORFEIT_ILLEGAL", 1, "its line is longer than 65536 bytes"),
@@ -150,18 +144,6 @@ def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(
     *_, last = replay.worlds()
     assert last.hunters[0].withdrawn
     assert last.hunters[1].score == result.scores[1] > 0
-
-
-def test_who_is_late_stays_late_though_another_thinks_for_longer(sandbox, tmp_path):
-    """The first takes longer than what is left of its bank, and answers before the second does."""
-    for name, naps in (("late", "[4.2, 1.0]"), ("slow", "[4.4, 0.0]")):
-        act = "time.sleep(naps.pop() if naps else 0)\nreturn 0"
-        write_agent(tmp_path / f"{name}.py", act, before=f"import time\nnaps = {naps}\n")
-    with Sandbox(Quotas(init_s=60, step_ms=200, bank_s=4.5, isolation=sandbox.quotas.isolation)) as within:
-        entrants = enter([str(tmp_path / "late.py"), str(tmp_path / "slow.py")], inspector(within))
-        with start_players(entrants, within) as players:
-            result = play_match(SHORT, 3, players, ["late", "slow"], most_steps=3)
-    assert str(result.forfeits[0]).startswith("FORFEIT_TIMEOUT in step 2")
 
 
 def test_what_it_takes_over_a_step_comes_out_of_its_bank(sandbox, played):
@@ -208,12 +190,6 @@ def test_it_finds_nothing_of_the_match_or_its_rival_in_its_memory(sandbox, playe
     assert re.search(r"found \[.*'CatchArenaEnv', 'Engine'.*'the rival'\]", capsys.readouterr().out)
 
 
-def test_those_who_forfeit_come_behind_all_others_and_the_longer_they_lasted_the_better(sandbox, played):
-    result = played(sandbox, "crashes", "is_illegal", "idle", "hoards")
-    assert result.forfeit_codes == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL", None, "FORFEIT_CRASH")
-    assert result.ranks == (2, 4, 1, 2)
-
-
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_match_ends_when_all_have_forfeited(sandbox, played, trusted):
     result = played(None if trusted else sandbox, "crashes", "is_illegal")
@@ -240,24 +216,3 @@ def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_
     assert result.forfeit_codes == ("FORFEIT_INIT", None)
     assert result.forfeits[0].reason == entrants[0].fault
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["mine.py"]
-
-
-@pytest.mark.parametrize(
-    ("source", "places", "last"),
-    [
-        ("def share():\n    return 1 / 0\n\nshare()\n", [("mine", "4"), ("mine", "2")], "ZeroDivisionError"),
-        (
-            "from catch_arena.training import Mlp\nclass Agent:\n    def __init__(self):\n        Mlp.load('no.npz')\n",
-            [("mine", "4")],
-            "Mlp.load('no.npz')",
-        ),
-    ],
-    ids=["its own", "one of ours"],
-)
-def test_the_log_has_the_agents_own_lines_of_a_traceback(sandbox, tmp_path, source, places, last):
-    """Of an error of ours it has nothing else: the error is a line that tells all."""
-    path = tmp_path / "mine.py"
-    path.write_text(source)
-    log = inspector(sandbox)(str(path)).log
-    assert re.findall(r'File ".*/(\w+)\.py", line (\d+)', log) == places
-    assert last in log.splitlines()[-1]

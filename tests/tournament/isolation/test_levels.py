@@ -1,4 +1,4 @@
-"""The level of isolation on this machine, and the line that names it or says why it does not work."""
+"""The best level of isolation that works here is used; if one does not work, a line says why."""
 
 import os
 import stat

@@ -1,15 +1,11 @@
-"""Isolated play equals trusted play in every bit, in any language; our own failures are no agent's fault."""
+"""Isolated and trusted agents play the same match, and a failure of ours is never an agent's forfeit."""
 
-import json
 import os
 import signal
-import subprocess
-import sys
 import time
 from dataclasses import fields
 from pathlib import Path
 
-import numpy as np
 import pytest
 from isolation_levels import LEVELS
 from tournament.agents import write_agent
@@ -20,10 +16,9 @@ from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.interrupts import family
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.isolation.sandbox import AgentProcess, Sandbox
+from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.match_loop import play_match
 
@@ -48,7 +43,7 @@ def played(config, entrants, sandbox, **options):
 
 def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
     names = [*shipped(), "random"]
-    config = scenario("standard", hunters=len(names), time_limit_s=15)
+    config = scenario("standard", hunters=len(names), time_limit_s=6)
     isolated = played(config, enter([alone(name) for name in names], inspector(sandbox)), sandbox)
     mixed = played(config, enter([alone(name) for name in names[:3]] + names[3:], inspector(sandbox)), sandbox)
     trusted = played(config, enter(names), None)
@@ -68,7 +63,6 @@ def test_agents_that_come_with_the_package_need_no_process(sandbox):
 
 
 def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox, tmp_path):
-    """Its prey stands in another file than its class, and its digest is of both."""
     path = tmp_path / "mine.py"
     path.write_text("from catch_arena.agents.patrol import Agent\nfrom catch_arena.agents.flee import Prey\n")
     words = ["patrol", "catch_arena.agents.first:Agent", str(path)]
@@ -122,28 +116,6 @@ def test_a_module_is_imported_once_for_all_matches_and_what_a_match_changes_is_g
     assert second == ["1 1 1"]
 
 
-def test_numpys_numbers_are_actions(sandbox, tmp_path):
-    path = tmp_path / "numbers.py"
-    path.write_text(
-        "import numpy as np\nclass Agent:\n    control = 'full'\n    def reset(self, seed): pass\n"
-        "    def act(self, view):\n        seen = np.asarray(view.observation, dtype=np.float32)\n"
-        "        return {'cmd_vel': np.tanh(seen[10:12]), 'catch': np.int64(view.mask[1])}\n"
-    )
-    words = [str(path), "nearest"]
-    isolated = played(SHORT, enter(words, inspector(sandbox)), sandbox)
-    assert isolated == played(SHORT, enter(words), None)
-    assert isolated.forfeit_codes == (None, None)
-
-
-def test_a_view_as_a_line_gives_every_float32_back():
-    bits = np.random.default_rng(1).integers(0, 2**32, 20_000, dtype=np.uint32)
-    floats = bits.view(np.float32)
-    numbers = [float(number) for number in floats[np.isfinite(floats)]]
-    said = json.loads(protocol.view_line(numbers, [1, 0]))
-    assert np.asarray(said["view"], dtype=np.float32).tolist() == numbers
-    assert said["mask"] == [1, 0]
-
-
 def test_all_are_asked_at_the_same_time(tmp_path):
     """Each answers when all four have seen their views: asked one after the other, the first would be late."""
     before = "import os, time\nfrom pathlib import Path\nHERE = Path(__file__).parent\n"
@@ -164,15 +136,6 @@ def test_the_docs_have_every_limit():
     for limit in fields(Quotas):
         if limit.name in Quotas().numbers():
             assert f"| `{limit.name}` | {limit.default:g} |" in page
-
-
-def test_an_end_that_a_match_has_not_read_does_not_reach_the_next_one(sandbox):
-    """A match's process that ends by itself after its last answer leaves it in the pipe."""
-    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
-    first = played(SHORT, entrants, sandbox)
-    for process in sandbox._processes.values():
-        assert process.write(protocol.END)
-    assert played(SHORT, entrants, sandbox) == first
 
 
 def test_a_process_that_cannot_start_is_no_contest_and_its_last_line_says_why(sandbox, monkeypatch):
@@ -215,25 +178,6 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_pa
         signal.signal(signal.SIGALRM, former)
 
 
-def test_an_agents_program_removes_its_folder_when_its_pipes_close(tmp_path):
-    """The pipes of a tournament that is killed close before the system sends its agents a signal."""
-    (folder := tmp_path / "folder").mkdir()
-    (lines, into), (answers, out) = os.pipe(), os.pipe()
-    told = {"spec": alone("idle"), "quotas": Quotas().numbers(), "folder": str(folder), "into": lines, "out": out}
-    code = "import sys; from catch_arena.tournament.isolation.agent_program import main; main(sys.argv[1])"
-    words = [sys.executable, "-c", code, json.dumps(told | {"namespaced": False})]
-    with subprocess.Popen(words, pass_fds=(lines, out), stderr=subprocess.DEVNULL):
-        os.close(lines)
-        os.close(out)
-        os.write(into, protocol.hello_line("hunter"))
-        with os.fdopen(answers, "rb") as said:
-            assert said.readline() == protocol.STARTED
-            assert b"control" in said.readline()  # the match's process waits for the next line
-            assert folder.exists()
-        os.close(into)
-    assert not folder.exists()
-
-
 def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     sandbox.close()
     before = family(os.getpid())
@@ -262,19 +206,3 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
 def test_limits_that_cannot_be_are_named(values, message):
     with pytest.raises(ConfigError, match=message):
         Quotas.of(**values)
-
-
-def test_all_are_killed_though_who_waits_for_one_forgets_it_meanwhile(sandbox, monkeypatch):
-    """As the thread does that hears first of an agent's end, while a window is closed."""
-    entrants = enter([alone("idle"), alone("nearest")], inspector(sandbox))
-    processes = [sandbox.start(one) for one in entrants]
-    kill = AgentProcess.kill
-
-    def forgotten(process):
-        kill(process)
-        sandbox.end(entrants[processes.index(process)])
-
-    monkeypatch.setattr(AgentProcess, "kill", forgotten)
-    sandbox.kill()
-    monkeypatch.undo()
-    assert sandbox._processes == {}

@@ -1,13 +1,12 @@
-"""Plans: who meets whom how often, in every seat, one seed for each block, and all from one number."""
+"""Plans seat all agents equally often in every seat, use one seed for each block, and follow from one number."""
 
 from collections import Counter
-from itertools import combinations
 from math import comb
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tournament.seats import blocks_of, hunters
+from tournament.seats import hunters
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.execution.cost import match_counts
@@ -16,8 +15,6 @@ from catch_arena.tournament.plans.schedule import (
     plan_of,
     round_robin,
 )
-
-SIZES = st.integers(1, 6).flatmap(lambda seats: st.tuples(st.integers(seats, 8), st.just(seats), st.integers(1, 3)))
 
 
 @st.composite
@@ -48,14 +45,6 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
     assert not list(plan.stage(1, ()))
 
 
-@given(SIZES, st.integers(0, 2**64 - 1))
-def test_each_round_meets_every_subset_once_in_every_rotation(sizes, seed):
-    entrants, seats, rounds = sizes
-    plan = round_robin(entrants, hunters(seats), rounds, seed)
-    groups = Counter(tuple(sorted(block[0].seating)) for block in blocks_of(plan))
-    assert groups == dict.fromkeys(combinations(range(entrants), seats), rounds)
-
-
 def test_a_plan_follows_from_its_seed_and_a_longer_one_begins_with_the_shorter():
     assert list(round_robin(6, hunters(4), 2, 9)) != list(round_robin(6, hunters(4), 2, 10))
     assert list(round_robin(6, hunters(4), 3, 9))[:120] == list(round_robin(6, hunters(4), 2, 9))
@@ -81,12 +70,6 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
     mean = most * (seats - 1) / (entrants - 1) / seats
     assert mean >= rounds
     assert often - seldom <= 5 * seats
-
-
-@pytest.mark.parametrize(("entrants", "seats"), [(5, 2), (9, 2), (9, 3), (5, 4), (13, 12)])
-def test_where_a_design_is_simple_balanced_blocks_are_perfect(entrants, seats):
-    _, (seldom, often) = match_counts(plan_of("round-robin", entrants, hunters(seats), 4, seed=0, most=1), entrants)
-    assert seldom == often
 
 
 @pytest.mark.parametrize(("entrants", "seats", "rounds"), [(6, 4, 1), (2, 2, 3), (41, 4, 1)])
@@ -126,7 +109,7 @@ def test_of_more_groups_than_a_round_may_have_a_balanced_sample_is_played():
     ],
 )
 def test_without_a_number_of_rounds_each_entrant_plays_ten_blocks(form, entrants, seats, rounds):
-    """So that every figure of the standings has an interval; one round less would not do."""
+    """Every figure of the standings then has an interval."""
     plan = plan_of(form, entrants, hunters(seats), None, 5)
     assert plan.parameters["rounds"] == rounds
     blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)

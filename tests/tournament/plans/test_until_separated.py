@@ -1,4 +1,4 @@
-"""Playing until the order is clear: whole rounds, a budget, and the same matches with a larger one."""
+"""A tournament with `--until-separated` ends after whole rounds, when the order is clear or the budget is spent."""
 
 import pytest
 from tournament.runs import run
@@ -34,12 +34,6 @@ def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
     assert not plays.last.clear
     assert set(plays.last.pair) == {"nearest", "nearest#2"}
     assert "cannot be told apart yet (p = " in str(plays.last)
-
-
-def test_a_larger_budget_begins_with_the_same_matches_and_has_the_same_parameters():
-    few, many = plan(EQUAL, 30), plan(EQUAL, 60)
-    assert few.parameters == many.parameters
-    assert list(few.stage(0, ())) == list(many.stage(0, ()))[: len(list(few.stage(0, ())))]
 
 
 def test_what_cannot_be_is_refused():

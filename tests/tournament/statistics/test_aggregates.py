@@ -1,4 +1,4 @@
-"""Figures over many scenarios equal those of rliable."""
+"""Aggregate figures over many scenarios equal those of rliable."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Wins, ties and shares of each agent against each other, against numbers worked out by hand."""
+"""Head-to-head wins, ties and shares equal numbers that were worked out by hand."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Groups of equal agents, and the end of a clear order: errors are as rare as docs/explanation/ratings.md says."""
+"""Agents that cannot be told apart share a group; errors are as rare as docs/explanation/ratings.md says."""
 
 import re
 from pathlib import Path
@@ -30,19 +30,6 @@ def test_holms_correction_by_hand():
     assert holm(np.array([0.9, 0.8])).tolist() == [1.0, 1.0]
 
 
-def test_those_who_can_be_told_apart_share_no_group_and_others_do():
-    world = simulations.plackett_luce(6, 1.0)
-    ratings = rate(simulations.simulated(world, simulations.Design(6, 4, 3), np.random.default_rng(2)))
-    order = ratings.points.argsort()[::-1].tolist()
-    found = groups(ratings, order)
-    assert found[0] == (1, 1)
-    assert found[0][1] < found[-1][0]
-    firsts, lasts = zip(*found, strict=True)
-    assert list(firsts) == sorted(firsts)
-    assert list(lasts) == sorted(lasts)
-    assert min(number for both in found for number in both) == 1
-
-
 def test_equals_are_told_apart_as_seldom_as_docs_ratings_says():
     """The same 500 tournaments as there: the figure must come out again, but for two tournaments. Without Holm's
     correction it would be 23 %, and 4 % if the lesser of two p-values were not doubled.
@@ -72,7 +59,7 @@ def test_one_that_never_wins_is_certainly_worse():
 
 
 def test_agents_that_always_come_last_do_not_hide_the_order_of_the_others():
-    """As a class has some that forfeit every match: 16 play, two of them not really."""
+    """Two of 16 agents forfeit every match."""
     plan, random = plan_of("round-robin", 16, hunters(4), 8, seed=1, most=1), np.random.default_rng(1)
     seating, block = (np.array([getattr(match, name) for match in plan]) for name in ("seating", "block"))
     scores = np.where(seating < 2, -seating, random.poisson(np.linspace(2, 30, 16)[seating]))
@@ -80,11 +67,6 @@ def test_agents_that_always_come_last_do_not_hide_the_order_of_the_others():
     found = groups(rate(Outcomes(16, block, seating, scores, ranks)), list(range(15, -1, -1)))
     assert found[0][1] < found[8][0]
     assert all(last < found[14][0] for _, last in found[:8])
-
-
-def test_nothing_is_clear_before_the_first_look():
-    assert not separation(THREE, played(next_look(0) - 1, (90.0, 1.0, 30.0))).clear
-    assert not separation(THREE, []).clear
 
 
 def test_the_looks_together_spend_what_there_is():

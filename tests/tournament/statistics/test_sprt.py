@@ -1,4 +1,4 @@
-"""The sequential test of `compare`, against Wald's test, and its errors as rare as promised."""
+"""The sequential test of `compare` equals Wald's test, and errs as rarely as promised."""
 
 import math
 
