@@ -8,7 +8,6 @@ from rulebook.adjudicators import Adjudicator
 from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
-from catch_arena.errors import ConfigError
 
 
 @pytest.mark.rule("R3.1")
@@ -97,12 +96,6 @@ def test_r3_3_the_kth_place_depends_on_the_seed_and_k_alone(arena: ArenaFactory)
     assert list(dict.fromkeys(found)) == at_reset
 
 
-@pytest.mark.rule("R3.3")
-def test_r3_3_another_seed_has_other_places(arena: ArenaFactory) -> None:
-    """None in common."""
-    assert not set(places(arena(initial_targets=16, seed=9))) & set(places(arena(initial_targets=16, seed=10)))
-
-
 @pytest.mark.rule("R3.4")
 def test_r3_4_a_spawn_number_is_never_used_again(arena: ArenaFactory) -> None:
     """Twelve targets come and go in a storage of two."""
@@ -170,21 +163,6 @@ def test_r3_6_a_spawn_that_the_simulator_refuses_uses_up_its_number(arena: Arena
     assert match.spawned == len(match.alive) == 60 - match.refused
     everywhere = places(arena(initial_targets=60, max_targets=64, seed=3))
     assert places(match) == [everywhere[number - 1] for number in match.alive]
-
-
-@pytest.mark.rule("R3.7")
-def test_r3_7_targets_know_three_motions() -> None:
-    """No other word is taken."""
-    assert [ArenaConfig(target_motion=motion).targets_move for motion in ("still", "wander", "flee")] == [
-        False,
-        True,
-        True,
-    ]
-    for motion in ("run", "", None):
-        with pytest.raises(ConfigError, match="target_motion must be one of still, wander, flee"):
-            ArenaConfig(target_motion=motion)  # type: ignore[arg-type]
-    with pytest.raises(ConfigError, match="target_motion"):
-        ArenaConfig().replace(target_motion="Flee")
 
 
 @pytest.mark.rule("R3.7")

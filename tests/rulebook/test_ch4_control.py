@@ -5,8 +5,6 @@ import math
 import pytest
 from rulebook.conftest import ArenaFactory
 
-from catch_arena.config import Gains
-from catch_arena.scenarios import scenario
 from catch_arena.verdicts import Verdict
 
 P = 0.1
@@ -190,13 +188,6 @@ def test_r4_3_integrals_start_again_when_the_active_target_changes_and_on_hold(a
     assert match.hunter().bearing_integral < 0
     match.step(0)
     assert (match.hunter().distance_integral, match.hunter().bearing_integral) == (0.0, 0.0)
-
-
-@pytest.mark.rule("R4.3")
-def test_r4_3_the_gains_of_the_standard_and_of_the_capstone() -> None:
-    """Kp_v = 2 and Kp_w = 6 in both; the standard ones have Ki_v = 1 besides."""
-    assert scenario("standard").gains == Gains(kp_v=2.0, ki_v=1.0, kp_w=6.0, ki_w=0.0)
-    assert scenario("capstone").gains == Gains(kp_v=2.0, ki_v=0.0, kp_w=6.0, ki_w=0.0)
 
 
 @pytest.mark.rule("R4.4")

@@ -137,20 +137,6 @@ def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaF
     assert ArenaConfig(hunters=1).hunters_seen == 0
 
 
-@pytest.mark.rule("R7.1")
-def test_r7_1_from_the_same_place_everybody_sees_the_same(arena: ArenaFactory) -> None:
-    """Each of three hunters in turn takes one seat in a figure of three."""
-    match = arena(hunters=3, observed_targets=2)
-    figure = [(5.0, 5.0, 1.0), (6.0, 5.5, 2.0), (4.0, 7.0, -2.5)]
-    views: list[list[list[float]]] = []
-    for turn in range(3):
-        match.reset(1)
-        match.place(hunters=figure[turn:] + figure[:turn], targets=[(5.0, 6.0), (7.0, 7.0)])
-        match.look()
-        views.append([match.observation((place - turn) % 3) for place in range(3)])
-    assert views[0] == views[1] == views[2]
-
-
 def read_by_name(view: View, config: ArenaConfig) -> dict[str, float]:
     """All that a view shows, under the names of the observation's columns."""
     read = {name: getattr(view, name) for name in SELF_COLUMNS}
@@ -273,27 +259,3 @@ def test_r7_3_state_is_the_global_view_in_the_world_frame() -> None:
         assert (view[f"target_{place}.x"], view[f"target_{place}.y"]) == (np.float32(target.x), np.float32(target.y))
         assert view[f"target_{place}.age"] == pytest.approx((700 - target.spawned_ms) / 1000, abs=1e-6)
     assert view[f"target_{len(world.targets) + 1}.present"] == 0.0
-
-
-@pytest.mark.rule("R7.3")
-@pytest.mark.parametrize("budget", [None, 1])
-def test_r7_3_truncation_and_termination_are_told_apart_and_the_last_observation_is_delivered(
-    budget: int | None,
-) -> None:
-    """The first by the time limit, the second by the budget; the last observation shows the last state."""
-    env = parallel_env(
-        "standard", hunters=2, initial_targets=1, target_budget=budget, time_limit_s=0.2, reach_m=20.0, max_targets=1
-    )
-    env.reset(seed=1)
-    env.step({"hunter_0": 0, "hunter_1": 0})
-    observations, _, terminations, truncations, infos = env.step({"hunter_0": 1, "hunter_1": 0})
-    assert set(terminations.values()) == {budget is not None}
-    assert set(truncations.values()) == {budget is None}
-    assert env.agents == []
-    for seat, agent in enumerate(env.possible_agents):
-        hunter = env.world().hunters[seat]
-        found = dict(zip(SELF_COLUMNS, observations[agent][:OWN].tolist(), strict=True))
-        assert (found["x"], found["y"]) == (np.float32(hunter.x), np.float32(hunter.y))
-        assert found["time_left"] == 0.0
-        assert found["score"] == hunter.score == 1 - seat
-    assert set(infos) == set(env.possible_agents)
