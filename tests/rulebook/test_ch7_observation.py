@@ -205,23 +205,6 @@ def test_r7_2_ranks_without_a_target_are_zero_and_masked(arena: ArenaFactory) ->
 
 
 @pytest.mark.rule("R7.2")
-def test_r7_2_the_mask_comes_in_info() -> None:
-    """An int8 array, or none; at reset and after each step."""
-    env = parallel_env("standard", hunters=3, control=("target", "full", "velocity"), initial_targets=2)
-    _, infos = env.reset(seed=1)
-    for _ in range(2):
-        expected = np.array([1, 1, 1, 0, 0, 0, 0, 0, 0], np.int8)
-        for agent in env.agents[:2]:
-            assert infos[agent]["action_mask"].dtype == np.int8
-            assert np.array_equal(infos[agent]["action_mask"], expected)
-        assert "action_mask" not in infos["hunter_2"]
-        drawn = [env.action_space(agent).sample(infos[agent]["action_mask"]) for agent in env.agents[:2]]
-        assert {drawn[0], drawn[1]["catch"]} <= {0, 1, 2}
-        still = np.zeros(2, np.float32)
-        infos = env.step({"hunter_0": 0, "hunter_1": {"cmd_vel": still, "catch": 0}, "hunter_2": still})[4]
-
-
-@pytest.mark.rule("R7.2")
 def test_r7_2_where_asked_for_the_mask_stands_in_the_observation_under_target_control() -> None:
     """And only there."""
     env = parallel_env("standard", hunters=2, control=("target", "velocity"), mask_in_observation=True)

@@ -116,13 +116,6 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
     assert len(folders) == 1 + len(read)
 
 
-def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
-    """One that can be seen, but not written."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
-    assert cache._cache_directory() is None
-
-
 @pytest.fixture
 def without_a_home(tmp_path, monkeypatch):
     """Nothing can be written there; temporary files go to a folder that is returned."""
@@ -205,17 +198,6 @@ def test_what_is_damaged_in_the_cache_is_compiled_again_and_replaced(tmp_path, h
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
-def test_one_wrong_byte_is_noticed(tmp_path, hits):
-    """Where nothing fails on it: it could as well be in the machine code."""
-    assert not hits([1.5, 2.0])
-    (file,) = tmp_path.rglob("*.nbc")
-    damaged = file.read_bytes().replace(b"total = 0", b"total = 1")  # the source, which Numba keeps beside the code
-    assert damaged != file.read_bytes()
-    file.write_bytes(damaged)
-    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
-
-
-@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_code_for_other_arguments_under_a_file_s_name_is_not_run(tmp_path, hits):
     """As two processes can leave it that save at once."""
     assert not hits([1.5, 2.0])
@@ -244,12 +226,3 @@ def test_numba_writes_no_debug_lines_for_the_root_logger(caplog):
 
     assert numba.njit(lambda number: number + 1)(1) == 2
     assert [record.name for record in caplog.records] == []
-
-
-def test_a_level_that_somebody_gave_numbas_logger_stays():
-    """Who wants these lines gets them."""
-    given = "import logging; log = logging.getLogger('numba'); log.setLevel(logging.DEBUG); "
-    code = f"{given}import catch_arena.core.jit; print(log.level == logging.DEBUG)"
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    assert result.stdout == "True\n"
