@@ -241,3 +241,22 @@ def test_r10_1_motion_stays_within_10_micrometres_of_real_turtlesim(arena: Arena
     assert apart < 1e-5
     assert turned < 1e-5
     assert len(recorded) * 0.016 > 40
+
+
+@pytest.mark.rule("R10.1")
+@pytest.mark.parametrize("path", TRACES, ids=lambda path: path.stem)
+def test_r10_1_the_tick_alone_stays_within_10_micrometres_of_real_turtlesim(path: Path) -> None:
+    """The one that draws what lies between two steps."""
+    from catch_arena.core.math import sincos
+    from catch_arena.core.physics import DT, next_pose, turned
+
+    recorded = trace(path)
+    x, y, theta = recorded[0][:3]
+    driven = [(x, y, theta)]
+    for row in recorded[1:]:
+        x, y, *_ = next_pose(x, y, *sincos(theta), row[3] * DT, *sincos(row[4] * DT), TURTLESIM_SIDE_M)
+        theta = turned(theta, row[4] * DT, 1)
+        driven.append((x, y, theta))
+    apart, turned = farthest(recorded, driven)
+    assert apart < 1e-5
+    assert turned < 1e-5
