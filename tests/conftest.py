@@ -1,4 +1,4 @@
-"""How many examples hypothesis tries, and what a run says of itself."""
+"""Settings that all tests share: hypothesis's examples, generous time limits, one compilation for all processes."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""tests/rulebook's adjudicators behind the face that the suite asks for: catch_arena.testing.ArenaUnderTest."""
+"""Arenas under test (catch_arena.testing.ArenaUnderTest) made of the adjudicators of tests/rulebook."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""The suite runs over our five adjudicators: oracle, `arbitrate`, engine, a row of a batch, parallel env."""
+"""Our five adjudicators answer every conformance case: oracle, `arbitrate`, engine, a row of a batch, parallel env."""
 
 import pytest
 from conformance.arenas import AdjudicatorUnderTest, OracleUnderTest

@@ -1,4 +1,4 @@
-"""Answers of arbiters and arenas are read in several forms; whatever is wrong with one, the report says it in words."""
+"""Answers of arbiters and arenas are read in several forms, and a report says in words what is wrong with one."""
 
 import contextlib
 import dataclasses

@@ -1,4 +1,4 @@
-"""`catch-arena conformance`: what it prints, what it writes, its exit codes; and the page that shows it."""
+"""`catch-arena conformance` prints, writes and exits as its page shows."""
 
 import re
 import shlex

@@ -1,6 +1,4 @@
-"""A bad call is refused with a message that names field, requirement and value, and the arena is as it was before
-it.
-"""
+"""Bad calls are refused by an error that names field, requirement and value, and leave the arena as it was."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What other libraries ask of the interfaces, each of it found wanting once by a client that did not run.
+"""The environments give other libraries the infos, names, spaces and seeds that these ask for.
 
 `make compat` trains with the libraries themselves (docs/compatibility.md).
 """

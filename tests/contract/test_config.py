@@ -1,4 +1,4 @@
-"""What the settings say of themselves: by seat, in whole micrometres, and as JSON."""
+"""Settings are read back from JSON unchanged, hold plain numbers, and compare in whole micrometres."""
 
 import json
 from fractions import Fraction

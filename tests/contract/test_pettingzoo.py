@@ -1,4 +1,4 @@
-"""PettingZoo's own tests, in every control, and what they leave out."""
+"""Every kind of environment passes PettingZoo's own tests, and tests of what those leave out."""
 
 import cv2
 import numpy as np

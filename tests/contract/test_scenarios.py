@@ -1,4 +1,4 @@
-"""Every scenario in every interface, by the tests of those who use it: PettingZoo, SuperSuit, tournaments, grades."""
+"""Every scenario with uncertainty is played in tournaments, and SuperSuit keeps agents that have left."""
 
 import pytest
 import supersuit

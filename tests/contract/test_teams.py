@@ -1,4 +1,4 @@
-"""R11.1, R11.2 in every interface: whose rival is a mate, what a team has caught, and what its members get."""
+"""R11.1 in the environments: teams, their scores, and equal configs for equal teams."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The commands on a narrow terminal, in a file, and under LANG=C: all can be read, and nothing is cut off."""
+"""Commands can be read in full on a narrow terminal, in a file, and under LANG=C."""
 
 import json
 import os

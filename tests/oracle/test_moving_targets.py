@@ -1,4 +1,4 @@
-"""R3.8 to R3.10 on the oracle: what must hold of targets that move, whatever the numbers are."""
+"""R3.8 to R3.10 on the oracle: how targets wander and flee, worked out by hand."""
 
 import math
 from random import Random

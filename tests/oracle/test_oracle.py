@@ -1,4 +1,4 @@
-"""The oracle keeps its word: it shares no code with the package, and it stands on the standard library alone."""
+"""The oracle shares no code with the package and needs the standard library alone."""
 
 import ast
 import sys

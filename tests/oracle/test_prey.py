@@ -1,4 +1,4 @@
-"""Chapter 12 on the oracle: what must hold of prey, and small cases worked out by hand."""
+"""Chapter 12 on the oracle: small cases of prey, worked out by hand."""
 
 import math
 

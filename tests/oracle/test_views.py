@@ -1,4 +1,4 @@
-"""R7.4 to R7.6 on the oracle: what a hunter sees, and that what it does not see leaves no trace."""
+"""R7.4 to R7.6 on the oracle: the limits of a view, its columns and its errors, worked out by hand."""
 
 import math
 

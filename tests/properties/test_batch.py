@@ -1,4 +1,4 @@
-"""A row of a batch is the arena that it would be alone, and a saved or cloned engine goes on as the first one does.
+"""A row of a batch is the arena that it would be alone.
 
 That one thread plays what many play stands in tests/vector.
 """

@@ -1,7 +1,6 @@
 """The laws that follow from the rulebook, on cases and matches that hypothesis looks for.
 
-That a row of a batch is the arena that it would be alone, and that a restored state goes on identically, stands in
-test_batch.py.
+test_batch.py has rows of a batch, test_keeping.py restored states.
 """
 
 import itertools

@@ -1,6 +1,4 @@
-"""Rows of one small batch that are at different steps, have ended, or are all withdrawn, beside an oracle each; and the
-figures that an episode leaves. What a row gets from another one's memory shows here.
-"""
+"""Rows of one batch that differ in step, end, withdrawals, controls and order of bodies play as an oracle each."""
 
 from random import Random
 from typing import Any

@@ -1,4 +1,4 @@
-"""The census of small positions: whoever judges all that can be asked in them counts as the files say."""
+"""The census of small positions: oracle, `arbitrate` and engine count the verdicts that the files say."""
 
 from collections.abc import Callable
 from typing import Any

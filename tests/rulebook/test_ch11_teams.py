@@ -1,4 +1,4 @@
-"""Chapter 11: teams."""
+"""Chapter 11, teams: every clause on every adjudicator."""
 
 from typing import Any
 

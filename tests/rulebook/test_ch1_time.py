@@ -1,4 +1,4 @@
-"""Chapter 1: time."""
+"""Chapter 1, time: every clause on every adjudicator."""
 
 import pytest
 from oracle.arena import PART_NAMES

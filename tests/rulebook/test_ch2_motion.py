@@ -1,4 +1,4 @@
-"""Chapter 2: motion."""
+"""Chapter 2, motion: every clause on every adjudicator, and recordings of turtlesim."""
 
 import csv
 import math

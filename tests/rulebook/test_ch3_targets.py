@@ -1,4 +1,4 @@
-"""Chapter 3: targets."""
+"""Chapter 3, targets: every clause on every adjudicator; tests/oracle has those of targets that move."""
 
 import math
 

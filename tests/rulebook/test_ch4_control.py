@@ -1,4 +1,4 @@
-"""Chapter 4: control."""
+"""Chapter 4, control: every clause on every adjudicator."""
 
 import math
 

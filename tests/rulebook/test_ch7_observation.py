@@ -1,4 +1,4 @@
-"""Chapter 7: observation."""
+"""Chapter 7, observation: every clause on every adjudicator; tests/oracle has those of partial views."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""Chapter 8 by names: the arena as the ROS 2 exercise knows it."""
+"""Chapter 8 by name: the arena answers as the ROS 2 exercise knows it."""
 
 from random import Random
 

@@ -1,4 +1,4 @@
-"""Chapter 8: services."""
+"""Chapter 8, services: messages, the list of alive turtles, and faults drawn from the seed."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Chapter 9: the capstone profile."""
+"""Chapter 9, the capstone profile: every clause on every adjudicator."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The arbiter's preference between two seats."""
+"""Of two seats that ask for a target exactly one is preferred, whatever the lots."""
 
 import numpy as np
 import pytest

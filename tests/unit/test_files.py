@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, with the permissions that a user asks for."""
+"""Files appear whole or not at all, with the permissions that a user asks for."""
 
 import os
 import stat

@@ -1,4 +1,4 @@
-"""Infos of a step: the parts of a reward stand in the rulebook's order, and later steps do not change them."""
+"""Infos of a step stay as they are while later steps are played."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""How the core is compiled and kept: by its sources, apart from code that tests its indices, and not for ever."""
+"""Compiled code is kept by the digest of its sources, compiled again when damaged, never loaded from strangers."""
 
 import ast
 import logging

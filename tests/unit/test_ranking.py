@@ -1,4 +1,4 @@
-"""R7.1's order of rivals: those that are equally far."""
+"""R7.1's order of rivals that are equally far is total, and the one in which Python sorts them."""
 
 from functools import cmp_to_key
 from itertools import pairwise, product

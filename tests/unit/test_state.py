@@ -1,4 +1,4 @@
-"""The map of the arena memory: no two things share a row, and the digest reads what A.8 lists."""
+"""The memory has room for all that the config allows, and the layout has a column for each number that is seen."""
 
 import pytest
 from oracle.arena import OracleArena

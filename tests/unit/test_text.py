@@ -1,4 +1,4 @@
-"""Text from strangers: whatever it is, every sink can hold what becomes of it."""
+"""Text from strangers becomes text that every terminal, file and page can hold."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""`VectorArena.place`: episodes that begin with given bodies."""
+"""`VectorArena.place` begins episodes with given bodies, which play on as they would have."""
 
 import numpy as np
 import pytest
