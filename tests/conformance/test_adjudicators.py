@@ -24,7 +24,7 @@ def test_an_arbiter_of_ours_answers_every_case(arbiter):
 
 @pytest.mark.parametrize("kind", ADJUDICATORS)
 def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
-    """Those that need an arena, and those for arbiters whose requests can be made by rank."""
+    """Cases that need an arena, and cases for arbiters whose requests can be made by rank."""
     report = run_conformance(arena=AdjudicatorUnderTest(kind))
     assert report.passed, str(report)
     of_arbiters = sum(result.played and isinstance(result.case, ArbiterCase) for result in report.results)

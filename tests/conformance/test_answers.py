@@ -232,7 +232,7 @@ def test_a_limit_that_is_no_time_is_refused(limit_s: float):
 
 
 def test_a_play_that_went_otherwise_is_told_whole():
-    """Its settings and every part, so that it can be played again by hand."""
+    """The report has settings and every part, so that the case can be played again by hand."""
 
     class Mute(AdjudicatorUnderTest):
         def read(self) -> dict[str, object]:

@@ -37,7 +37,7 @@ def test_a_right_arbiter_passes(conformance):
 
 
 def test_the_pages_arbiter_gets_the_report_that_the_page_shows(conformance, tmp_path):
-    """And the command is the one that the page names."""
+    """The command is the one that the page names."""
     (tmp_path / "my_arbiter.py").write_text(blocks("python")[0])
     result = conformance(*shlex.split(blocks("sh")[1])[2:])
     assert result.exit_code == 1

@@ -43,7 +43,7 @@ def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(looks_like)
 
 
 def minimal(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
-    """Who wins, and nothing else."""
+    """Find the winner, and check nothing else."""
     away = {seat: math.dist(hunters[seat], targets[name]) for seat, name in requests if name in targets}
     best: dict[str, int] = {}
     for seat, name in requests:

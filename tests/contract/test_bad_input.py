@@ -299,7 +299,7 @@ CALLS = [
     ("settings must map names to values", catch_arena.ArenaConfig.from_dict),
     ("unknown scenario", catch_arena.scenario),
 ]
-"""How the error begins, and a call with one wrong argument."""
+"""Beginning of the error, and a call with one wrong argument."""
 
 
 @pytest.mark.parametrize(("message", "call"), CALLS)

@@ -23,7 +23,7 @@ MIXED = ("target", "velocity", "full", "target")
 @pytest.mark.rule("R7.2")
 @pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])
 def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make):
-    """And nothing else of the arena depends on it."""
+    """Nothing else of the arena depends on `infos`."""
     told = {}
     for infos in ("full", "mask", "none"):
         env = make(control=MIXED, max_cycles=5, infos=infos)
@@ -224,7 +224,7 @@ def test_continuous_actions_stand_for_velocity_control():
     ],
 )
 def test_other_words_of_mpe_get_ours(word, ours):
-    """And the page for who comes from simple_tag, and not a list of all settings."""
+    """The error names the page for users of simple_tag instead of listing all settings."""
     here = f"here it is {ours}" if ours else "there is no such thing here"
     message = re.escape(f"unknown setting {word!r}: {here}; see `catch-arena docs simple_tag`")
     for make in (catch_arena.parallel_env, catch_arena.env, catch_arena.VectorArena, catch_arena.scenario):
@@ -263,7 +263,7 @@ def test_a_whole_float_two_elements_or_a_bool_is_no_action(action):
 
 
 def test_np_random_follows_from_the_episodes_seed():
-    """And the rules do not read it."""
+    """The rules do not read it."""
     env = catch_arena.parallel_env("duel")
     env.reset(seed=5)
     digest, first = env.digest(), env.np_random.integers(1 << 40)
@@ -279,7 +279,7 @@ def test_np_random_follows_from_the_episodes_seed():
 
 @pytest.mark.parametrize("frames", [4, (2, 5)])
 def test_supersuits_frame_skip_plays(frames):
-    """It draws from `np_random`; every step of its own is some of ours, and rewards are summed."""
+    """The wrapper draws from `np_random`; each of its steps is several of ours, and rewards are summed."""
     plain = catch_arena.parallel_env("crowd", max_cycles=40)
     env = supersuit.frame_skip_v0(plain, frames)
     env.reset(seed=2)
@@ -296,7 +296,7 @@ def test_supersuits_frame_skip_plays(frames):
 
 
 def test_supersuits_black_death_asks_for_one_empty_step_after_the_end():
-    """And gets five empty dicts; the wrapper then ends too."""
+    """A step after the end returns five empty dicts, and then the wrapper ends too."""
     plain = catch_arena.parallel_env("duel", max_cycles=3)
     env = supersuit.black_death_v3(plain)
     env.reset(seed=1)

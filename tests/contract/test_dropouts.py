@@ -39,7 +39,7 @@ def test_r1_7_who_drops_out_is_terminated_in_that_step_and_leaves():
 
 @pytest.mark.rule("R1.7")
 def test_r1_7_who_drops_out_and_stays_is_refused_and_told_apart_by_active():
-    """It goes on to act, to see and to have a mask; nobody is terminated."""
+    """The hunter goes on to act, to see and to have a mask; no agent is terminated."""
     refused = 0
     env = catch_arena.parallel_env(dropout_rate=RATE, dropouts="fixed", max_cycles=60, control="full")
     observations, infos = env.reset(seed=3)

@@ -97,7 +97,7 @@ CHANGES = [
     for part, other in (value.items() if isinstance(value, dict) else [("", value)])
 ]
 OF_ENVS = {"name_prefix", "mask_in_observation", "dropouts"}
-"""What the arena itself does not read: names, and what PettingZoo's envs hand out."""
+"""Settings that the arena itself does not read: names, and settings of PettingZoo's envs."""
 
 
 def transcript(config: ArenaConfig) -> list[object]:
@@ -164,7 +164,7 @@ def test_the_random_matches_draw_every_setting_of_the_arena():
 
 @pytest.mark.parametrize("motion", get_args(TargetMotion))
 def test_every_column_is_written(motion):
-    """It takes more than one value in a match: one that is declared and left alone would stay zero."""
+    """A column takes more than one value in a match: one that is declared and left alone would stay zero."""
     config = RICH.replace(target_motion=motion, dropout_rate=0.01)
     env = catch_arena.parallel_env(config)
     seen: dict[str, set[float]] = {}

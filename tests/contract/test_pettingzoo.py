@@ -156,7 +156,7 @@ def test_pettingzoo_makes_every_scenario(api):
 
 
 def test_observations_and_masks_are_the_callers_own():
-    """What a step delivered does not change with the next step, nor the arena with what is written into it."""
+    """The next step changes no observation that was returned, and writing into one changes no arena."""
     env = catch_arena.parallel_env()
     observations, infos = env.reset(seed=1)
     kept = observations["hunter_0"].copy()

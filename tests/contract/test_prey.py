@@ -44,7 +44,7 @@ def test_r12_7_prey_comes_after_the_hunters_with_spaces_of_its_own():
 
 @pytest.mark.rule("R12.3")
 def test_r12_3_prey_that_returns_stays_among_the_agents():
-    """Its info says when it is out, and who caught it; what it sees is then zero but for two columns."""
+    """The info says when prey is out, and who caught it; then all columns but two are zero."""
     env = catch_arena.parallel_env(HUNT)
     names = [column.name for column in prey_columns(HUNT)]
     caught = returned = 0
@@ -99,7 +99,7 @@ def test_r12_3_prey_that_does_not_return_is_terminated_and_leaves():
 
 @pytest.mark.rule("R12.5")
 def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
-    """It ends its part in the next step; its rewards are zero; the others see it."""
+    """Prey is terminated in the next step, with rewards of zero; the others see it."""
     config = HUNT.replace(prey_rewards={"survived": 1.0, "gained": 1.0}, reach_m=0.01)
     env = catch_arena.parallel_env(config)
     _, infos = env.reset(seed=7)
@@ -140,7 +140,7 @@ def test_an_action_of_prey_that_is_out_for_good_is_ignored():
 
 @pytest.mark.parametrize("action", [2, [0.5], [0.5, -float("inf")], "ahead", [float("nan"), 0.0], None])
 def test_an_action_that_prey_cannot_give_is_refused(action):
-    """And nothing moves."""
+    """Nothing moves."""
     env = catch_arena.parallel_env(HUNT)
     _, infos = env.reset(seed=1)
     digest = env.digest()
@@ -151,7 +151,7 @@ def test_an_action_that_prey_cannot_give_is_refused(action):
 
 @pytest.mark.rule("R7.3")
 def test_r7_3_the_global_view_tells_of_prey():
-    """It lies in its space, and says who is out."""
+    """The state lies in its space, and says which prey is out."""
     env = catch_arena.parallel_env(HUNT)
     for _ in played(env, 4):
         state = env.state()

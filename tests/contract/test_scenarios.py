@@ -10,7 +10,7 @@ from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 
 UNCERTAIN = ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"]
-"""Those in which something moves, is not seen, differs by seat or leaves."""
+"""Scenarios in which something moves, is not seen, differs by seat or leaves."""
 
 
 # what PettingZoo says of prey, which sees otherwise than hunters
@@ -19,7 +19,7 @@ UNCERTAIN = ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"]
 @pytest.mark.rule("R1.7")
 @pytest.mark.parametrize("dropouts", ["leave", "fixed"])
 def test_r1_7_supersuits_black_death_keeps_the_agents_that_have_left(dropouts):
-    """It gives those zeros; who drops out and stays has observations of its own, and rewards of zero.
+    """The wrapper gives those zeros; a hunter that drops out and stays has its own observations, and rewards of zero.
 
     SuperSuit 3.11 ends where all agents are terminated and truncated at once, or where none is left: a step later.
     """

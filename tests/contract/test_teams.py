@@ -35,7 +35,7 @@ def test_r11_1_world_and_infos_tell_the_teams_and_their_scores():
 
 @pytest.mark.rule("R11.1")
 def test_r11_1_the_order_in_which_a_teams_seats_are_named_changes_nothing():
-    """It is one config."""
+    """The configs are equal."""
     one, other = BUSY, BUSY.replace(teams=((1, 0), (3, 2)))
     assert one == other
     assert one.digest == other.digest

@@ -33,7 +33,7 @@ def on_a_terminal(*words: str, columns: int, **more: str) -> str:
 
 
 def shown_on_a_terminal(command: list[str], *, columns: int, **more: str) -> str:
-    """The same of any command."""
+    """Return what any command shows on a terminal."""
     ours, theirs = pty.openpty()
     ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     shown = b""
@@ -62,7 +62,7 @@ print(json.dumps(told))
 
 
 def test_the_help_of_every_command_is_narrow_and_names_its_options_whole():
-    """And that of the program names every command, each with a whole sentence."""
+    """The program's help names every command, each with a whole sentence."""
     script = [sys.executable, "-c", HELP_OF_ALL]
     told = json.loads(subprocess.run(script, capture_output=True, check=True, env=environment(COLUMNS="40")).stdout)
     assert len(told) > 15

@@ -29,7 +29,7 @@ def blocks(language):
 @pytest.mark.large
 @pytest.mark.parametrize("code", blocks("python"))
 def test_the_readmes_python_runs(code, tmp_path, monkeypatch):
-    """As it stands, and without a warning."""
+    """The code runs unchanged, and without a warning."""
     monkeypatch.chdir(tmp_path)
     exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
 
@@ -46,7 +46,7 @@ LIBRARIES = ("sb3_contrib", "stable_baselines3")
     [code for file, code in TRAINING if not file and code != SEARCH and not any(x in code for x in LIBRARIES)],
 )
 def test_the_code_on_the_page_about_training_runs(code, tmp_path, monkeypatch):
-    """What needs a library of others runs in `make compat`."""
+    """`make compat` runs the code that needs other libraries."""
     monkeypatch.chdir(tmp_path)
     exec(code, {"__name__": "__main__"})  # noqa: S102 - ours
 

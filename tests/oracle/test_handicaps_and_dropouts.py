@@ -9,7 +9,7 @@ from oracle.quiet import quiet, rest
 
 @pytest.mark.rule("R2.7")
 def test_r2_7_each_seat_has_its_own_limits() -> None:
-    """The same action is half of one's own; the hosted controller stops at one's own."""
+    """An action is a share of the hunter's own limits, which the hosted controller keeps too."""
     arena = quiet(
         hunters=3, control=("velocity", "full", "target"), max_speed_mps=(2.0, 1.0, 0.5), max_turn_rate_radps=(4, 3, 2)
     )
@@ -54,7 +54,7 @@ def test_r1_7_who_drops_out_is_drawn_for_each_step_and_seat() -> None:
 
 @pytest.mark.rule("R1.7")
 def test_r1_7_who_drops_out_in_a_step_counts_as_withdrawn_in_all_of_it() -> None:
-    """Its request is refused, it does not move, its reward is zero, and targets do not flee from it."""
+    """The hunter's request is refused, it does not move, its reward is zero, and targets do not flee from it."""
     arena = quiet(
         hunters=2, dropout_rate=1.0, target_motion="flee", rewards={"time": 1.0, "rejected_request": -1.0}, reach_m=1.0
     )

@@ -97,7 +97,7 @@ def test_r3_9_what_hunters_do_does_not_change_where_a_target_wanders() -> None:
     ("x", "y", "theta"), [(11.0, 3.0, 0.1), (0.05, 9.0, 3.0), (2.0, 0.01, -1.2), (11.04, 11.04, 0.8)]
 )
 def test_r3_9_a_target_that_met_a_wall_turns_towards_the_centre(x: float, y: float, theta: float) -> None:
-    """Its command is six times the C library's bearing error, within its limit; it then leaves the wall."""
+    """The turn rate is six times the C library's bearing error, within its limit; it then leaves the wall."""
     arena = quiet(target_motion="wander", wander_period_ms=10**9)
     target = lone_target(arena, x, y, theta)
     rest(arena)

@@ -28,7 +28,7 @@ def target_of(arena: OracleArena, index: int = 0) -> Target:
 @pytest.mark.rule("R12.2", "R3.7")
 @pytest.mark.parametrize("motion", ["still", "wander", "flee"])
 def test_r12_2_targets_that_nobody_plays_move_as_target_motion_says(motion: str) -> None:
-    """As in a match without prey, bit for bit; under `still` they stand where they are, with no wall flag."""
+    """They move as in a match without prey, bit for bit; under `still` they stand where they are, with no wall flag."""
     plays = quiet(prey=2, initial_targets=6, target_motion=motion, max_targets=8, spawn_frequency_hz=3.0)
     without = quiet(initial_targets=6, target_motion=motion, max_targets=8, spawn_frequency_hz=3.0)
     for _ in range(40):
@@ -79,7 +79,7 @@ def test_r12_3_prey_returns_when_its_time_is_up(away_s: float, steps_out: int) -
 
 @pytest.mark.rule("R12.4")
 def test_r12_4_it_sees_the_nearest_eight_of_each() -> None:
-    """Of twelve hunters and eleven other prey, which stand in two rows, the nearest first."""
+    """Twelve hunters and eleven other prey stand in two rows; the nearest come first."""
     arena = quiet(hunters=12, prey=12)
     arena.place(
         [(1.0 + 0.5 * seat, 2.0, 0.0) for seat in range(12)], [], [(1.0 + 0.7 * i, 1.0, 0.0) for i in range(12)]

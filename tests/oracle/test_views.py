@@ -10,18 +10,18 @@ from oracle.quiet import drive, quiet, rest
 from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
 
 OWN, TARGET, MOVING_TARGET, RIVAL = map(len, (SELF_COLUMNS, TARGET_COLUMNS, MOVING_TARGET_COLUMNS, RIVAL_COLUMNS))
-"""How many numbers of an observation are about what: names and widths are the table's, all values the oracle's."""
+"""Widths of an observation's parts: names and widths are the table's, all values the oracle's."""
 
 
 def seen_numbers(arena: OracleArena, seat: int = 0) -> int:
-    """How many targets the hunter has a rank for."""
+    """Number of targets that the hunter has a rank for."""
     mask = arena.masks()[seat]
     assert mask is not None
     return sum(mask) - 1
 
 
 def seen_rivals(arena: OracleArena, seat: int = 0) -> int:
-    """How many rivals stand in the observation of a hunter of an arena with still targets."""
+    """Number of rivals that stand in the observation of a hunter of an arena with still targets."""
     rivals = arena.observations()[seat][OWN + TARGET * arena.targets_seen :]
     return int(sum(rivals[RIVAL_COLUMNS.index("present") :: RIVAL]))
 
@@ -66,7 +66,7 @@ def test_r7_5_the_radius_is_measured_in_whole_micrometres(away: float, seen: int
 @pytest.mark.rule("R7.5")
 @pytest.mark.parametrize("angle", [10.0, 90.0, 120.0, 180.0, 240.0, 359.0])
 def test_r7_5_the_cone_opens_evenly_to_both_sides(angle: float) -> None:
-    """What is a millionth of a radian within its edge is seen, and what is as much beyond is not."""
+    """A body a millionth of a radian within its edge is seen, and one as far beyond is not."""
     for side in (1.0, -1.0):
         for beyond, seen in ((-1e-6, 1), (1e-6, 0)):
             heading = 0.7
@@ -102,7 +102,7 @@ def test_r7_5_room_is_for_what_is_seen() -> None:
 
 @pytest.mark.rule("R7.5")
 def test_r7_5_a_target_out_of_sight_stays_the_active_one() -> None:
-    """It is driven past: the state has its number, and no rank is active."""
+    """The hunter drives past: the state has the target's number, and no rank is active."""
     arena = quiet(control="target", view_angle_deg=90.0, gains={"kp_w": 0.0, "ki_v": 1.0})
     arena.place([(5.0, 5.0, 0.7)], [(5.6, 5.0)])
     arena.step([1])
@@ -128,7 +128,7 @@ def test_r6_2_progress_counts_towards_seen_targets_alone() -> None:
 
 @pytest.mark.rule("R7.6")
 def test_r7_6_an_error_is_that_of_its_target_or_seat() -> None:
-    """As the hash draws it, whatever its rank; kind 1 is a rival by its seat."""
+    """The hash draws it, whatever the rank; kind 1 is a rival by its seat."""
     arena = quiet(hunters=3, view_noise_m=0.05, seed=11)
     arena.place([(2.0, 2.0, 0.0), (6.0, 2.0, 0.0), (4.0, 2.0, 0.0)], [(9.0, 2.0), (5.0, 2.0)])
     rest(arena)

@@ -83,7 +83,7 @@ def test_code_for_all_options_plays_the_same_without_them(monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("width", [HALF, WIDE], ids=["four", "eight"])
 def test_so_many_lanes_at_a_time_play_the_same(monkeypatch: pytest.MonkeyPatch, width: Width) -> None:
-    """As those that are best on this machine: here and on others the bits are the same."""
+    """The usual width is the best on this machine: here and on others the bits are the same."""
     assert_played_the_same(monkeypatch, "catch_arena.engine.engine.PLAYED", width, 33)
 
 

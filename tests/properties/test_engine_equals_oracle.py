@@ -29,17 +29,17 @@ FIRST_SEED = 20261121
 """The first source's seed; the others follow it."""
 GROUPS = 12
 STEPS = 1_000_000 if EFFORT > 1 else 20_000
-"""How many steps are played on both, at least, over all groups."""
+"""Least number of steps that are played on both, over all groups."""
 NIGHTLY = range(4, GROUPS)
 """Left out by make test: scripts/mutate.py asks the first group alone, and no change of the rules escapes it."""
 LONGEST = 25
 """The steps of one match."""
 BATCHES, BATCH_STEPS = 70 * EFFORT, 8
-"""How many rows are played in batches of each size, and how long."""
+"""Number of rows that are played in batches of each size, and of their steps."""
 
 
 def bits(numbers: list[float]) -> bytes:
-    """What makes two lists of numbers the same: also the signs of zeros."""
+    """Bytes that are equal for equal numbers, the signs of zeros included."""
     return struct.pack(f"<{len(numbers)}d", *numbers)
 
 
@@ -85,7 +85,7 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
 
 
 def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: int) -> None:
-    """What prey sees, its parts, and what the world tells of it."""
+    """Compare what prey sees, its parts, and the world's prey."""
     names = [column.name for column in prey_columns(config)]
     for index, observation in enumerate(oracle.prey_observations()):
         seen = engine.observations[row, config.hunters + index]
@@ -101,7 +101,7 @@ def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: 
 def step_both(
     engine: Engine, oracle: OracleArena, actions: Sequence[Any], prey_actions: Sequence[Command], config: ArenaConfig
 ) -> None:
-    """The same step on both."""
+    """Play the same step on both."""
     choices, commands = as_arrays(config, actions)
     engine.step(choices[np.newaxis], with_prey(commands, prey_actions)[np.newaxis])
     oracle.step(actions, prey_actions)
@@ -173,7 +173,7 @@ def test_engine_and_oracle_play_the_same_matches(group: int, record_property: Ca
 
 @pytest.mark.parametrize("arenas", [3, 9, 35])
 def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
-    """Of random configs, with seeds, actions, positions and withdrawals of its own; who has ended begins anew."""
+    """Rows have their own seeds, actions, positions and withdrawals, and begin again when they end."""
     for match in range(BATCHES // arenas):
         source = Random(1000 * FIRST_SEED + 100 * arenas + match)
         config = some_config(source)

@@ -144,7 +144,7 @@ def test_r10_2_a_batch_goes_on_from_any_point(match, size, auto_reset):
 
 
 def test_a_state_goes_between_arenas_that_reset_by_themselves_and_that_do_not():
-    """What the second do not keep, the first keep as it was."""
+    """The first keep unchanged what the second do not save."""
     config = ArenaConfig(hunters=2, max_cycles=5)
     arenas = [catch_arena.VectorArena(config, 3, auto_reset=auto_reset) for auto_reset in (True, False)]
     for arena in arenas:

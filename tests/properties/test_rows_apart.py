@@ -86,7 +86,7 @@ CONFIGS = {
 TINY = 2.0**-100
 """A fraction of a velocity."""
 CROWDS = [(1, 1, 3), (2, 2, 41), (4, 9, 3), (8, 16, 9), (9, 2, 3), (10, 12, 3)]
-"""How many hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
+"""Numbers of hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
 
 
 def config_of(name: str) -> ArenaConfig:

@@ -109,7 +109,7 @@ def test_r11_3_team_mates_contest_a_target_like_anybody(arena: ArenaFactory, tea
 @pytest.mark.rule("R11.3", "R5.5")
 @pytest.mark.parametrize("tied", [(0, 1), (0, 1, 2)], ids=["two mates", "two mates and a rival"])
 def test_r11_3_a_tie_of_team_mates_is_drawn_by_lot(arena: ArenaFactory, tied: tuple[int, ...]) -> None:
-    """Of the lots of their seats the lowest wins, as between anybody. Its mate has lost like a rival, and is paid for
+    """The lowest lot of a seat wins, as between rivals. Its mate has lost like a rival, and is paid for
     a mate's catch.
     """
     third = (4.9 if 2 in tied else 4.8, 5.0, 0.0)

@@ -12,7 +12,7 @@ TURN = 0.02
 
 
 def ticks_of(arena: Adjudicator, steps: int) -> list[int]:
-    """How many ticks each of the next steps has."""
+    """Numbers of ticks of the next steps."""
     counts = []
     for _ in range(steps):
         before = arena.hunter().theta
@@ -108,7 +108,7 @@ def test_r1_4_the_end_is_tested_after_spawning(arena: ArenaFactory) -> None:
 def test_r1_5_an_episode_is_truncated_at_the_first_boundary_at_or_past_its_limit(
     arena: ArenaFactory, limit: float, steps: int
 ) -> None:
-    """And not before."""
+    """No earlier boundary truncates."""
     match = arena(time_limit_s=limit)
     for step in range(1, steps + 1):
         match.hold()
@@ -204,7 +204,7 @@ def test_r1_6_the_others_do_not_see_a_withdrawn_hunter(arena: ArenaFactory) -> N
 
 @pytest.mark.rule("R1.6")
 def test_r1_6_a_withdrawn_hunters_requests_are_hunter_inactive_and_its_rewards_zero(arena: ArenaFactory) -> None:
-    """It cannot win the target either: the farther one does."""
+    """The farther hunter wins the target instead."""
     weights = {"catch": 1.0, "rejected_request": -1.0, "rival_catch": -1.0, "time": -1.0, "progress": 1.0}
     match = arena(control="full", hunters=2, rewards=weights)
     match.place(hunters=[(5.0, 5.0, 0.0), (5.2, 5.0, 0.0)], targets=[(5.0, 5.0)])

@@ -158,7 +158,7 @@ def test_r2_5_the_hosted_controller_obeys_the_same_limits(arena: ArenaFactory) -
 @pytest.mark.rule("R2.6")
 @pytest.mark.parametrize("hunters", [2, 3, 7, 16])
 def test_r2_6_hunters_start_evenly_on_a_circle_and_face_its_centre(arena: ArenaFactory, hunters: int) -> None:
-    """Its radius is 0.3 of the side where the scenario gives none."""
+    """The radius is 0.3 of the side if the scenario gives none."""
     match = arena(hunters=hunters)
     bearings = []
     for seat in range(hunters):
@@ -186,7 +186,7 @@ def test_r2_6_the_figure_is_turned_by_a_random_angle(arena: ArenaFactory) -> Non
 
 @pytest.mark.rule("R2.6")
 def test_r2_6_a_single_hunter_starts_in_the_centre_with_heading_0(arena: ArenaFactory) -> None:
-    """As turtlesim's does, whatever the seed and the radius."""
+    """The seed and the radius do not matter, as in turtlesim."""
     for seed in (1, 2):
         assert arena(seed=seed, start_radius_m=2.0).hunter()[:3] == (CENTRE, CENTRE, 0.0)
 

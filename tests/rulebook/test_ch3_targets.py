@@ -71,7 +71,7 @@ def test_r3_2_places_are_uniform_between_the_bounds(arena: ArenaFactory, side: f
 @pytest.mark.rule("R3.2")
 @pytest.mark.parametrize(("seed", "axis"), [(12915147451021379664, 0), (7572032135351392532, 1)])
 def test_r3_2_the_greatest_draw_stays_below_the_bound(arena: ArenaFactory, seed: int, axis: int) -> None:
-    """It would be rounded up to the bound; A.5's mix, gone through backwards, gives the seeds that draw it."""
+    """Rounding would give the bound itself; A.5's mix, gone through backwards, gives the seeds that draw it."""
     assert fraction(draw(key(seed, PLACE), axis)) == 1.0 - 2.0**-53
     side = 3.0
     high = side - (TURTLESIM_SIDE_M - 10.5)
@@ -129,7 +129,7 @@ def test_r3_4_a_name_is_the_prefix_and_the_number() -> None:
 
 @pytest.mark.rule("R3.5")
 def test_r3_5_a_firing_that_finds_the_arena_full_is_skipped_and_counted(arena: ArenaFactory) -> None:
-    """It uses up no number: the next target has the next one."""
+    """A skipped firing uses up no number: the next target has the next one."""
     match = arena(control="full", spawn_frequency_hz=10.0, max_targets=3, reach_m=50.0)
     match.hold(7)
     assert match.alive == [1, 2, 3]

@@ -61,7 +61,7 @@ def test_r4_1_hold_means_no_velocity_and_no_request(arena: ArenaFactory) -> None
 
 @pytest.mark.rule("R4.1")
 def test_r4_1_the_target_named_is_active_until_another_is_named(arena: ArenaFactory) -> None:
-    """It is the number that counts, not the rank: the view tells which one is active."""
+    """The number counts, not the rank; the view shows which one is active."""
     match = arena(observed_targets=2)
     match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(6.5, 5.0), (3.4, 5.0)])
     match.step(2)

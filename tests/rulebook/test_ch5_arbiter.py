@@ -75,7 +75,7 @@ REASONS_AGAINST: dict[Verdict, dict[str, Any]] = {
     Verdict.KILL_FAILED: {"kill_refused": ["a"]},
     Verdict.GRANTED: {},
 }
-"""What must be so that hunter 1, 0.1 m from the target, gets each verdict when it asks."""
+"""Circumstances in which hunter 1, 0.1 m from the target, gets each verdict."""
 
 
 @pytest.mark.rule("R5.2")
@@ -90,7 +90,7 @@ REASONS_AGAINST: dict[Verdict, dict[str, Any]] = {
     ids=lambda verdict: verdict.name,
 )
 def test_r5_2_the_tests_are_made_in_the_order_of_the_table(arbiter: Arbiter, earlier: Verdict, later: Verdict) -> None:
-    """Of two reasons, each of which would do alone, the first in the table names the verdict."""
+    """The first of two reasons in the table gives the verdict, though each would do alone."""
 
     def verdict_for(*reasons: Verdict) -> Verdict:
         case: dict[str, Any] = {"name": "a", "earlier": []}
@@ -265,7 +265,7 @@ def test_r5_6_losers_get_lost_contest_with_their_distance_and_the_winner(arbiter
 
 @pytest.mark.rule("R5.6")
 def test_r5_6_a_distance_is_given_only_where_reach_was_tested(arbiter: Arbiter) -> None:
-    """And a winner only where there was a contest or a grant: not for one beyond the reach of a contested target."""
+    """A winner is given only if there was a contest or a grant, not for one beyond the reach of a contested target."""
     case: dict[str, Any] = {"hunters": [(0.1, 0.0), (0.2, 0.0), (4.0, 0.0)], "targets": {"a": (0.0, 0.0)}}
     rulings = arbiter(**case, requests=[(0, "a"), (1, "a"), (2, "a"), (0, "a")])
     assert rulings[2] == Ruling(Verdict.OUT_OF_REACH, 2, "a", 4_000_000, None)

@@ -72,7 +72,7 @@ def test_r7_1_targets_equally_near_are_ordered_by_number(arena: ArenaFactory) ->
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> None:
-    """Of twelve, or all where fewer may be alive."""
+    """Eight of twelve are seen, or all if fewer may be alive."""
     match = arena()
     match.place(hunters=[(0.0, 0.0, 0.0)], targets=[(11.0 - 0.5 * i, 0.0) for i in range(12)])
     match.look()
@@ -82,7 +82,7 @@ def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> No
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_rivals_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaFactory) -> None:
-    """Where they are, how they are turned, how fast they drive, and their score less one's own."""
+    """The columns are place, heading, velocity, and their score less one's own."""
     match = arena(hunters=3, control="full", max_targets=2, observed_targets=1)
     match.place(
         hunters=[(5.0, 5.0, math.pi / 2), (5.0, 8.0, 0.0), (7.0, 5.0, math.pi)], targets=[(5.0, 8.0), (9.0, 9.0)]
@@ -127,7 +127,7 @@ def test_r7_1_rivals_that_differ_in_velocity_alone_are_ordered_by_it(arena: Aren
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaFactory) -> None:
-    """Of nine; or all of fewer; or as many as the scenario says."""
+    """Seven of nine are seen, or all of fewer, or as many as the scenario says."""
     match = arena(hunters=10)
     match.place(hunters=[(float(seat), 5.0, 0.0) for seat in range(10)])
     assert [rival["forward"] for rival in match.seen_rivals()] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
@@ -206,7 +206,7 @@ def test_r7_2_ranks_without_a_target_are_zero_and_masked(arena: ArenaFactory) ->
 
 @pytest.mark.rule("R7.2")
 def test_r7_2_where_asked_for_the_mask_stands_in_the_observation_under_target_control() -> None:
-    """And only there."""
+    """Other hunters' observations stay arrays."""
     env = parallel_env("standard", hunters=2, control=("target", "velocity"), mask_in_observation=True)
     observations, infos = env.reset(seed=1)
     assert set(observations["hunter_0"]) == {"observation", "action_mask"}
@@ -218,7 +218,7 @@ def test_r7_2_where_asked_for_the_mask_stands_in_the_observation_under_target_co
 
 @pytest.mark.rule("R7.3")
 def test_r7_3_state_is_the_global_view_in_the_world_frame() -> None:
-    """It is named by its table, and says what the world says."""
+    """Columns have the table's names and the world's numbers."""
     env = parallel_env("standard", hunters=2, initial_targets=3)
     env.reset(seed=6)
     for _ in range(7):

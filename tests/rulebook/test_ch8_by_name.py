@@ -67,7 +67,7 @@ def test_r8_1_twists_drive_within_the_limits():
 
 
 def test_the_service_keeps_its_own_settings_and_times():
-    """It needs the whole view; and an episode to act in."""
+    """The service needs the whole view, and an episode to act in."""
     with pytest.raises(ConfigError, match="must be left to the service"):
         ArenaService(observed_targets=3)
     service = ArenaService("duel", max_cycles=1)
@@ -222,7 +222,7 @@ def test_r1_4_the_alive_targets_are_published_once_for_all_catches_of_a_step():
 
 @pytest.mark.rule("R8.1", "R1.7")
 def test_r8_1_who_drops_out_is_refused_by_name():
-    """And its Twists move nothing."""
+    """The Twists of a dropout move nothing."""
     service = a_service(dropout_rate=1.0)
     service.spawn(2.1, 2.0)
     (ruling,) = service.step({"hunter_0": Twist(2.0, 0.0)}, [("hunter_0", NAMED("target_turtle_1"))])

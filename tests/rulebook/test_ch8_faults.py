@@ -98,7 +98,7 @@ def test_r8_3_the_kill_service_fails_by_the_step(arena: ArenaFactory) -> None:
 
 @pytest.mark.rule("R8.3")
 def test_r8_3_a_kill_is_refused_by_step_and_target(arena: ArenaFactory) -> None:
-    """Of two targets in one step each has a draw of its own."""
+    """Two targets in one step have a draw each."""
     match = arena(hunters=2, control="full", faults={"kill_refused": 0.5}, seed=13)
     outcomes = set()
     for step in range(20):

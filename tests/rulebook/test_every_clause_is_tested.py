@@ -37,7 +37,7 @@ def test_every_clause_has_a_test() -> None:
 
 
 def test_every_mark_names_a_clause() -> None:
-    """Of the book."""
+    """A mark that was mistyped would prove nothing."""
     assert sorted(set(marks()) - set(clauses())) == []
 
 

@@ -1,4 +1,4 @@
-"""Of two seats that ask for a target exactly one is preferred, whatever the lots."""
+"""Exactly one of two seats that ask for a target is preferred, whatever the lots."""
 
 import numpy as np
 import pytest

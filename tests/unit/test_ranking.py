@@ -52,7 +52,7 @@ def a_block(hunters, looks):
 
 
 def first_of(block, seat, one, other, lane, teams):
-    """Whether the first of two rivals precedes the second."""
+    """True if the first of two rivals precedes the second."""
     me, rows, others = (block[seat_at(who) :] for who in (seat, one, other))
     return precedes(me, rows, others, lane, is_listed_first(seat, one, other, teams))
 

@@ -11,7 +11,7 @@ NOWHERE = np.nan
 
 
 def bodies(arena, row):
-    """Those of an arena, as `place` takes them."""
+    """Bodies of an arena, as `place` takes them."""
     world = arena.world(row)
     hunters = [
         (one.x, one.y, one.theta, one.linear_velocity) if not one.withdrawn else (NOWHERE,) * 4 for one in world.hunters

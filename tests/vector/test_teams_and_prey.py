@@ -44,7 +44,7 @@ def row_of(config, agent):
 
 
 def same(told, row):
-    """Whether the batch tells what the env has told an agent, and zeros behind it."""
+    """True if a row of the batch has the numbers of the env, and zeros after them."""
     return told.tobytes() == row[: len(told)].tobytes() and not row[len(told) :].any()
 
 

@@ -30,7 +30,7 @@ def random_actions(config, num_envs, source):
 
 
 def one_arenas_actions(config, actions, row):
-    """The same for one row, as the one-arena env wants them."""
+    """Actions of one row, as the one-arena env takes them."""
     catches, commands = actions.get("choices"), actions.get("commands")
     kinds = {
         "target": lambda seat: int(catches[row, seat]),
@@ -157,7 +157,7 @@ def test_r4_4_arenas_of_one_batch_may_differ_in_their_controls(size):
     ("controls", "arenas"), [([[0, 3]], [0]), ([[0, 0.5]], [0]), ([[0, 1], [0, 1]], [0]), ("target", None)]
 )
 def test_controls_that_cannot_be_are_refused(controls, arenas):
-    """And any, where the arena does not say that they may differ."""
+    """Any are refused if the arena was made without any_control."""
     arena = VectorArena("duel", 3, any_control=True)
     with pytest.raises(ConfigError, match="controls must be "):
         arena.set_controls(controls, arenas)
@@ -166,7 +166,7 @@ def test_controls_that_cannot_be_are_refused(controls, arenas):
 
 
 def test_controls_are_kept_with_a_state():
-    """Of all arenas and of a single one; an arena whose controls cannot differ takes no others."""
+    """States of all arenas and of a single one have controls; an arena whose controls cannot differ takes no others."""
     arena = VectorArena("duel", 3, any_control=True)
     arena.reset(seed=SEED)
     arena.set_controls([[0, 1], [1, 2], [2, 0]])
@@ -194,7 +194,7 @@ def test_controls_are_kept_with_a_state():
 
 @pytest.mark.parametrize("scenario", ["duel", "herd"])
 def test_actions_can_be_checked_before_they_are_given(scenario):
-    """As `step` checks them, and nothing moves."""
+    """`step` checks them in the same way, and nothing moves."""
     arena = VectorArena(scenario, 2)
     arena.reset(seed=SEED)
     before = arena.digest(0)
@@ -370,7 +370,7 @@ def test_a_step_allocates_nothing():
 
 
 def test_buffers_are_reused_unless_copies_are_asked_for():
-    """And the mask, of which only changes are written, is read only."""
+    """The mask, of which only changes are written, is read only."""
     for copied in (False, True):
         arena = VectorArena("standard", 3, copy=copied)
         first, infos = arena.reset(seed=SEED)
@@ -380,23 +380,6 @@ def test_buffers_are_reused_unless_copies_are_asked_for():
         assert (second is first) != copied
         assert (first == kept).all() == copied
         assert infos["action_mask"].flags.writeable == copied
-
-
-def test_other_integers_and_floats_are_taken_too():
-    """They are converted, as the one-arena env does it."""
-    arena, other = VectorArena("duel", 2), VectorArena("duel", 2)
-    arena.reset(seed=1)
-    other.reset(seed=1)
-    arena.step([[1, 2], [0, 1]])
-    other.step(np.array([[1, 2], [0, 1]], dtype=np.uint8))
-    assert arena.digest(1) == other.digest(1)
-    arena, other = (VectorArena("duel", 2, control="velocity") for _ in range(2))
-    arena.reset(seed=1)
-    other.reset(seed=1)
-    commands = np.random.default_rng(SEED).uniform(-1, 1, (2, 2, 2))
-    arena.step(commands=commands)
-    other.step(commands=np.asfortranarray(commands.astype(np.float32)))
-    assert arena.digest(1) == other.digest(1)
 
 
 NAN = np.zeros((2, 2, 2))
