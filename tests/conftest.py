@@ -1,4 +1,4 @@
-"""How many examples hypothesis tries, and what a run says of itself."""
+"""Settings that all tests share: hypothesis's examples, generous time limits, one compilation for all processes."""
 
 import math
 import os
@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 from isolation_levels import NOT_TESTED
-from progress import Progress
 
 from catch_arena.cli import progress
 from catch_arena.tournament.isolation import isolated_players, sandbox
@@ -46,19 +45,13 @@ def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(module, "_LINE_EVERY_S", math.inf)
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """Where tests are handed out to other processes; alone, pytest names the file that it is at."""
-    if config.getoption("numprocesses", None):
-        config.pluginmanager.register(Progress())
+@pytest.hookimpl(optionalhook=True, tryfirst=True)
+def pytest_xdist_setupnodes() -> None:
+    """Compile the rules once, before each of several processes would."""
+    from catch_arena.config import ArenaConfig
+    from catch_arena.engine import Engine
 
-
-def pytest_deselected(items: list[pytest.Item]) -> None:
-    """Tells the process that hands out the tests how many it will not see."""
-    config = items[0].config
-    if hasattr(config, "workeroutput"):
-        config.workeroutput["left"] = {
-            name: sum(item.get_closest_marker(name) is not None for item in items) for name in ("nightly", "extras")
-        }
+    Engine(ArenaConfig())
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

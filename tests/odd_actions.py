@@ -16,7 +16,7 @@ class Index:
 
 
 class Listed:
-    """As a tensor: it has `tolist`, and this one cannot become an array, as one that lies on a graphics card."""
+    """Stand-in for a tensor on a graphics card: it has `tolist`, and cannot become an array."""
 
     def __init__(self, content, dtype=None):
         self.content = np.array(content, dtype)
@@ -29,7 +29,7 @@ class Listed:
 
 
 class Arrayed:
-    """As a tensor of a library that has no `tolist`."""
+    """Stand-in for a tensor of a library without `tolist`."""
 
     def __init__(self, content):
         self.content = np.array(content)
@@ -101,7 +101,7 @@ FORMS = [*RANK_1.values(), *NO_RANK.values()]
 
 
 class Agent:
-    """Its seed says which form it returns."""
+    """Agent that returns the form with the number of its seed."""
 
     def reset(self, seed):
         self.form = FORMS[seed]

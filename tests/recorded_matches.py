@@ -11,7 +11,7 @@ from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.replay import Replay
 
 ODD_NAMES = ("x", "", "target_turtle_999", "target_turtle_01", "target_turtle_1\n", "y" * 300, "\ud800", 7)
-"""What is asked for beside targets that are alive or were."""
+"""Names that hunters ask for besides those of targets."""
 
 
 @pytest.fixture(scope="session")

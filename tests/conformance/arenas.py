@@ -1,4 +1,4 @@
-"""tests/rulebook's adjudicators behind the face that the suite asks for: catch_arena.testing.ArenaUnderTest."""
+"""Arenas under test (catch_arena.testing.ArenaUnderTest) made of the adjudicators of tests/rulebook."""
 
 import itertools
 import math
@@ -15,7 +15,7 @@ from catch_arena.layout import SELF_COLUMNS, rival_features, target_features
 from catch_arena.verdicts import Verdict
 
 STEPS, COUNTED = range(3), range(1, 6)
-"""How many steps, firings and numbers the faults of a case are arranged for."""
+"""Steps, firings and numbers that the faults of a case are arranged for."""
 
 
 class AdjudicatorUnderTest:
@@ -25,7 +25,7 @@ class AdjudicatorUnderTest:
         self.kind = kind
         self.match: Any = None
         self.is_observed = False
-        """Whether the state is one that a step has led to; the parallel env observes no other."""
+        """True after a step; the parallel env observes no other state."""
 
     def make(self, config: ArenaConfig) -> Adjudicator:
         return adjudicator(self.kind, config)
@@ -106,7 +106,7 @@ class AdjudicatorUnderTest:
         )
 
     def rivals_seen(self, seat: int) -> list[int]:
-        """And the seats."""
+        """R7.1: the seats of the rivals that a seat observes, by rank."""
         config, columns = self.match.config, len(target_features(self.match.config)._fields)
         others = {other: self.match.hunter(other) for other in range(config.hunters) if other != seat}
         first = len(SELF_COLUMNS) + columns * config.targets_seen

@@ -1,9 +1,8 @@
-"""The suite runs over our five adjudicators: oracle, `arbitrate`, engine, a row of a batch, parallel env."""
+"""Our five adjudicators answer every conformance case: oracle, `arbitrate`, engine, a row of a batch, parallel env."""
 
 import pytest
 from conformance.arenas import AdjudicatorUnderTest, OracleUnderTest
-from conformance.wrong_arenas import WRONG as WRONG_OF_HUNTERS
-from conformance.wrong_teams_and_prey import WRONG_OF_TEAMS_AND_PREY
+from conformance.wrong_arenas import WRONG
 from oracle.arbiter import judge
 from rulebook.adjudicators import ADJUDICATORS
 
@@ -11,8 +10,6 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase
 from catch_arena.testing import run_conformance
-
-WRONG = (*WRONG_OF_HUNTERS, *WRONG_OF_TEAMS_AND_PREY)
 
 
 @pytest.mark.parametrize("arbiter", [judge, arbitrate], ids=["oracle", "arbitrate"])
@@ -27,7 +24,7 @@ def test_an_arbiter_of_ours_answers_every_case(arbiter):
 
 @pytest.mark.parametrize("kind", ADJUDICATORS)
 def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
-    """Those that need an arena, and those for arbiters whose requests can be made by rank."""
+    """Cases that need an arena, and cases for arbiters whose requests can be made by rank."""
     report = run_conformance(arena=AdjudicatorUnderTest(kind))
     assert report.passed, str(report)
     of_arbiters = sum(result.played and isinstance(result.case, ArbiterCase) for result in report.results)
@@ -36,15 +33,14 @@ def test_an_arena_of_ours_answers_every_case_that_it_can_play(kind):
     assert played - of_arbiters == sum(not isinstance(case, ArbiterCase) for case in load_cases())
 
 
-@pytest.mark.parametrize(("wrong", "group"), WRONG, ids=[f"{group}-{wrong.__name__}" for wrong, group in WRONG])
-def test_a_wrong_arena_is_caught(wrong, group):
+@pytest.mark.parametrize(("group", "wrong"), WRONG, ids=[f"{group}-{wrong.__name__}" for group, wrong in WRONG])
+def test_a_wrong_arena_is_caught(group, wrong):
     """By at least one case of its group, and not for raising an error."""
     report = run_conformance(arena=OracleUnderTest(wrong), only=[f"{group}."])
     assert report.failures
     assert not any("raised" in difference.got for failure in report.failures for difference in failure.differences)
-    assert str(report).count("\n") < 120
 
 
 def test_every_group_with_cases_for_arenas_catches_a_wrong_one():
     groups = {case.group for case in load_cases() if not isinstance(case, ArbiterCase)}
-    assert groups <= {group for _, group in WRONG}
+    assert groups <= {group for group, _ in WRONG}

@@ -1,4 +1,4 @@
-"""`catch-arena conformance`: what it prints, what it writes, its exit codes; and the page that shows it."""
+"""`catch-arena conformance` prints, writes and exits as its page shows."""
 
 import re
 import shlex
@@ -41,7 +41,7 @@ def test_a_right_arbiter_passes(conformance):
 
 
 def test_the_pages_arbiter_gets_the_report_that_the_page_shows(conformance, tmp_path):
-    """And the command is the one that the page names."""
+    """The command is the one that the page names."""
     (tmp_path / "my_arbiter.py").write_text(blocks("python")[0])
     result = conformance(*shlex.split(blocks("sh")[0])[2:])
     assert result.exit_code == 1
@@ -140,26 +140,20 @@ def test_a_report_without_failures_is_whole_xml():
     [
         ([], "ARBITER must be given, as module:function or path.py:function, or --arena, or --list"),
         (["arbitrate"], "arbitrate: must be module:function or path.py:function"),
-        (["catch_arena:"], "must be module:function"),
-        ([":arbitrate"], "must be module:function"),
         (["catch_arena:arbitrat"], "has no function arbitrat; did you mean arbitrate?"),
-        (["catch_arena:__doc__"], "has no function __doc__"),
         (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),
         (["missing.py:f"], "missing.py:f: no such file"),
         (["catch_arena.agents.nearest:Agent"], "is a class, and an arbiter is a function: `catch-arena check-agent`"),
         (["broken.py:f"], "importing it raised ZeroDivisionError"),
         (["--arena", "broken_arena.py:make"], "broken_arena.py:make: making it raised ZeroDivisionError"),
         (["catch_arena:arbitrate", "--only", "reech"], "no case begins with 'reech': did you mean reach"),
-        (["--list", "--only", "reech"], "no case begins with 'reech'"),
         (["catch_arena:arbitrate", "--junit", "taken/report.xml"], "taken: cannot be written"),
-        (["catch_arena:arbitrate", "--junit", "folder"], "folder"),
     ],
 )
 def test_wrong_words_are_one_line_and_exit_code_2(conformance, tmp_path, words, message):
     (tmp_path / "broken.py").write_text("1 / 0\n")
     (tmp_path / "broken_arena.py").write_text("def make():\n    1 / 0\n")
     (tmp_path / "taken").write_text("")
-    (tmp_path / "folder").mkdir()
     result = conformance(*words)
     assert result.exit_code == 2
     assert message in result.stderr

@@ -1,4 +1,4 @@
-"""What a wrong arbiter is told: its mistakes by name, each with a failure, and not much more."""
+"""Reports name the mistakes of a wrong arbiter, each with one failure in full."""
 
 import math
 import re
@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import pytest
-from conformance.students import Referee, minimal, one_loop, service
-from conformance.wrong_arbiters import FirstCome, ReachInclusive, YesToEverybody
+from conformance.wrong_arbiters import KNOWN
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.testing import Report, run_conformance
@@ -26,16 +25,11 @@ def count_in_full(text: str) -> int:
 
 
 @pytest.mark.parametrize(
-    ("arbiter", "looks_like"),
-    [
-        (FirstCome(), "first come, first served"),
-        (ReachInclusive(), "within reach is tested with <="),
-        (YesToEverybody(), "yes to everybody"),
-    ],
+    "looks_like", ["first come, first served", "within reach is tested with <=", "yes to everybody"]
 )
-def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(arbiter, looks_like):
+def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(looks_like):
     """With one failure in full, why its case matters, and the others by name."""
-    report = run_conformance(arbiter)
+    report = run_conformance(KNOWN[looks_like])
     (diagnosis,) = report.diagnoses
     assert (diagnosis.looks_like, diagnosis.known) == (looks_like, True)
     assert ids(diagnosis.failures) == ids(report.failures)
@@ -48,12 +42,49 @@ def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(arbiter, lo
     assert count_in_full(report.in_full()) == len(report.failures)
 
 
+def minimal(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
+    """Find the winner, and check nothing else."""
+    away = {seat: math.dist(hunters[seat], targets[name]) for seat, name in requests if name in targets}
+    best: dict[str, int] = {}
+    for seat, name in requests:
+        if name in targets and away[seat] <= reach_m and (name not in best or away[seat] < away[best[name]]):
+            best[name] = seat
+    rulings: list[Any] = []
+    for seat, name in requests:
+        if name not in targets:
+            rulings.append(("UNKNOWN_TARGET", seat, name))
+            continue
+        distance = round(1e6 * math.dist(hunters[seat], targets[name]))
+        if distance > 1e6 * reach_m:
+            rulings.append(("OUT_OF_REACH", seat, name, distance))
+        else:
+            verdict = "GRANTED" if seat == best.get(name) else "LOST_CONTEST"
+            rulings.append((verdict, seat, name, distance, best.get(name)))
+    return rulings
+
+
+def service(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
+    """The original's service, with the least that makes it a referee."""
+    left = dict(targets)
+    answers = []
+    for hunter, name in requests:
+        if name not in left:
+            answers.append(("UNKNOWN_TARGET", hunter, name, None, None))
+            continue
+        x, y = left[name]
+        dx, dy = hunters[hunter][0] - x, hunters[hunter][1] - y
+        if dx * dx + dy * dy <= reach_m:
+            del left[name]
+            answers.append(("GRANTED", hunter, name, None, None))
+        else:
+            answers.append(("OUT_OF_REACH", hunter, name, None, None))
+    return answers
+
+
 @pytest.mark.parametrize(
     ("student", "named"),
     [
         (minimal, "reach is tested in floats, with <="),
-        (one_loop, "ties go to the first request"),
-        (Referee(), "an empty name is MALFORMED"),
         (service, "the distance is a square: the root is missing"),
     ],
 )
@@ -87,7 +118,7 @@ def test_verdicts_are_enough_for_a_diagnosis():
     """For an arbiter that does not give evidence yet."""
 
     def bare(**case: Any) -> list[tuple[object, ...]]:
-        return [(one["verdict"], one["hunter"], one["target"]) for one in FirstCome()(**case)]
+        return [(one["verdict"], one["hunter"], one["target"]) for one in KNOWN["first come, first served"](**case)]
 
     report = run_conformance(bare, evidence=False)
     assert list(counts(report)) == ["first come, first served"]

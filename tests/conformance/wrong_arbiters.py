@@ -1,29 +1,36 @@
-"""A right arbiter, plain enough to be bent, and wrong ones that differ from it in one thing each.
-
-They prove the suite: each must be caught by the group of cases that is about its mistake.
-"""
-
-# ruff: noqa: ARG002 - many mistakes consist in not looking at something
+"""A right arbiter, and the known mistakes of mistakes.toml, each of which differs from it in one thing."""
 
 import hashlib
 import math
 import unicodedata
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Final
 
-Eligible = list[dict[str, Any]]
-"""Requests for one target, with `place` among the requests, `hunter`, `inactive` and `distance_um`."""
+Ruling = dict[str, Any]
+Eligible = list[Ruling]
+"""Requests for one target, with `place` among the requests, `hunter` and `distance_um`."""
+
+ORDER: Final = ("over", "malformed", "inactive", "duplicate", "unknown", "caught", "down", "far")
+"""R5.2's tests."""
 
 
 class PlainArbiter:
-    """Right in every case, but for lots of its own."""
+    """A right arbiter, but for lots of its own; a mistake is another order of the tests, or a method in place of one.
 
-    order = ("over", "malformed", "inactive", "duplicate", "unknown", "caught", "down", "far")
+    `given` changes the case before it is judged, and `told` the rulings before they are returned.
+    """
 
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        self.case = case
+    def __init__(self, order: Sequence[str] = ORDER, **methods: Any) -> None:
+        self.order = order
+        for name, method in methods.items():
+            setattr(self, name, partial(method, self))
+
+    def __call__(self, **case: Any) -> list[Ruling]:
+        self.case = case = self.given(case)
         self.asked: set[int] = set()
-        rulings, contests = [], {}
+        rulings: list[Ruling] = []
+        contests: dict[Any, Eligible] = {}
         for place, (hunter, name) in enumerate(case["requests"]):
             ruling = {"verdict": None, "hunter": hunter, "target": name, "distance_um": None, "winner": None}
             rulings.append(ruling)
@@ -37,46 +44,41 @@ class PlainArbiter:
         for name, eligible in contests.items():
             for one, verdict, winner in self.decide(name, eligible):
                 rulings[one["place"]] |= {"verdict": verdict, "winner": winner}
+        return self.told(rulings)
+
+    def given(self, case: dict[str, Any]) -> dict[str, Any]:
+        return case
+
+    def told(self, rulings: list[Ruling]) -> list[Ruling]:
         return rulings
 
-    def refuse(self, ruling: dict[str, Any]) -> None:
+    def refuse(self, ruling: Ruling) -> None:
         """R5.2's tests, in their order."""
-        tests = {
-            "over": ("MATCH_OVER", self.over),
+        case = self.case
+        tests: dict[str, tuple[str, Callable[[Ruling], bool]]] = {
+            "over": ("MATCH_OVER", lambda _: case["match_over"]),
             "malformed": ("MALFORMED", lambda one: not self.is_name(one["target"])),
-            "inactive": ("HUNTER_INACTIVE", self.withdrawn),
+            "inactive": ("HUNTER_INACTIVE", lambda one: one["hunter"] in case["inactive"]),
             "duplicate": ("DUPLICATE", lambda one: one["hunter"] in self.asked),
-            "unknown": ("UNKNOWN_TARGET", self.unknown),
-            "caught": ("ALREADY_CAUGHT", lambda one: one["target"] in self.case["caught"]),
-            "down": ("SERVICE_DOWN", lambda _: not self.case["kill_service_up"]),
+            "unknown": (
+                "UNKNOWN_TARGET",
+                lambda one: self.known_as(one["target"]) is None and one["target"] not in case["caught"],
+            ),
+            "caught": ("ALREADY_CAUGHT", lambda one: one["target"] in case["caught"]),
+            "down": ("SERVICE_DOWN", lambda _: not case["kill_service_up"]),
             "far": ("OUT_OF_REACH", self.far),
         }
-        order = self.order
-        if self.case["policy"] == "capstone":
-            order = ("over", "malformed", "inactive", "down")
-        for test in order:
-            verdict, fails = tests[test]
-            if fails(ruling):
-                ruling["verdict"] = verdict
-                return
-
-    def over(self, _: dict[str, Any]) -> bool:
-        return bool(self.case["match_over"])
+        order = ("over", "malformed", "inactive", "down") if case["policy"] == "capstone" else self.order
+        ruling["verdict"] = next((tests[test][0] for test in order if tests[test][1](ruling)), None)
 
     def is_name(self, name: object) -> bool:
         return isinstance(name, str) and len(name) <= 255
-
-    def withdrawn(self, ruling: dict[str, Any]) -> bool:
-        return ruling["hunter"] in self.case["inactive"]
 
     def known_as(self, name: Any) -> str | None:
         """The target that a name stands for."""
         return name if name in self.case["targets"] else None
 
-    def unknown(self, ruling: dict[str, Any]) -> bool:
-        return self.known_as(ruling["target"]) is None and ruling["target"] not in self.case["caught"]
-
-    def far(self, ruling: dict[str, Any]) -> bool:
+    def far(self, ruling: Ruling) -> bool:
         x, y = self.case["hunters"][ruling["hunter"]]
         target_x, target_y = self.case["targets"][self.known_as(ruling["target"])]
         metres = self.measure(target_x - x, target_y - y)
@@ -96,663 +98,281 @@ class PlainArbiter:
     def whole(self, metres: float) -> int:
         return math.floor(1e6 * metres + 0.5)
 
-    def within(self, distance_um: int, metres: float) -> bool:
-        del metres
+    def within(self, distance_um: int, _metres: float) -> bool:
         return distance_um < max(1, self.whole(self.reach_m))
 
-    def note(self, ruling: dict[str, Any]) -> None:
-        """What makes a later request of the hunter a duplicate."""
+    def note(self, ruling: Ruling) -> None:
+        """Make a later request of the hunter a duplicate."""
         self.asked.add(ruling["hunter"])
 
-    def decide(self, name: str, eligible: Eligible) -> list[tuple[dict[str, Any], str, int | None]]:
+    def decide(self, name: str, eligible: Eligible) -> list[tuple[Ruling, str, int | None]]:
+        """Each request for a target, its verdict and the winner."""
         winner = self.winner(eligible)
-        refused = name in self.case["kill_refused"]
+        unnamed = name in self.case["kill_refused"] and len(eligible) == 1
         return [
-            (
-                one,
-                self.won(refused=refused) if one is winner else "LOST_CONTEST",
-                None if refused and len(eligible) == 1 else winner["hunter"],
-            )
+            (one, self.won(name) if one is winner else "LOST_CONTEST", None if unnamed else winner["hunter"])
             for one in eligible
         ]
 
-    def won(self, *, refused: bool) -> str:
-        return "KILL_FAILED" if refused else "GRANTED"
+    def won(self, name: str) -> str:
+        return "KILL_FAILED" if name in self.case["kill_refused"] else "GRANTED"
 
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
+    def winner(self, eligible: Eligible) -> Ruling:
         if self.case["policy"] == "first_come":
             return min(eligible, key=self.lot)
         least = min(one["distance_um"] for one in eligible)
         return self.of_tied([one for one in eligible if one["distance_um"] == least])
 
-    def of_tied(self, tied: Eligible) -> dict[str, Any]:
+    def of_tied(self, tied: Eligible) -> Ruling:
         return min(tied, key=self.lot)
 
-    def lot(self, one: dict[str, Any]) -> bytes:
+    def lot(self, one: Ruling) -> bytes:
         """Any hash will do; this is not the appendix's."""
         words = f"{self.case['seed']} {self.case['step']} {one['target']} {one['hunter']}"
         return hashlib.blake2b(words.encode(errors="replace")).digest()
 
 
-class FirstCome(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        return eligible[0]
+right = PlainArbiter
 
 
-class Farthest(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        return max(eligible, key=lambda one: one["distance_um"])
+def seat(one: Ruling) -> int:
+    return int(one["hunter"])
 
 
-class LowSeatWins(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        return min(eligible, key=lambda one: one["hunter"])
+def granted(one: Ruling) -> Ruling:
+    return one | {"verdict": "GRANTED", "winner": one["hunter"]}
 
 
-class SuccessForEverybody(PlainArbiter):
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        return [(one, self.won(refused=name in self.case["kill_refused"]), one["hunter"]) for one in eligible]
+def known_alike(alike: Callable[[str], str]) -> PlainArbiter:
+    """Names stand for the target whose name is the same after a change."""
+    return PlainArbiter(
+        known_as=lambda self, name: next((one for one in self.case["targets"] if alike(one) == alike(name)), None)
+    )
 
 
-class NobodyWinsAContest(PlainArbiter):
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        decided = super().decide(name, eligible)
-        return decided if len(eligible) == 1 else [(one, "LOST_CONTEST", None) for one in eligible]
+def tested(*order: str) -> PlainArbiter:
+    """R5.2's tests in another order."""
+    return PlainArbiter((*order, *(test for test in ORDER if test not in order)))
 
 
-class NoReachCheck(PlainArbiter):
-    def within(self, distance_um: int, metres: float) -> bool:
-        return True
+def with_case(**changes: Any) -> PlainArbiter:
+    """Judged as if the case said something else."""
+    return PlainArbiter(given=lambda _, case: case | changes)
 
 
-class ReachInclusive(PlainArbiter):
-    def within(self, distance_um: int, metres: float) -> bool:
-        return distance_um <= max(1, self.whole(self.reach_m))
+def only_the_first_grant(_: Any, rulings: list[Ruling]) -> list[Ruling]:
+    for ruling in [one for one in rulings if one["verdict"] == "GRANTED"][1:]:
+        ruling["verdict"] = "LOST_CONTEST"
+    return rulings
 
 
-class ReachInFloats(PlainArbiter):
-    def within(self, distance_um: int, metres: float) -> bool:
-        return metres < self.reach_m
+def consoled(self: PlainArbiter, rulings: list[Ruling]) -> list[Ruling]:
+    """A loser gets a free target in reach."""
+    case = self.case
+    free = set(case["targets"]) - {name for _, name in case["requests"] if isinstance(name, str)}
+    for ruling in rulings:
+        for name in sorted(free) if ruling["verdict"] == "LOST_CONTEST" else []:
+            if math.dist(case["hunters"][seat(ruling)], case["targets"][name]) < self.own_reach(seat(ruling)):
+                ruling.update(granted(ruling))
+    return rulings
 
 
-class ReachAlwaysTheDefault(PlainArbiter):
-    def within(self, distance_um: int, metres: float) -> bool:
-        return distance_um < 300_000
+def far_from_all(self: PlainArbiter, ruling: Ruling) -> bool:
+    """Reach is measured to the nearest target, whichever was named."""
+    metres = min(math.dist(self.case["hunters"][seat(ruling)], target) for target in self.case["targets"].values())
+    ruling["distance_um"] = self.whole(metres)
+    return not self.within(ruling["distance_um"], metres)
 
 
-class ReachOfNothing(PlainArbiter):
-    def within(self, distance_um: int, metres: float) -> bool:
-        return distance_um < self.whole(self.reach_m)
-
-
-class CutOff(PlainArbiter):
-    def whole(self, metres: float) -> int:
-        return int(1e6 * metres)
-
-
-class MeasuresBySum(PlainArbiter):
-    def measure(self, dx: float, dy: float) -> float:
-        return abs(dx) + abs(dy)
-
-
-class MeasuresByLargest(PlainArbiter):
-    def measure(self, dx: float, dy: float) -> float:
-        return max(abs(dx), abs(dy))
-
-
-class MeasuresAlongX(PlainArbiter):
-    def measure(self, dx: float, dy: float) -> float:
-        return abs(dx)
-
-
-class TiesToTheLowSeat(PlainArbiter):
-    def of_tied(self, tied: Eligible) -> dict[str, Any]:
-        return min(tied, key=lambda one: one["hunter"])
-
-
-class TiesToTheFirst(PlainArbiter):
-    def of_tied(self, tied: Eligible) -> dict[str, Any]:
-        return tied[0]
-
-
-class TiesToAll(PlainArbiter):
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        least = min(one["distance_um"] for one in eligible)
-        tied = [one["distance_um"] == least for one in eligible]
-        decided = super().decide(name, eligible)
-        return [
-            (one, self.won(refused=False), one["hunter"]) if is_tied else ruling
-            for one, is_tied, ruling in zip(eligible, tied, decided, strict=True)
-        ]
-
-
-class TiesByACount(PlainArbiter):
-    """Draws fairly, but a loser that drops out moves the draw on."""
-
-    def of_tied(self, tied: Eligible) -> dict[str, Any]:
-        number = hashlib.blake2b(f"{self.case['seed']} {self.case['step']}".encode()).digest()[0]
-        return sorted(tied, key=lambda one: one["hunter"])[number % len(tied)]
-
-
-class TiesInFloats(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        def metres(one: dict[str, Any]) -> float:
-            (x, y), (tx, ty) = self.case["hunters"][one["hunter"]], self.case["targets"][one["target"]]
-            return math.hypot(tx - x, ty - y)
-
-        return min(eligible, key=metres) if self.case["policy"] == "nearest" else super().winner(eligible)
-
-
-class TheNearestBlocks(PlainArbiter):
+def guarded(self: PlainArbiter, name: str, eligible: Eligible) -> list[Any]:
     """A withdrawn hunter that is nearer guards its target."""
-
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        decided = super().decide(name, eligible)
-        x, y = self.case["targets"][name]
-        nearest = min(range(len(self.case["hunters"])), key=lambda h: math.dist(self.case["hunters"][h], (x, y)))
-        if nearest in self.case["inactive"]:
-            return [(one, "LOST_CONTEST", nearest) for one in eligible]
-        return decided
+    away = [math.dist(hunter, self.case["targets"][name]) for hunter in self.case["hunters"]]
+    nearest = away.index(min(away))
+    if nearest in self.case["inactive"]:
+        return [(one, "LOST_CONTEST", nearest) for one in eligible]
+    return right.decide(self, name, eligible)
 
 
-class DuplicatesCompete(PlainArbiter):
+def refused_compete(self: PlainArbiter, name: str, eligible: Eligible) -> list[Any]:
     """A duplicate is refused in the end, but has won the contest before."""
+    rivals = {hunter for hunter, asked in self.case["requests"] if asked == name}
+    nearest = min(rivals, key=lambda hunter: math.dist(self.case["hunters"][hunter], self.case["targets"][name]))
+    if nearest not in map(seat, eligible):
+        return [(one, "LOST_CONTEST", nearest) for one in eligible]
+    return right.decide(self, name, eligible)
 
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        rivals = {hunter for hunter, asked in self.case["requests"] if asked == name}
-        away = {hunter: math.dist(self.case["hunters"][hunter], self.case["targets"][name]) for hunter in rivals}
-        nearest = min(away, key=lambda hunter: away[hunter])
-        if nearest not in {one["hunter"] for one in eligible}:
-            return [(one, "LOST_CONTEST", nearest) for one in eligible]
-        return super().decide(name, eligible)
 
+def one_after_the_other(self: PlainArbiter, name: str, eligible: Eligible) -> list[Any]:
+    first, *others = eligible
+    return [(first, self.won(name), seat(first))] + [(one, "ALREADY_CAUGHT", None) for one in others]
 
-class OneCatchAStep(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        rulings = super().__call__(**case)
-        for ruling in [one for one in rulings if one["verdict"] == "GRANTED"][1:]:
-            ruling["verdict"] = "LOST_CONTEST"
-        return rulings
 
+def all_tied_win(self: PlainArbiter, name: str, eligible: Eligible) -> list[Any]:
+    least = min(one["distance_um"] for one in eligible)
+    return [
+        (one, "GRANTED", seat(one)) if one["distance_um"] == least else (one, verdict, winner)
+        for one, verdict, winner in right.decide(self, name, eligible)
+    ]
 
-class Consoles(PlainArbiter):
-    """A loser gets a free target in reach instead."""
 
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        rulings = super().__call__(**case)
-        free = set(case["targets"]) - {name for _, name in case["requests"] if isinstance(name, str)}
-        for ruling in rulings:
-            for name in sorted(free) if ruling["verdict"] == "LOST_CONTEST" else []:
-                if math.dist(case["hunters"][ruling["hunter"]], case["targets"][name]) < self.own_reach(
-                    ruling["hunter"]
-                ):
-                    ruling |= {"verdict": "GRANTED", "winner": ruling["hunter"]}
-        return rulings
+def nearest_in_floats(self: PlainArbiter, eligible: Eligible) -> Ruling:
+    def metres(one: Ruling) -> float:
+        return math.dist(self.case["hunters"][seat(one)], self.case["targets"][one["target"]])
 
+    return min(eligible, key=metres) if self.case["policy"] == "nearest" else right.winner(self, eligible)
 
-class GivesTheNearestTarget(PlainArbiter):
-    """Reach is measured to whichever target is nearest."""
 
-    def far(self, ruling: dict[str, Any]) -> bool:
-        place = self.case["hunters"][ruling["hunter"]]
-        metres = min(math.dist(place, target) for target in self.case["targets"].values())
-        ruling["distance_um"] = self.whole(metres)
-        return not self.within(ruling["distance_um"], metres)
+def drawn_by_a_count(self: PlainArbiter, tied: Eligible) -> Ruling:
+    """A fair draw, but a loser that drops out moves it on."""
+    number = hashlib.blake2b(f"{self.case['seed']} {self.case['step']}".encode()).digest()[0]
+    return sorted(tied, key=seat)[number % len(tied)]
 
 
-class FoldsCase(PlainArbiter):
-    def known_as(self, name: Any) -> str | None:
-        return next((known for known in self.case["targets"] if known.casefold() == name.casefold()), None)
+def longest_reach(self: PlainArbiter, eligible: Eligible) -> Ruling:
+    longest = max(self.own_reach(seat(one)) for one in eligible)
+    return right.winner(self, [one for one in eligible if self.own_reach(seat(one)) == longest])
 
 
-class Normalises(PlainArbiter):
-    form = "NFC"
+def note_the_unrefused(self: PlainArbiter, ruling: Ruling) -> None:
+    if ruling["verdict"] is None:
+        self.asked.add(seat(ruling))
 
-    def known_as(self, name: Any) -> str | None:
-        def same(word: str) -> str:
-            return unicodedata.normalize(self.form, word)
 
-        return next((known for known in self.case["targets"] if same(known) == same(name)), None)
+def note_the_well_formed(self: PlainArbiter, ruling: Ruling) -> None:
+    if ruling["verdict"] != "MALFORMED":
+        self.asked.add(seat(ruling))
 
 
-class NormalisesDigits(Normalises):
-    form = "NFKC"
+def measured_for_all(self: PlainArbiter, ruling: Ruling) -> None:
+    right.refuse(self, ruling)
+    if isinstance(ruling["target"], str) and ruling["target"] in self.case["targets"]:
+        self.far(ruling)
 
 
-class Trims(PlainArbiter):
-    def known_as(self, name: Any) -> str | None:
-        return super().known_as(name.strip())
+def without(*evidence: str) -> PlainArbiter:
+    return PlainArbiter(told=lambda _, rulings: [ruling | dict.fromkeys(evidence) for ruling in rulings])
 
 
-class EndsNamesAtZero(PlainArbiter):
-    def known_as(self, name: Any) -> str | None:
-        return super().known_as(name.partition("\0")[0])
-
-
-class KnowsPrefixes(PlainArbiter):
-    def known_as(self, name: Any) -> str | None:
-        return next((known for known in self.case["targets"] if known.startswith(name)), None)
-
-
-class CountsBytes(PlainArbiter):
-    def is_name(self, name: object) -> bool:
-        return isinstance(name, str) and len(name.encode()) <= 255
-
-
-class CountsTo256(PlainArbiter):
-    def is_name(self, name: object) -> bool:
-        return isinstance(name, str) and len(name) <= 256
-
-
-class EmptyIsMalformed(PlainArbiter):
-    def is_name(self, name: object) -> bool:
-        return bool(name) and super().is_name(name)
-
-
-class AnythingIsAName(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return super().__call__(**{**case, "requests": [(hunter, str(name)) for hunter, name in case["requests"]]})
-
-
-class LooksUpFirst(PlainArbiter):
-    """Crashes where the name cannot be hashed."""
-
-    def is_name(self, name: object) -> bool:
-        return name in self.case["targets"] or super().is_name(name)
-
-
-class NoDuplicates(PlainArbiter):
-    def note(self, ruling: dict[str, Any]) -> None:
-        """Everything is judged, however often."""
-
-
-class LastRequestStands(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return super().__call__(**{**case, "requests": case["requests"][::-1]})[::-1]
-
-
-class RefusalsAreNotSpent(PlainArbiter):
-    def note(self, ruling: dict[str, Any]) -> None:
-        if ruling["verdict"] is None:
-            self.asked.add(ruling["hunter"])
-
-
-class MalformedIsNotSpent(PlainArbiter):
-    def note(self, ruling: dict[str, Any]) -> None:
-        if ruling["verdict"] != "MALFORMED":
-            self.asked.add(ruling["hunter"])
-
-
-class DuplicateBeforeMalformed(PlainArbiter):
-    order = ("over", "duplicate", "malformed", "inactive", "unknown", "caught", "down", "far")
-
-
-class NameBeforeDuplicate(PlainArbiter):
-    order = ("over", "malformed", "inactive", "unknown", "caught", "duplicate", "down", "far")
-
-
-class InactiveBeforeMalformed(PlainArbiter):
-    order = ("over", "inactive", "malformed", "duplicate", "unknown", "caught", "down", "far")
-
-
-class InactiveAfterNames(PlainArbiter):
-    order = ("over", "malformed", "duplicate", "unknown", "caught", "inactive", "down", "far")
-
-
-class IgnoresWithdrawals(PlainArbiter):
-    def withdrawn(self, ruling: dict[str, Any]) -> bool:
-        return False
-
-
-class ReachBeforeService(PlainArbiter):
-    order = ("over", "malformed", "inactive", "duplicate", "unknown", "caught", "far", "down")
-
-
-class ServiceFirst(PlainArbiter):
-    order = ("over", "down", "malformed", "inactive", "duplicate", "unknown", "caught", "far")
-
-
-class CreditsRefusedKills(PlainArbiter):
-    def won(self, *, refused: bool) -> str:
-        return "GRANTED"
-
-
-class FaultsSpread(PlainArbiter):
-    def won(self, *, refused: bool) -> str:
-        return "KILL_FAILED" if self.case["kill_refused"] else "GRANTED"
-
-
-class TriesTheNext(PlainArbiter):
-    """After a refused kill the next nearest is told that it failed, too."""
-
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        decided = super().decide(name, eligible)
-        refused = name in self.case["kill_refused"]
-        return [(one, "KILL_FAILED", winner) if refused else (one, verdict, winner) for one, verdict, winner in decided]
-
-
-class PlaysOn(PlainArbiter):
-    def over(self, _: dict[str, Any]) -> bool:
-        return False
-
-
-class EndsAfterTheForm(PlainArbiter):
-    order = ("malformed", "over", "inactive", "duplicate", "unknown", "caught", "down", "far")
-
-
-class ForgetsTheCaught(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return super().__call__(**{**case, "caught": []})
-
-
-class OneAfterTheOther(PlainArbiter):
-    """Losers are told that the target was caught before."""
-
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        return [
-            (one, "ALREADY_CAUGHT" if verdict == "LOST_CONTEST" else verdict, winner)
-            for one, verdict, winner in super().decide(name, eligible)
+KNOWN: dict[str, PlainArbiter] = {
+    "first come, first served": PlainArbiter(winner=lambda _, eligible: eligible[0]),
+    "last come, first served": PlainArbiter(winner=lambda _, eligible: eligible[-1]),
+    "yes to everybody": PlainArbiter(told=lambda _, rulings: list(map(granted, rulings))),
+    "yes to everybody who names a target that is there": PlainArbiter(
+        told=lambda self, rulings: [
+            granted(one) if one["target"] in list(self.case["targets"]) else one for one in rulings
         ]
-
-
-class AlwaysNearest(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return super().__call__(**{**case, "policy": "nearest"})
-
-
-class AlwaysCapstone(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return super().__call__(**{**case, "policy": "capstone"})
-
-
-class LongestReachForAll(PlainArbiter):
-    def one_of(self, reaches: Sequence[float], seat: int) -> float:
-        del seat
-        return max(reaches)
-
-
-class ShortestReachForAll(PlainArbiter):
-    def one_of(self, reaches: Sequence[float], seat: int) -> float:
-        del seat
-        return min(reaches)
-
-
-class ReachOfHunter0ForAll(PlainArbiter):
-    def one_of(self, reaches: Sequence[float], seat: int) -> float:
-        del seat
-        return reaches[0]
-
-
-class LongestReachWins(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        longest = max(self.own_reach(one["hunter"]) for one in eligible)
-        return super().winner([one for one in eligible if self.own_reach(one["hunter"]) == longest])
-
-
-class LosersDoNotLearnTheWinner(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        rulings = super().__call__(**case)
-        for ruling in rulings:
-            ruling["winner"] = ruling["winner"] if ruling["verdict"] == "GRANTED" else None
-        return rulings
-
-
-class DistanceForEverybody(PlainArbiter):
-    def refuse(self, ruling: dict[str, Any]) -> None:
-        super().refuse(ruling)
-        if isinstance(ruling["target"], str) and ruling["target"] in self.case["targets"]:
-            self.far(ruling)
-
-
-class LastCome(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        return eligible[-1]
-
-
-class HighSeatWins(PlainArbiter):
-    def winner(self, eligible: Eligible) -> dict[str, Any]:
-        return max(eligible, key=lambda one: one["hunter"])
-
-
-class YesToEverybody(PlainArbiter):
-    """The service of the exercise."""
-
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return [ruling | {"verdict": "GRANTED", "winner": ruling["hunter"]} for ruling in super().__call__(**case)]
-
-
-class YesToEverybodyWhoNamesATarget(PlainArbiter):
-    """The same, if it looks at its list."""
-
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return [
-            ruling | {"verdict": "GRANTED", "winner": ruling["hunter"]}
-            if ruling["target"] in list(case["targets"])
-            else ruling
-            for ruling in super().__call__(**case)
+    ),
+    "everybody within reach wins": PlainArbiter(
+        decide=lambda self, name, eligible: [(one, self.won(name), seat(one)) for one in eligible]
+    ),
+    "nobody wins where several ask": PlainArbiter(
+        decide=lambda self, name, eligible: (
+            [(one, "LOST_CONTEST", None) for one in eligible] if eligible[1:] else right.decide(self, name, eligible)
+        )
+    ),
+    "the farthest wins": PlainArbiter(winner=lambda _, eligible: max(eligible, key=lambda one: one["distance_um"])),
+    "the lowest seat wins": PlainArbiter(winner=lambda _, eligible: min(eligible, key=seat)),
+    "the highest seat wins": PlainArbiter(winner=lambda _, eligible: max(eligible, key=seat)),
+    "only one catch in a step": PlainArbiter(told=only_the_first_grant),
+    "one after the other: after a catch the target is gone": PlainArbiter(decide=one_after_the_other),
+    "ALREADY_CAUGHT for LOST_CONTEST": PlainArbiter(
+        told=lambda _, rulings: [
+            one | {"verdict": "ALREADY_CAUGHT"} if one["verdict"] == "LOST_CONTEST" else one for one in rulings
         ]
-
-
-class ReachInFloatsInclusive(PlainArbiter):
-    def within(self, distance_um: int, metres: float) -> bool:
-        return metres <= self.reach_m
-
-
-class SquaredDistance(PlainArbiter):
-    def measure(self, dx: float, dy: float) -> float:
-        return dx * dx + dy * dy
-
-
-class RoundsToMillimetres(PlainArbiter):
-    def whole(self, metres: float) -> int:
-        return 1000 * round(1e3 * metres)
-
-
-class SortsByTarget(PlainArbiter):
-    """Goes target by target, and answers so."""
-
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return sorted(super().__call__(**case), key=lambda ruling: str(ruling["target"]))
-
-
-class IgnoresTheService(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return super().__call__(**{**case, "kill_service_up": True})
-
-
-class CatchesAtOnce(PlainArbiter):
-    """One request after the other: who comes after a catch asks for a target that is gone."""
-
-    def decide(self, name: str, eligible: Eligible) -> list[Any]:
-        first, *others = eligible
-        refused = name in self.case["kill_refused"]
-        return [(first, self.won(refused=refused), first["hunter"])] + [(one, "ALREADY_CAUGHT", None) for one in others]
-
-
-class GivesNoEvidence(PlainArbiter):
-    evidence: Sequence[str] = ("distance_um", "winner")
-
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return [ruling | dict.fromkeys(self.evidence) for ruling in super().__call__(**case)]
-
-
-class GivesNoDistance(GivesNoEvidence):
-    evidence = ("distance_um",)
-
-
-class GivesNoWinner(GivesNoEvidence):
-    evidence = ("winner",)
-
-
-class GivesMillimetres(PlainArbiter):
-    def __call__(self, **case: Any) -> list[dict[str, Any]]:
-        return [
-            ruling | {"distance_um": None if (um := ruling["distance_um"]) is None else round(um / 1000)}
-            for ruling in super().__call__(**case)
+    ),
+    "a loser gets another target": PlainArbiter(told=consoled),
+    "the nearest target is given, whichever was named": PlainArbiter(far=far_from_all),
+    "a withdrawn hunter nearby wins without asking": PlainArbiter(decide=guarded),
+    "refused requests win contests": PlainArbiter(decide=refused_compete),
+    "within reach is tested with <=": PlainArbiter(within=lambda self, um, _: um <= max(1, self.whole(self.reach_m))),
+    "reach is tested in floats": PlainArbiter(within=lambda self, _, metres: metres < self.reach_m),
+    "reach is tested in floats, with <=": PlainArbiter(within=lambda self, _, metres: metres <= self.reach_m),
+    "reach is not tested": PlainArbiter(within=lambda *_: True),
+    "reach is 0.3 m whatever reach_m says": PlainArbiter(within=lambda _self, um, _: um < 300_000),
+    "a reach of less than a micrometre lets nobody in": PlainArbiter(
+        within=lambda self, um, _: um < self.whole(self.reach_m)
+    ),
+    "all have the longest reach": PlainArbiter(one_of=lambda _self, reaches, _: max(reaches)),
+    "all have the shortest reach": PlainArbiter(one_of=lambda _self, reaches, _: min(reaches)),
+    "all have the reach of hunter 0": PlainArbiter(one_of=lambda _self, reaches, _: reaches[0]),
+    "who reaches farther wins": PlainArbiter(winner=longest_reach),
+    "distances are cut off, not rounded": PlainArbiter(whole=lambda _, metres: int(1e6 * metres)),
+    "distances are rounded to millimetres": PlainArbiter(whole=lambda _, metres: 1000 * round(1e3 * metres)),
+    "the distance is dx + dy": PlainArbiter(measure=lambda _, dx, dy: abs(dx) + abs(dy)),
+    "the distance is the larger one of dx and dy": PlainArbiter(measure=lambda _, dx, dy: max(abs(dx), abs(dy))),
+    "the distance is dx alone": PlainArbiter(measure=lambda _self, dx, _: abs(dx)),
+    "the distance is a square: the root is missing": PlainArbiter(measure=lambda _, dx, dy: dx * dx + dy * dy),
+    "ties go to the lowest seat": PlainArbiter(of_tied=lambda _, tied: min(tied, key=seat)),
+    "ties go to the first request": PlainArbiter(of_tied=lambda _, tied: tied[0]),
+    "everybody in a tie wins": PlainArbiter(decide=all_tied_win),
+    "a lot is drawn wrongly": PlainArbiter(of_tied=drawn_by_a_count),
+    "the nearest is found in floats, not in whole micrometres": PlainArbiter(winner=nearest_in_floats),
+    "capital letters do not matter in names": known_alike(str.casefold),
+    "letters that look the same are the same (NFC)": known_alike(partial(unicodedata.normalize, "NFC")),
+    "letters that mean the same are the same (NFKC)": known_alike(partial(unicodedata.normalize, "NFKC")),
+    "spaces around names do not matter": PlainArbiter(known_as=lambda self, name: right.known_as(self, name.strip())),
+    "a name ends at its first NUL": PlainArbiter(
+        known_as=lambda self, name: right.known_as(self, name.partition("\0")[0])
+    ),
+    "the beginning of a name is enough": PlainArbiter(
+        known_as=lambda self, name: next((one for one in self.case["targets"] if one.startswith(name)), None)
+    ),
+    "the length of a name is counted in bytes": PlainArbiter(
+        is_name=lambda _, name: isinstance(name, str) and len(name.encode()) <= 255
+    ),
+    "names of 256 characters are allowed": PlainArbiter(
+        is_name=lambda _, name: isinstance(name, str) and len(name) <= 256
+    ),
+    "an empty name is MALFORMED": PlainArbiter(is_name=lambda self, name: bool(name) and right.is_name(self, name)),
+    "anything is a name": PlainArbiter(
+        given=lambda _, case: case | {"requests": [(hunter, str(name)) for hunter, name in case["requests"]]}
+    ),
+    "DUPLICATE is never given": PlainArbiter(note=lambda *_: None),
+    "a hunter's last request stands, not its first": PlainArbiter(
+        given=lambda _, case: case | {"requests": case["requests"][::-1]}, told=lambda _, rulings: rulings[::-1]
+    ),
+    "a refused request does not count as the first": PlainArbiter(note=note_the_unrefused),
+    "a malformed request does not count as the first": PlainArbiter(note=note_the_well_formed),
+    "DUPLICATE is tested before MALFORMED": tested("over", "duplicate"),
+    "DUPLICATE is tested only after ALREADY_CAUGHT": tested("over", "malformed", "inactive", "unknown", "caught"),
+    "HUNTER_INACTIVE is tested before MALFORMED": tested("over", "inactive"),
+    "HUNTER_INACTIVE is tested only after ALREADY_CAUGHT": tested(
+        "over", "malformed", "duplicate", "unknown", "caught"
+    ),
+    "OUT_OF_REACH is tested before SERVICE_DOWN": tested(*ORDER[:6], "far"),
+    "SERVICE_DOWN is tested before MALFORMED": tested("over", "down"),
+    "MALFORMED is tested before MATCH_OVER": tested("malformed"),
+    "HUNTER_INACTIVE is never given": with_case(inactive=()),
+    "SERVICE_DOWN is never given": with_case(kill_service_up=True),
+    "MATCH_OVER is never given": with_case(match_over=False),
+    "UNKNOWN_TARGET for ALREADY_CAUGHT": with_case(caught=()),
+    "a refused kill is GRANTED": PlainArbiter(won=lambda *_: "GRANTED"),
+    "one refused kill refuses all of its step": PlainArbiter(
+        won=lambda self, _: "KILL_FAILED" if self.case["kill_refused"] else "GRANTED"
+    ),
+    "after a refused kill the others are told KILL_FAILED too": PlainArbiter(
+        decide=lambda self, name, eligible: [
+            (one, "KILL_FAILED" if name in self.case["kill_refused"] else verdict, winner)
+            for one, verdict, winner in right.decide(self, name, eligible)
         ]
-
-
-NEAREST = "Of those within reach the nearest wins, whoever asked first and whatever its seat (R5.4)."
-LOT = "A tie is drawn by a lot from the seed, the step, the target and the tied seats (R5.5)."
-REACH = "Within reach is distance_um < reach_um: 299999 is in, 300000 is out (R5.3)."
-OWN_REACH = "Each hunter has its own reach, which says who may catch, and not who wins (R2.7, R5.3, R5.4)."
-DISTANCE = "The distance is floor(1e6 * sqrt(dx * dx + dy * dy) + 0.5) micrometres (R5.3)."
-ORDER = "The tests have an order: MATCH_OVER, MALFORMED, HUNTER_INACTIVE, DUPLICATE, and so on (R5.2)."
-FIRST_STANDS = "A hunter's first request in a step stands, whatever its verdict; more are DUPLICATE (R5.2)."
-NAME = "A name is any string of at most 255 characters; all else is MALFORMED (R5.2)."
-SAME_NAME = "A name stands for the target that is called exactly so (R5.2)."
-REFUSED = "If a kill is refused, the winner gets KILL_FAILED, the others LOST_CONTEST, and nobody a catch (R5.7)."
-EVIDENCE = "The distance is given if reach was tested, the winner if there was a contest or a grant (R5.6)."
-APART = "All requests of a step are judged on the state at its beginning (R5.1)."
-ELIGIBLE = "A contest is among the requests for one target that passed every test of R5.2 (R5.1, R5.5)."
-POLICY = "The policy says who wins: nearest, first_come (by lot, not by order) or capstone (R5.9, R9.1)."
-
-KNOWN: dict[type[PlainArbiter], tuple[str, str]] = {
-    FirstCome: ("first come, first served", NEAREST),
-    LastCome: ("last come, first served", NEAREST),
-    YesToEverybody: ("yes to everybody", "Each request has to pass the tests of R5.2, and one hunter wins (R5.4)."),
-    YesToEverybodyWhoNamesATarget: ("yes to everybody who names a target that is there", REACH),
-    SuccessForEverybody: ("everybody within reach wins", NEAREST),
-    NobodyWinsAContest: ("nobody wins where several ask", NEAREST),
-    Farthest: ("the farthest wins", NEAREST),
-    LowSeatWins: ("the lowest seat wins", NEAREST),
-    HighSeatWins: ("the highest seat wins", NEAREST),
-    OneCatchAStep: ("only one catch in a step", APART),
-    CatchesAtOnce: ("one after the other: after a catch the target is gone", APART),
-    OneAfterTheOther: ("ALREADY_CAUGHT for LOST_CONTEST", "LOST_CONTEST means: another hunter was preferred (R5.6)."),
-    Consoles: ("a loser gets another target", "A request is for the target that it names (R5.1)."),
-    GivesTheNearestTarget: ("the nearest target is given, whichever was named", ELIGIBLE),
-    TheNearestBlocks: ("a withdrawn hunter nearby wins without asking", ELIGIBLE),
-    DuplicatesCompete: ("refused requests win contests", ELIGIBLE),
-    ReachInclusive: ("within reach is tested with <=", REACH),
-    ReachInFloats: ("reach is tested in floats", REACH),
-    ReachInFloatsInclusive: ("reach is tested in floats, with <=", REACH),
-    NoReachCheck: ("reach is not tested", REACH),
-    ReachAlwaysTheDefault: ("reach is 0.3 m whatever reach_m says", REACH),
-    ReachOfNothing: ("a reach of less than a micrometre lets nobody in", "reach_um is at least 1 (R5.3)."),
-    LongestReachForAll: ("all have the longest reach", OWN_REACH),
-    ShortestReachForAll: ("all have the shortest reach", OWN_REACH),
-    ReachOfHunter0ForAll: ("all have the reach of hunter 0", OWN_REACH),
-    LongestReachWins: ("who reaches farther wins", OWN_REACH),
-    CutOff: ("distances are cut off, not rounded", DISTANCE),
-    RoundsToMillimetres: ("distances are rounded to millimetres", DISTANCE),
-    MeasuresBySum: ("the distance is dx + dy", DISTANCE),
-    MeasuresByLargest: ("the distance is the larger one of dx and dy", DISTANCE),
-    MeasuresAlongX: ("the distance is dx alone", DISTANCE),
-    SquaredDistance: ("the distance is a square: the root is missing", DISTANCE),
-    TiesToTheLowSeat: ("ties go to the lowest seat", LOT),
-    TiesToTheFirst: ("ties go to the first request", LOT),
-    TiesToAll: ("everybody in a tie wins", LOT),
-    TiesByACount: ("a lot is drawn wrongly", LOT),
-    TiesInFloats: ("the nearest is found in floats, not in whole micrometres", NEAREST),
-    FoldsCase: ("capital letters do not matter in names", SAME_NAME),
-    Normalises: ("letters that look the same are the same (NFC)", SAME_NAME),
-    NormalisesDigits: ("letters that mean the same are the same (NFKC)", SAME_NAME),
-    Trims: ("spaces around names do not matter", SAME_NAME),
-    EndsNamesAtZero: ("a name ends at its first NUL", SAME_NAME),
-    KnowsPrefixes: ("the beginning of a name is enough", SAME_NAME),
-    CountsBytes: ("the length of a name is counted in bytes", NAME),
-    CountsTo256: ("names of 256 characters are allowed", NAME),
-    EmptyIsMalformed: ("an empty name is MALFORMED", NAME),
-    AnythingIsAName: ("anything is a name", NAME),
-    NoDuplicates: ("DUPLICATE is never given", FIRST_STANDS),
-    LastRequestStands: ("a hunter's last request stands, not its first", FIRST_STANDS),
-    RefusalsAreNotSpent: ("a refused request does not count as the first", FIRST_STANDS),
-    MalformedIsNotSpent: ("a malformed request does not count as the first", FIRST_STANDS),
-    DuplicateBeforeMalformed: ("DUPLICATE is tested before MALFORMED", ORDER),
-    NameBeforeDuplicate: ("DUPLICATE is tested only after ALREADY_CAUGHT", ORDER),
-    InactiveBeforeMalformed: ("HUNTER_INACTIVE is tested before MALFORMED", ORDER),
-    InactiveAfterNames: ("HUNTER_INACTIVE is tested only after ALREADY_CAUGHT", ORDER),
-    ReachBeforeService: ("OUT_OF_REACH is tested before SERVICE_DOWN", ORDER),
-    ServiceFirst: ("SERVICE_DOWN is tested before MALFORMED", ORDER),
-    EndsAfterTheForm: ("MALFORMED is tested before MATCH_OVER", ORDER),
-    IgnoresWithdrawals: ("HUNTER_INACTIVE is never given", "A withdrawn hunter's requests are refused (R1.6, R5.2)."),
-    IgnoresTheService: ("SERVICE_DOWN is never given", "While the kill service is down nothing is caught (R5.7)."),
-    PlaysOn: ("MATCH_OVER is never given", "After the end every request is refused (R5.2)."),
-    ForgetsTheCaught: ("UNKNOWN_TARGET for ALREADY_CAUGHT", "The names of caught targets stay known (R3.4, R5.2)."),
-    CreditsRefusedKills: ("a refused kill is GRANTED", REFUSED),
-    FaultsSpread: ("one refused kill refuses all of its step", REFUSED),
-    TriesTheNext: ("after a refused kill the others are told KILL_FAILED too", REFUSED),
-    AlwaysNearest: ("the policy is always nearest", POLICY),
-    AlwaysCapstone: ("the policy is always capstone", POLICY),
-    GivesNoEvidence: ("no evidence is given", "Compare with --verdicts-only until it is (R5.6)."),
-    GivesNoDistance: ("no distance is given", EVIDENCE),
-    GivesNoWinner: ("no winner is given", EVIDENCE),
-    LosersDoNotLearnTheWinner: ("only who is granted learns the winner", EVIDENCE),
-    DistanceForEverybody: ("a distance is given to everybody", EVIDENCE),
-    GivesMillimetres: ("distances are in millimetres", DISTANCE),
-    SortsByTarget: (
-        "the rulings are not in the order of the requests",
-        "There is one ruling for each request, in their order (`catch-arena docs conformance`).",
+    ),
+    "the policy is always nearest": with_case(policy="nearest"),
+    "the policy is always capstone": with_case(policy="capstone"),
+    "no evidence is given": without("distance_um", "winner"),
+    "no distance is given": without("distance_um"),
+    "no winner is given": without("winner"),
+    "only who is granted learns the winner": PlainArbiter(
+        told=lambda _, rulings: [one if one["verdict"] == "GRANTED" else one | {"winner": None} for one in rulings]
+    ),
+    "a distance is given to everybody": PlainArbiter(refuse=measured_for_all),
+    "distances are in millimetres": PlainArbiter(
+        told=lambda _, rulings: [
+            one | {"distance_um": None if one["distance_um"] is None else round(one["distance_um"] / 1000)}
+            for one in rulings
+        ]
+    ),
+    "the rulings are not in the order of the requests": PlainArbiter(
+        told=lambda _, rulings: sorted(rulings, key=lambda ruling: str(ruling["target"]))
     ),
 }
-"""What each is called in catch_arena/conformance/mistakes.toml, and what the rulebook says."""
-
-
-WRONG: Sequence[tuple[type[PlainArbiter], str]] = (
-    (OneCatchAStep, "basics"),
-    (Consoles, "basics"),
-    (GivesTheNearestTarget, "basics"),
-    (NoReachCheck, "reach"),
-    (ReachInclusive, "reach"),
-    (ReachInFloats, "reach"),
-    (ReachAlwaysTheDefault, "reach"),
-    (LongestReachForAll, "handicaps"),
-    (ShortestReachForAll, "handicaps"),
-    (ReachOfHunter0ForAll, "handicaps"),
-    (LongestReachWins, "handicaps"),
-    (ReachOfNothing, "reach"),
-    (CutOff, "reach"),
-    (MeasuresBySum, "reach"),
-    (MeasuresByLargest, "reach"),
-    (MeasuresAlongX, "reach"),
-    (FoldsCase, "names"),
-    (Normalises, "names"),
-    (NormalisesDigits, "names"),
-    (Trims, "names"),
-    (EndsNamesAtZero, "names"),
-    (KnowsPrefixes, "names"),
-    (CountsBytes, "names"),
-    (CountsTo256, "names"),
-    (EmptyIsMalformed, "names"),
-    (AnythingIsAName, "names"),
-    (LooksUpFirst, "names"),
-    (FirstCome, "claimants"),
-    (Farthest, "claimants"),
-    (LowSeatWins, "claimants"),
-    (SuccessForEverybody, "claimants"),
-    (NobodyWinsAContest, "claimants"),
-    (LosersDoNotLearnTheWinner, "claimants"),
-    (MeasuresBySum, "claimants"),
-    (MeasuresByLargest, "claimants"),
-    (TiesToTheLowSeat, "ties"),
-    (TiesToTheFirst, "ties"),
-    (TiesToAll, "ties"),
-    (TiesByACount, "ties"),
-    (TiesInFloats, "ties"),
-    (TheNearestBlocks, "eligibility"),
-    (DuplicatesCompete, "eligibility"),
-    (NoDuplicates, "duplicates"),
-    (LastRequestStands, "duplicates"),
-    (RefusalsAreNotSpent, "duplicates"),
-    (MalformedIsNotSpent, "duplicates"),
-    (DuplicateBeforeMalformed, "duplicates"),
-    (NameBeforeDuplicate, "duplicates"),
-    (DistanceForEverybody, "duplicates"),
-    (ReachBeforeService, "outages"),
-    (ServiceFirst, "outages"),
-    (CreditsRefusedKills, "outages"),
-    (FaultsSpread, "outages"),
-    (TriesTheNext, "outages"),
-    (PlaysOn, "time"),
-    (EndsAfterTheForm, "time"),
-    (IgnoresWithdrawals, "inactive"),
-    (InactiveBeforeMalformed, "inactive"),
-    (InactiveAfterNames, "inactive"),
-    (ForgetsTheCaught, "identity"),
-    (OneAfterTheOther, "identity"),
-    (AlwaysNearest, "policies"),
-    (AlwaysNearest, "capstone"),
-    (AlwaysCapstone, "capstone"),
-)
-"""Each wrong arbiter, and the group of cases that must catch it."""
+"""An arbiter for each mistake, by its name in catch_arena/conformance/mistakes.toml and in that order."""

@@ -1,56 +1,25 @@
-"""The oracle's arena with one mistake each: about time, spawning, identity, outages and withdrawals, targets that move,
-what is seen, and dropouts.
-"""
+"""The oracle's arena with one mistake each: every group of cases for arenas catches some of them."""
 
 # ruff: noqa: ARG002 - a mistake can consist in not looking at something
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from oracle.arbiter import GRANTED, KILL_FAILED, LOST_CONTEST, Request
 from oracle.arena import Command, OracleArena
-from oracle.turtles import Hunter, Target, distance, micrometres
+from oracle.turtles import Hunter, Prey, Target
+
+Settings = dict[str, Any]
 
 
-class CutsThePeriodOff(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__(settings)
-        frequency = settings["spawn_frequency_hz"]
-        self.spawn_period = max(1, int(1000 / frequency)) if frequency > 0 else 5000
+def with_settings(change: Callable[[Settings], Settings]) -> type[OracleArena]:
+    """An arena that plays by other settings than those that it is given."""
 
+    class Wrong(OracleArena):
+        def __init__(self, settings: Any) -> None:
+            super().__init__({**settings, **change(settings)})
 
-class RoundsHalvesToEven(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__(settings)
-        frequency = settings["spawn_frequency_hz"]
-        self.spawn_period = max(1, round(1000 / frequency)) if frequency > 0 else 5000
-
-
-class NeverFiresWithoutAFrequency(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__(settings)
-        if settings["spawn_frequency_hz"] <= 0:
-            self.spawn_period = 10**9
-
-
-class FiresOnceAStep(OracleArena):
-    def _spawn(self) -> None:
-        period, self.period = self.period, min(self.period, self.spawn_period)
-        super()._spawn()
-        self.period = period
-
-
-class FiresAtReset(OracleArena):
-    def reset(self, seed: int) -> None:
-        super().reset(seed)
-        self.used += 1
-        self._appear(self.used, 0)
-
-
-class IgnoresItsRoom(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__({**settings, "max_targets": 64})
+    return Wrong
 
 
 class UsesNumbersUpWhenFull(OracleArena):
@@ -81,27 +50,6 @@ class KeepsNumbersOverAReset(OracleArena):
             target.number += used
 
 
-class MovesTheLastIntoTheGap(OracleArena):
-    """A table that fills the gap of a caught target with its last row."""
-
-    def _commit(self, requests: Sequence[Request | None]) -> None:
-        before = list(self.alive)
-        super()._commit(requests)
-        kept = {target.number for target in self.alive}
-        self.alive = self.swapped(before, kept)
-
-    def swapped(self, rows: list[Target], kept: set[int]) -> list[Target]:
-        place = 0
-        while place < len(rows):
-            if rows[place].number in kept:
-                place += 1
-            elif place == len(rows) - 1:
-                rows.pop()
-            else:
-                rows[place] = rows.pop()
-        return rows
-
-
 class JudgesAfterTheMotion(OracleArena):
     def _judge(self, requests: Sequence[Request | None]) -> None:
         self._move()
@@ -116,25 +64,6 @@ class SkipsTheLastStep(OracleArena):
                 request.verdict = 1
 
 
-class EndsBeforeItsLimit(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__(settings)
-        self.limit = self.limit // self.period * self.period
-
-
-class TruncatesWhatIsDone(OracleArena):
-    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
-        super().step(actions, prey_actions)
-        if self.terminated and self.time >= self.limit:
-            self.terminated, self.truncated = False, True
-
-
-class EndsWhenEmpty(OracleArena):
-    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
-        super().step(actions, prey_actions)
-        self.terminated = self.terminated or (self.budget is not None and not self.alive and self.spawned > 0)
-
-
 class CreditsRefusedKills(OracleArena):
     def _commit(self, requests: Sequence[Request | None]) -> None:
         for request in requests:
@@ -143,24 +72,11 @@ class CreditsRefusedKills(OracleArena):
         super()._commit(requests)
 
 
-class RemovesRefusedTargets(OracleArena):
-    def _commit(self, requests: Sequence[Request | None]) -> None:
-        super()._commit(requests)
-        failed = {request.number for request in requests if request is not None and request.verdict == KILL_FAILED}
-        self.alive = [target for target in self.alive if target.number not in failed]
-
-
 class WithdrawsForOneStep(OracleArena):
     def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
         super().step(actions, prey_actions)
         for hunter in self.hunters:
             hunter.withdrawn = False
-
-
-class ForfeitsTheScore(OracleArena):
-    def withdraw(self, seat: int) -> None:
-        super().withdraw(seat)
-        self.hunters[seat].score = 0
 
 
 class CreditsOneHunterOnly(OracleArena):
@@ -175,12 +91,6 @@ class CreditsOneHunterOnly(OracleArena):
         return hunter
 
 
-class MeasuresInMillimetres(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__(settings)
-        self.reaches_um = [math.ceil(reach / 1000) * 1000 + 1 for reach in self.reaches_um]
-
-
 class JudgesFromWhereTargetsWillBe(OracleArena):
     """Targets move before the requests are judged."""
 
@@ -190,16 +100,6 @@ class JudgesFromWhereTargetsWillBe(OracleArena):
         super()._judge(requests)
 
 
-class WandersAtOneSpeed(OracleArena):
-    def _wander(self, target: Target, speed: float) -> None:
-        super()._wander(target, self.settings["target_speed_mps"])
-
-
-class AlarmInclusive(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__({**settings, "alarm_m": settings["alarm_m"] + 1e-6})
-
-
 class FleesFromTheFirst(OracleArena):
     def _threat(self, target: Target) -> Hunter | None:
         found = super()._threat(target)
@@ -207,98 +107,15 @@ class FleesFromTheFirst(OracleArena):
         return near[0] if found is not None else None
 
 
-class FleesFromTheWithdrawn(OracleArena):
-    def _threat(self, target: Target) -> Hunter | None:
-        withdrawn = [hunter for hunter in self.hunters if hunter.withdrawn]
-        for hunter in withdrawn:
-            hunter.withdrawn = False
-        found = super()._threat(target)
-        for hunter in withdrawn:
-            hunter.withdrawn = True
-        return found
-
-
-class FleesFromAllThatAreEquallyNear(OracleArena):
-    """From their mean place."""
-
-    def _flee(self, target: Target, threat: Hunter) -> None:
-        def away(hunter: Hunter) -> int:
-            return micrometres(distance(target.x, target.y, hunter.x, hunter.y))
-
-        tied = [hunter for hunter in self.hunters if not hunter.withdrawn and away(hunter) == away(threat)]
-        x, y = (math.fsum(getattr(hunter, axis) for hunter in tied) / len(tied) for axis in "xy")
-        super()._flee(target, Hunter(threat.seat, x, y, 0.0))
-
-
-class StopsBetweenTwoThreats(OracleArena):
-    def _flee(self, target: Target, threat: Hunter) -> None:
-        super()._flee(target, threat)
-        least = distance(target.x, target.y, threat.x, threat.y)
-        if sum(distance(target.x, target.y, hunter.x, hunter.y) == least for hunter in self.hunters) > 1:
-            target.v = 0.0
-
-
-class FreezesUnderAHunter(OracleArena):
-    def _flee(self, target: Target, threat: Hunter) -> None:
-        super()._flee(target, threat)
-        if (target.x, target.y) == (threat.x, threat.y):
-            target.v = 0.0
-
-
 class KnowsNoWalls(OracleArena):
     def _push(self, c: float) -> float:
         return 0.0
-
-
-class FearsWallsFromAfar(OracleArena):
-    """The last two metres push."""
-
-    def _push(self, c: float) -> float:
-        return 2.0 - c if c < 2.0 else (self.side - 2.0) - c if c > self.side - 2.0 else 0.0
 
 
 class ForgetsTheWall(OracleArena):
     def _wander(self, target: Target, speed: float) -> None:
         target.at_wall = False
         super()._wander(target, speed)
-
-
-class TurnsFromTheWallBeforeItFlees(OracleArena):
-    def _flee(self, target: Target, threat: Hunter) -> None:
-        super()._flee(target, threat)
-        if target.at_wall:
-            self._wander(target, target.v)
-
-
-class TargetsHaveAWatchdog(OracleArena):
-    def _drive(self, turtle: Any, ticks: int) -> None:
-        super()._drive(turtle, min(ticks, 62))
-
-
-class StrollsWhereNobodyIsFledFrom(OracleArena):
-    """Wanders at half the speed under `wander` too."""
-
-    def _wander(self, target: Target, speed: float) -> None:
-        super()._wander(target, min(speed, self.settings["target_speed_mps"] / 2.0))
-
-
-class RefusedTargetsStandStill(OracleArena):
-    def _commit(self, requests: Sequence[Request | None]) -> None:
-        super()._commit(requests)
-        asked_for = {request.number for request in requests if request is not None}
-        for target in self.alive:
-            target.v = 0.0 if target.number in asked_for else target.v
-
-
-class ChoosesAtEveryTick(OracleArena):
-    def _move(self) -> None:
-        period, begin = self.period, self.time
-        for tick in range(begin // 16 + 1, (begin + period) // 16 + 1):
-            self.time, self.period = 16 * (tick - 1), 16
-            for target in self.alive if self.targets_move else []:
-                self._choose(target)
-            super()._move()
-        self.time, self.period = begin, period
 
 
 class MovesStillTargets(OracleArena):
@@ -309,58 +126,6 @@ class MovesStillTargets(OracleArena):
                 target.x += 0.01
 
 
-class MovesWhatHasJustAppeared(OracleArena):
-    def _spawn(self) -> None:
-        before = {target.number for target in self.alive}
-        super()._spawn()
-        for target in self.alive:
-            if target.number not in before:
-                self._choose(target)
-                self._drive(target, (self.time + self.period) // 16 - target.appeared // 16)
-
-
-class StartsALateStepLater(OracleArena):
-    """What has appeared stands still for a whole step more."""
-
-    def _choose(self, target: Target) -> None:
-        super()._choose(target)
-        if 0 < self.time - target.appeared < self.period or self.time == target.appeared > 0:
-            target.v = 0.0
-
-
-class RadiusInclusive(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        radius = settings["view_radius_m"]
-        super().__init__({**settings, "view_radius_m": radius and radius + 1e-6})
-
-
-class LooksTwiceAsWide(OracleArena):
-    """The angle to either side."""
-
-    def __init__(self, settings: Any) -> None:
-        super().__init__({**settings, "view_angle_deg": min(360.0, 2 * settings["view_angle_deg"])})
-
-
-class LooksAllRound(OracleArena):
-    def __init__(self, settings: Any) -> None:
-        super().__init__({**settings, "view_angle_deg": 360.0})
-
-
-class LooksAheadAtMost(OracleArena):
-    """No cone is wider than 180 degrees."""
-
-    def __init__(self, settings: Any) -> None:
-        super().__init__({**settings, "view_angle_deg": min(180.0, settings["view_angle_deg"])})
-
-
-class DoesNotFeelWhatItReaches(OracleArena):
-    def _sees(self, hunter: Hunter, other: Any) -> bool:
-        reaches, self.reaches_um = self.reaches_um, [0] * len(self.hunters)
-        seen = super()._sees(hunter, other)
-        self.reaches_um = reaches
-        return seen
-
-
 class FeelsAsFarAsTheFirst(OracleArena):
     def _sees(self, hunter: Hunter, other: Any) -> bool:
         reaches, self.reaches_um = self.reaches_um, [self.reaches_um[0]] * len(self.hunters)
@@ -369,50 +134,9 @@ class FeelsAsFarAsTheFirst(OracleArena):
         return seen
 
 
-class FeelsTheEdgeOfItsReach(OracleArena):
-    def _sees(self, hunter: Hunter, other: Any) -> bool:
-        um = micrometres(distance(hunter.x, hunter.y, other.x, other.y))
-        return super()._sees(hunter, other) or um == self.reaches_um[hunter.seat]
-
-
 class SeesAllRivals(OracleArena):
     def _sees(self, hunter: Hunter, other: Any) -> bool:
         return isinstance(other, Hunter) or super()._sees(hunter, other)
-
-
-class SeesTheWithdrawn(OracleArena):
-    def _rivals(self, hunter: Hunter) -> list[tuple[float, ...]]:
-        withdrawn = [other.withdrawn for other in self.hunters]
-        for other in self.hunters:
-            other.withdrawn = False
-        rows = super()._rivals(hunter)
-        for other, was in zip(self.hunters, withdrawn, strict=True):
-            other.withdrawn = was
-        return rows
-
-
-class SeesWhatItSawBefore(OracleArena):
-    """The view goes by the heading at the beginning of the step."""
-
-    def _move(self) -> None:
-        self.headings = [hunter.theta for hunter in self.hunters]
-        super()._move()
-
-    def _sees(self, hunter: Hunter, other: Any) -> bool:
-        theta = hunter.theta
-        hunter.theta = getattr(self, "headings", [theta] * 64)[hunter.seat]
-        seen = super()._sees(hunter, other)
-        hunter.theta = theta
-        return seen
-
-
-class WhoIsUnseenCannotWin(OracleArena):
-    def _judge(self, requests: Sequence[Request | None]) -> None:
-        super()._judge(requests)
-        for request in requests:
-            if request is not None and request.verdict == LOST_CONTEST and request.winner is not None:
-                me, winner = self.hunters[request.seat], self.hunters[request.winner]
-                request.verdict = request.verdict if self._sees(me, winner) else GRANTED
 
 
 class DropsOutAfterTheRulings(OracleArena):
@@ -424,87 +148,122 @@ class DropsOutAfterTheRulings(OracleArena):
         super()._drop_out()
 
 
-class DropsOutForOneStep(OracleArena):
-    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
-        before = [hunter.withdrawn for hunter in self.hunters]
-        super().step(actions, prey_actions)
-        for hunter, was in zip(self.hunters, before, strict=True):
-            hunter.withdrawn = was
+class MatesShareACatch(OracleArena):
+    def _judge(self, requests: Sequence[Request | None]) -> None:
+        super()._judge(requests)
+        for request in requests:
+            if (
+                request is not None
+                and request.verdict == LOST_CONTEST
+                and request.winner in self._team_of(request.seat)
+            ):
+                request.verdict, request.winner = GRANTED, request.seat
 
 
-class DropoutsForfeit(OracleArena):
-    def _drop_out(self) -> None:
-        before = [hunter.withdrawn for hunter in self.hunters]
-        super()._drop_out()
-        for hunter, was in zip(self.hunters, before, strict=True):
-            hunter.score = hunter.score if hunter.withdrawn == was else 0
+class GrantsATeamOneCatchAStep(OracleArena):
+    def _judge(self, requests: Sequence[Request | None]) -> None:
+        super()._judge(requests)
+        served: set[int] = set()
+        for request in requests:
+            if request is not None and request.verdict == GRANTED:
+                if request.seat in served:
+                    request.verdict = LOST_CONTEST
+                served.update(self._team_of(request.seat))
 
 
-class DropoutsEndTheMatch(OracleArena):
-    def step(self, actions: Sequence[Any], prey_actions: Sequence[Command] = ()) -> None:
-        super().step(actions, prey_actions)
-        self.terminated = self.terminated or any(hunter.withdrawn for hunter in self.hunters)
-        self.truncated = self.truncated and not self.terminated
+class TakesTeamsForNeighbours(OracleArena):
+    def team_scores(self) -> list[int]:
+        scores, found = [hunter.score for hunter in self.hunters], []
+        for team in self.teams or ():
+            found.append(sum(scores[: len(team)]))
+            scores = scores[len(team) :]
+        return found
 
 
-WRONG: Sequence[tuple[type[OracleArena], str]] = (
-    (CutsThePeriodOff, "spawning"),
-    (RoundsHalvesToEven, "spawning"),
-    (NeverFiresWithoutAFrequency, "spawning"),
-    (FiresOnceAStep, "spawning"),
-    (FiresAtReset, "spawning"),
-    (IgnoresItsRoom, "spawning"),
-    (UsesNumbersUpWhenFull, "spawning"),
-    (UsesNumbersUpWhenDown, "spawning"),
-    (NumbersByTheHighestAlive, "identity"),
-    (KeepsNumbersOverAReset, "identity"),
-    (MovesTheLastIntoTheGap, "identity"),
-    (JudgesAfterTheMotion, "time"),
-    (SkipsTheLastStep, "time"),
-    (EndsBeforeItsLimit, "time"),
-    (TruncatesWhatIsDone, "time"),
-    (EndsWhenEmpty, "time"),
-    (CreditsRefusedKills, "outages"),
-    (RemovesRefusedTargets, "outages"),
-    (WithdrawsForOneStep, "inactive"),
-    (ForfeitsTheScore, "inactive"),
-    (CreditsOneHunterOnly, "capstone"),
-    (MeasuresInMillimetres, "reach"),
-    (JudgesFromWhereTargetsWillBe, "moving"),
-    (WandersAtOneSpeed, "moving"),
-    (AlarmInclusive, "moving"),
-    (FleesFromTheFirst, "moving"),
-    (FleesFromTheWithdrawn, "moving"),
-    (FleesFromAllThatAreEquallyNear, "moving"),
-    (StopsBetweenTwoThreats, "moving"),
-    (FreezesUnderAHunter, "moving"),
-    (KnowsNoWalls, "moving"),
-    (FearsWallsFromAfar, "moving"),
-    (ForgetsTheWall, "moving"),
-    (TurnsFromTheWallBeforeItFlees, "moving"),
-    (TargetsHaveAWatchdog, "moving"),
-    (StrollsWhereNobodyIsFledFrom, "moving"),
-    (RefusedTargetsStandStill, "moving"),
-    (ChoosesAtEveryTick, "moving"),
-    (MovesStillTargets, "moving"),
-    (MovesWhatHasJustAppeared, "moving"),
-    (StartsALateStepLater, "moving"),
-    (RadiusInclusive, "view"),
-    (LooksTwiceAsWide, "view"),
-    (LooksAllRound, "view"),
-    (LooksAheadAtMost, "view"),
-    (DoesNotFeelWhatItReaches, "view"),
-    (FeelsAsFarAsTheFirst, "view"),
-    (FeelsTheEdgeOfItsReach, "view"),
-    (SeesAllRivals, "view"),
-    (SeesTheWithdrawn, "view"),
-    (SeesWhatItSawBefore, "view"),
-    (WhoIsUnseenCannotWin, "view"),
-    (DropsOutAfterTheRulings, "dropouts"),
-    (DropsOutForOneStep, "dropouts"),
-    (DropoutsForfeit, "dropouts"),
-    (DropoutsEndTheMatch, "dropouts"),
-    (FleesFromTheWithdrawn, "dropouts"),
-    (SeesTheWithdrawn, "dropouts"),
+class PreyIsDeaf(OracleArena):
+    def _command(self, prey: Prey, action: Command) -> None:
+        pass
+
+
+class PreyReverses(OracleArena):
+    def _command(self, prey: Prey, action: Command) -> None:
+        super()._command(prey, action)
+        if prey.target is not None and action[0] < 0:
+            prey.target.v = action[0] * self.target_speed
+
+
+class RefusedKillsCount(OracleArena):
+    def _commit(self, requests: Sequence[Request | None]) -> None:
+        super()._commit(requests)
+        failed = {one.number for one in requests if one is not None and one.verdict == KILL_FAILED}
+        for prey in self.prey:
+            if prey.target is not None and prey.target.number in failed:
+                prey.times_caught += 1
+
+
+class ReturnsIntoAFullArena(OracleArena):
+    def _return_prey(self) -> None:
+        room = self.settings["max_targets"]
+        self.settings["max_targets"] = 10**9
+        super()._return_prey()
+        self.settings["max_targets"] = room
+
+
+class ReturnsBeforeTheFirings(OracleArena):
+    def _spawn(self) -> None:
+        self._return_prey()
+        super()._spawn()
+
+
+class WithdrawnPreyStaysOut(OracleArena):
+    def _return_prey(self) -> None:
+        everybody = self.prey
+        self.prey = [prey for prey in everybody if not prey.withdrawn]
+        super()._return_prey()
+        self.prey = everybody
+
+
+class NeverEndsWithPrey(OracleArena):
+    def _is_done(self) -> bool:
+        return self.prey_count == 0 and super()._is_done()
+
+
+WRONG: Sequence[tuple[str, type[OracleArena]]] = (
+    ("spawning", with_settings(lambda _: {"max_targets": 64})),
+    ("spawning", with_settings(lambda _: {"spawning": True})),
+    ("time", with_settings(lambda own: {"time_limit_s": own["time_limit_s"] // 0.1 * 0.1})),
+    ("reach", with_settings(lambda own: {"reach_m": own["reach_m"] + 1e-6})),
+    ("moving", with_settings(lambda own: {"alarm_m": own["alarm_m"] + 1e-6})),
+    ("view", with_settings(lambda own: {"view_radius_m": own["view_radius_m"] and own["view_radius_m"] + 1e-6})),
+    ("view", with_settings(lambda own: {"view_angle_deg": min(360.0, 2 * own["view_angle_deg"])})),
+    ("dropouts", with_settings(lambda _: {"dropout_rate": 0.0})),
+    ("prey", with_settings(lambda own: {"prey_returns_s": 2.0 if own["prey_returns_s"] is None else 0.3})),
+    ("spawning", UsesNumbersUpWhenFull),
+    ("spawning", UsesNumbersUpWhenDown),
+    ("identity", NumbersByTheHighestAlive),
+    ("identity", KeepsNumbersOverAReset),
+    ("time", JudgesAfterTheMotion),
+    ("time", SkipsTheLastStep),
+    ("outages", CreditsRefusedKills),
+    ("inactive", WithdrawsForOneStep),
+    ("capstone", CreditsOneHunterOnly),
+    ("moving", JudgesFromWhereTargetsWillBe),
+    ("moving", FleesFromTheFirst),
+    ("moving", KnowsNoWalls),
+    ("moving", ForgetsTheWall),
+    ("moving", MovesStillTargets),
+    ("view", FeelsAsFarAsTheFirst),
+    ("view", SeesAllRivals),
+    ("dropouts", DropsOutAfterTheRulings),
+    ("teams", MatesShareACatch),
+    ("teams", GrantsATeamOneCatchAStep),
+    ("teams", TakesTeamsForNeighbours),
+    ("prey", PreyIsDeaf),
+    ("prey", PreyReverses),
+    ("prey", RefusedKillsCount),
+    ("prey", ReturnsIntoAFullArena),
+    ("prey", ReturnsBeforeTheFirings),
+    ("prey", WithdrawnPreyStaysOut),
+    ("prey", NeverEndsWithPrey),
 )
-"""Each wrong arena, and the group of cases that must catch it."""
+"""A group of cases, and a wrong arena that it must catch."""

@@ -219,7 +219,7 @@ def test_a_velocity_may_be_any_two_real_numbers(control, name):
 @pytest.mark.parametrize("control", ["velocity", "full"])
 @pytest.mark.parametrize("name", CLIPPED)
 def test_finite_velocities_out_of_bounds_are_clipped_by_the_environments(control, name):
-    """As mpe2 and pistonball do; a Gaussian policy draws such actions all the time."""
+    """mpe2 and pistonball clip too: a Gaussian policy draws such actions all the time."""
     assert driven(control, CLIPPED[name]) == driven(control, (0.5, -1.0))
 
 
@@ -230,7 +230,7 @@ def test_what_is_no_velocity_is_refused_and_not_clipped(control, name):
 
 
 def test_clipping_leaves_the_callers_array_as_it_was():
-    """And prey's velocities are clipped too."""
+    """Prey's velocities are clipped too."""
     arena, twin = (VectorArena("tag", 2) for _ in range(2))
     hunters, agents = arena.num_hunters, arena.num_hunters + arena.num_prey
     given = np.full((2, agents, 2), 3.0, np.float32)
@@ -246,7 +246,7 @@ def test_clipping_leaves_the_callers_array_as_it_was():
 
 
 def test_an_agent_that_drives_out_of_bounds_forfeits_in_a_tournament():
-    """Its match keeps the rule that the environments relax."""
+    """A tournament keeps the rule that the environments relax."""
     for control, answer in (("velocity", (1.0000001, 0.0)), ("full", {"cmd_vel": (0.0, -1.5), "catch": 0})):
         driver = Means(answer)
         driver.control = control
@@ -257,7 +257,7 @@ def test_an_agent_that_drives_out_of_bounds_forfeits_in_a_tournament():
 
 
 def test_an_opponent_that_drives_out_of_bounds_is_named():
-    """It would forfeit in a tournament."""
+    """In a tournament the agent would forfeit."""
     for opponent_class in (Means, MeansInBatches):
         driver = opponent_class((0.0, 1.5))
         driver.control = "velocity"

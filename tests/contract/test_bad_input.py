@@ -1,6 +1,4 @@
-"""A bad call is refused with a message that names field, requirement and value, and the arena is as it was before
-it.
-"""
+"""Bad calls are refused by an error that names field, requirement and value, and leave the arena as it was."""
 
 import re
 
@@ -15,8 +13,6 @@ from catch_arena.errors import (
     CatchArenaError,
     ConfigError,
     EpisodeError,
-    OutputError,
-    ReplayError,
 )
 from catch_arena.explanation import step_at
 from catch_arena.layout import prey_columns, state_columns
@@ -28,14 +24,10 @@ BAD_CONFIGS = [
     ({"reach_m": -0.3}, "reach_m must be above 0 and at most 10000, got -0.3"),
     ({"reach_m": NAN}, "reach_m must be a finite number above 0, got nan"),
     ({"hunters": 0}, "hunters must be a whole number from 1 to 64, got 0"),
-    ({"hunters": 10_000_000}, "hunters must be a whole number from 1 to 64, got 10000000"),
     ({"hunters": 2.5}, "hunters must be a whole number from 1 to 64, got 2.5"),
-    ({"hunters": True}, "hunters must be a whole number from 1 to 64, got True"),
     ({"observed_targets": 17}, "observed_targets must be a whole number from 1 to 16 (max_targets), got 17"),
-    ({"observed_hunters": 4}, "observed_hunters must be a whole number from 0 to 3 (hunters - 1), got 4"),
     ({"initial_targets": 17}, "initial_targets must be a whole number from 0 to 16 (max_targets), got 17"),
     ({"control_period_ms": 15}, "control_period_ms must be a whole number from 16"),
-    ({"control_period_ms": 100.0}, "control_period_ms must be a whole number from 16"),
     ({"time_limit_s": 0}, "time_limit_s must be above 0"),
     ({"max_cycles": 0}, "max_cycles must be a whole number from 1"),
     ({"control": "telepathy"}, "control must be one of target, velocity, full, got 'telepathy'"),
@@ -43,30 +35,19 @@ BAD_CONFIGS = [
     ({"policy": "nearst"}, "did you mean nearest?"),
     ({"target_motion": "run"}, "target_motion must be one of still, wander, flee, got 'run'"),
     ({"target_speed_mps": INFINITY}, "target_speed_mps must be a finite number above 0, got inf"),
-    ({"target_speed_mps": 0.0}, "target_speed_mps must be above 0 and at most 1000, got 0.0"),
-    ({"target_turn_rate_radps": -3.0}, "target_turn_rate_radps must be above 0 and at most 1000, got -3.0"),
     ({"wander_period_ms": 0}, "wander_period_ms must be a whole number from 1 to 1000000000, got 0"),
-    ({"wander_period_ms": 1000.0}, "wander_period_ms must be a whole number from 1 to 1000000000, got 1000.0"),
     ({"alarm_m": -0.1}, "alarm_m must be at least 0 and at most 10000, got -0.1"),
     ({"max_speed_mps": INFINITY}, "max_speed_mps must be a finite number above 0, got inf"),
     ({"max_speed_mps": (2.0, 1.0)}, "max_speed_mps must be one number, or one for each of 4 hunters, got (2.0, 1.0)"),
-    ({"max_speed_mps": [2, 1]}, "max_speed_mps must be one number, or one for each of 4 hunters, got (2, 1)"),
-    ({"max_speed_mps": ()}, "max_speed_mps must be one number, or one for each of 4 hunters, got ()"),
     ({"max_turn_rate_radps": (4.0, 4.0, INFINITY, 4.0)}, "max_turn_rate_radps[2] must be a finite number above 0, got"),
     ({"reach_m": (0.3, 0.3, 0.3, 0.0)}, "reach_m[3] must be above 0 and at most 10000, got 0.0"),
-    ({"reach_m": (0.3, 0.3, "0.3", 0.3)}, "reach_m[2] must be a finite number above 0, got '0.3'"),
     ({"view_radius_m": 0}, "view_radius_m must be above 0 and at most 10000 (None is everywhere), got 0"),
-    ({"view_radius_m": NAN}, "view_radius_m must be a finite number above 0 (None is everywhere), got nan"),
-    ({"view_radius_m": 1e300}, "view_radius_m must be above 0 and at most 10000 (None is everywhere), got 1e+300"),
     ({"alarm_m": 10**400}, "alarm_m must be at least 0 and at most 10000, got 1000"),
     ({"view_angle_deg": 400}, "view_angle_deg must be above 0 and at most 360, got 400"),
-    ({"view_angle_deg": 0}, "view_angle_deg must be above 0 and at most 360, got 0"),
-    ({"view_angle_deg": None}, "view_angle_deg must be a finite number above 0, got None"),
     ({"view_noise_m": -1e-9}, "view_noise_m must be at least 0 and at most 1000, got -1e-09"),
     ({"policy": "capstone", "view_radius_m": 3.0}, "view_radius_m must be None under the policy 'capstone', got 3.0"),
     ({"policy": "capstone", "view_angle_deg": 90}, "view_angle_deg must be 360 under the policy 'capstone', got 90"),
     ({"dropout_rate": 1.01}, "dropout_rate must be at least 0 and at most 1, got 1.01"),
-    ({"dropout_rate": NAN}, "dropout_rate must be a finite number at least 0, got nan"),
     ({"dropouts": "stay"}, "dropouts must be one of leave, fixed, got 'stay'"),
     ({"side_m": 1.0}, "side_m must be at least 2"),
     ({"hunter_poses": ((1.0, 1.0, 0.0),)}, "hunter_poses must be 4 poses"),
@@ -76,31 +57,19 @@ BAD_CONFIGS = [
     ({"spawn_frequenzy_hz": 1}, "unknown setting 'spawn_frequenzy_hz': did you mean spawn_frequency_hz"),
     ({"teams": ((0, 1), (2,))}, "teams must name each seat from 0 to 3 once, got none for seat 3"),
     ({"teams": ((0, 1), (1, 2, 3))}, "teams must name each seat from 0 to 3 once, got seat 1 more than once"),
-    ({"teams": [[0, 1], [2, 4]]}, "teams must name each seat from 0 to 3 once, got 4"),
     ({"teams": ((0, 1, 2, 3), ())}, "teams must name each seat from 0 to 3 once, and no team without a seat, got (("),
     ({"teams": ((0, 1.0), (2, 3))}, "teams must name each seat from 0 to 3 once, got 1.0"),
-    ({"teams": ((0, True), (2, 3))}, "teams must name each seat from 0 to 3 once, got True"),
     ({"teams": 2}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got 2"),
-    ({"teams": (0, 1, 2, 3)}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got (0, 1, 2, 3)"),
-    ({"teams": ("01", "23")}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got ('01', '23')"),
     ({"team_share": 1.1}, "team_share must be at least 0 and at most 1, got 1.1"),
-    ({"team_share": NAN}, "team_share must be a finite number at least 0, got nan"),
     ({"spawning": 0}, "spawning must be true or false, got 0 (int)"),
     ({"prey": 33, "initial_targets": 40, "max_targets": 40}, "prey must be a whole number from 0 to 32, got 33"),
     ({"prey": 9}, "prey must be a whole number from 0 to 8 (initial_targets, which count it), got 9"),
-    ({"prey": -1}, "prey must be a whole number from 0 to 32, got -1"),
-    ({"prey": True}, "prey must be a whole number from 0 to 32, got True"),
     ({"prey": 1, "target_budget": 20}, "target_budget must be None where there is prey, got 20"),
     ({"prey_returns_s": -0.1}, "prey_returns_s must be at least 0 and at most 1e+09, got -0.1"),
-    ({"prey_returns_s": "2"}, "prey_returns_s must be a finite number at least 0, got '2'"),
     ({"prey_rewards": {"caught": INFINITY}}, "prey_rewards.caught must be a finite number at least -1e+06, got inf"),
-    ({"prey_rewards": {"eaten": 1}}, "unknown setting prey_rewards.eaten"),
     ({"prey_rewards": 3}, "prey_rewards must be PreyRewardWeights(...) or a mapping, got 3"),
-    ({"rewards": {"mate_catch": NAN}}, "rewards.mate_catch must be a finite number"),
     ({"render_mode": "rgb"}, "render_mode must be one of None, rgb_array, human, got 'rgb'"),
     ({"time_limit_s": np.array([5])}, "time_limit_s must be a finite number above 0, got array([5]) (ndarray)"),
-    ({"max_cycles": [5]}, "max_cycles must be a whole number from 1 to 1000000000, got [5] (list)"),
-    ({"gains": {"kp_v": np.array([5])}}, "gains.kp_v must be a finite number at least 0, got array([5]) (ndarray)"),
 ]
 
 
@@ -109,14 +78,6 @@ def test_a_config_that_cannot_be_is_refused(overrides, message):
     """The message names the setting, the requirement and the value."""
     with pytest.raises(ConfigError, match=re.escape(message)):
         catch_arena.parallel_env(**overrides)
-
-
-def test_a_word_that_is_none_of_the_choices_is_told_them_once():
-    """With a suggestion where one is near."""
-    for word, tail in (("telepathy", ""), ("targets", "; did you mean target?")):
-        with pytest.raises(ConfigError) as caught:
-            catch_arena.parallel_env(control=word)
-        assert str(caught.value) == f"control must be one of target, velocity, full, got {word!r}{tail}"
 
 
 def test_an_unknown_scenario_gets_suggestions():
@@ -141,68 +102,21 @@ def good(env):
     return {agent: env.action_space(agent).sample() for agent in env.agents}
 
 
-BAD_ACTIONS = {
-    "target": [9, -1, 1.0, "1", None, True, [1], np.array([1.0]), np.float32(1), NAN],
-    "velocity": [
-        (0.0,),
-        (0.0, 0.0, 0.0),
-        (NAN, 0.0),
-        (0.0, float("inf")),
-        None,
-        3,
-        "ab",
-        "a",
-        (0.0, True),
-        (np.True_, 0.0),
-        [np.array([0.5]), 0.5],
-    ],
-    "full": [
-        3,
-        {"cmd_vel": (0.0, 0.0)},
-        {"cmd_vel": (0.0, 0.0), "catch": 9},
-        {"cmd_vel": (0.0, NAN), "catch": 0},
-        {"cmd_vel": None, "catch": 0},
-        {"cmd_vel": (0.0, 0.0), "catch": 0, "extra": 1},
-    ],
-}
-
-
 @pytest.mark.parametrize(
-    ("control", "action"),
-    [(control, action) for control, actions in BAD_ACTIONS.items() for action in actions],
-    ids=repr,
+    ("control", "action"), [("target", 9), ("velocity", (NAN, 0.0)), ("full", {"cmd_vel": (0.0, 0.0), "catch": 9})]
 )
 def test_a_bad_action_is_refused_and_nothing_moves(control, action):
-    """By the parallel env; the same step with good actions then plays as if nothing had been."""
-    env, twin = (catch_arena.parallel_env(control=control) for _ in range(2))
-    for each in (env, twin):
+    """The error names the hunter, which may act again; tests/contract/test_actions.py has every kind of action."""
+    env, turns = catch_arena.parallel_env(control=control), catch_arena.env(control=control)
+    for each in (env, turns):
         each.reset(seed=2)
-    actions = good(env)
     before = env.digest()
     with pytest.raises(ActionError, match="hunter_3: "):
-        env.step({**actions, "hunter_3": action})
-
-    assert env.digest() == before
-
-    env.step(actions)
-    twin.step(actions)
-
-    assert env.digest() == twin.digest()
-
-
-@pytest.mark.parametrize("control", list(BAD_ACTIONS))
-def test_a_bad_action_is_refused_at_once_under_aec(control):
-    """By the call that gives it, and that hunter may try again."""
-    env = catch_arena.env(control=control)
-    env.reset(seed=2)
+        env.step({**good(env), "hunter_3": action})
     with pytest.raises(ActionError, match="hunter_0: "):
-        env.step(BAD_ACTIONS[control][0])
-
-    assert env.agent_selection == "hunter_0"
-
-    env.step(env.action_space("hunter_0").sample())
-
-    assert env.agent_selection == "hunter_1"
+        turns.step(action)
+    assert env.digest() == before == turns.digest()
+    assert turns.agent_selection == "hunter_0"
 
 
 def test_agents_that_are_missing_or_unknown_are_named():
@@ -237,14 +151,6 @@ def test_a_step_at_the_wrong_time_is_refused():
 
     assert env.step({}) == ({}, {}, {}, {}, {})  # nobody is left to act
     assert env.digest() == last
-
-
-def test_every_error_is_ours():
-    """One base class catches them all, and they are what Python's conventions expect too."""
-    for error in (ActionError, ConfigError, EpisodeError, ReplayError):
-        assert issubclass(error, CatchArenaError)
-    assert issubclass(ActionError, ValueError)
-    assert issubclass(ConfigError, ValueError)
 
 
 def test_a_withdrawn_hunter_leaves_in_good_order():
@@ -298,7 +204,14 @@ def test_steps_at_the_wrong_time_are_refused_under_aec_too():
         {"reach_m": 0},
         {"reach_m": [0.3, 0.3]},
         {"caught": ["t"]},
+        {"caught": "a"},
+        {"kill_refused": [1]},
+        {"targets": {1: (1.0, 1.0)}},
+        {"requests": [(True, "t")]},
+        {"reach_m": NAN},
         {"seed": -1},
+        {"seed": 2**64},
+        {"step": None},
     ],
     ids=repr,
 )
@@ -357,80 +270,42 @@ def recorded():
     return env.replay()
 
 
-DUEL = catch_arena.scenario("duel")
-AGENTS = "hunter_0, hunter_1"
-ARGUMENTS = [
-    (lambda wrong: begun().check_action(wrong, 0), ActionError, f"unknown agent {{got!r}}: known: {AGENTS}"),
-    (lambda wrong: begun().withdraw(wrong), ActionError, f"unknown agent {{got!r}}: known: {AGENTS}"),
-    (
-        lambda wrong: begun(catch_arena.ArenaService).spawn(wrong, 1.0),
-        ActionError,
-        "spawn: x must lie in [0, 11.0889], got {got!r}",
-    ),
-    (
-        lambda wrong: begun(catch_arena.ArenaService).spawn(1.0, wrong),
-        ActionError,
-        "spawn: y must lie in [0, 11.0889], got {got!r}",
-    ),
-    (
-        lambda wrong: begun(catch_arena.ArenaService).spawn(1.0, 1.0, wrong),
-        ActionError,
-        "spawn: theta must lie in [-1000, 1000], got {got!r}",
-    ),
-    (CatchArenaAecEnv, ConfigError, "parallel must be a CatchArenaEnv, as of parallel_env(name), got {got!r}"),
-    (lambda wrong: begun(catch_arena.ArenaService).step(wrong), ActionError, "cmd_vel must map hunters to Twists, got"),
-    (
-        lambda wrong: begun(catch_arena.ArenaService).step(goals=wrong),
-        ActionError,
-        "goals must map hunters to names of targets, got {got!r}",
-    ),
-    (
-        lambda wrong: catch_arena.ArenaService("duel").record(wrong),
-        ConfigError,
-        "names must be 2, one for each hunter, got {got!r}",
-    ),
-    (lambda wrong: recorded().save(wrong), OutputError, "file must be a path or a BytesIO, got {got!r}"),
-    (catch_arena.explain, ConfigError, "replay must be a Replay, as of Replay.load(path), got {got!r}"),
-    (
-        lambda wrong: catch_arena.explain_step(wrong, 1),
-        ConfigError,
-        "replay must be a Replay, as of Replay.load(path), got {got!r}",
-    ),
-    (
-        lambda wrong: catch_arena.explain_step(recorded(), wrong),
-        ConfigError,
-        "step must be a whole number, as of step_at(replay, at_s), got {got!r}",
-    ),
-    (lambda wrong: step_at(recorded(), wrong), ConfigError, "at must be a number of seconds, got {got!r}"),
-    (
-        lambda wrong: catch_arena.View([0.0] * 57, (), wrong),
-        ConfigError,
-        "limits must be a Limits, as of Limits.of(config), got {got!r}",
-    ),
-    (
-        lambda wrong: catch_arena.PreyView([0.0] * 27, wrong),
-        ConfigError,
-        "limits must be a PreyLimits, as of PreyLimits.of(config), got {got!r}",
-    ),
-    (
-        lambda wrong: catch_arena.BatchView(wrong, np.ones((1, 9)), catch_arena.Limits.of(DUEL)),
-        ConfigError,
-        "observations must be an array whose last axis has 57 numbers, got {got!r}",
-    ),
-    (
-        lambda wrong: catch_arena.BatchView(np.zeros((1, 57)), np.ones((1, 9)), wrong),
-        ConfigError,
-        "limits must be a Limits, as of Limits.of(config), got {got!r}",
-    ),
-    (catch_arena.ArenaConfig.from_dict, ConfigError, "settings must map names to values, as of to_dict(), got {got!r}"),
-    (catch_arena.scenario, ConfigError, "unknown scenario {got!r}: known: "),
+def service():
+    return begun(catch_arena.ArenaService)
+
+
+LIMITS = catch_arena.Limits.of(catch_arena.scenario("duel"))
+CALLS = [
+    ("unknown agent", lambda wrong: begun().check_action(wrong, 0)),
+    ("unknown agent", lambda wrong: begun().withdraw(wrong)),
+    ("unknown agent", lambda wrong: begun(catch_arena.env).observe(wrong)),
+    ("unknown agent", lambda wrong: begun(catch_arena.env).action_space(wrong)),
+    ("spawn: x must lie in", lambda wrong: service().spawn(wrong, 1.0)),
+    ("spawn: y must lie in", lambda wrong: service().spawn(1.0, wrong)),
+    ("spawn: theta must lie in", lambda wrong: service().spawn(1.0, 1.0, wrong)),
+    ("cmd_vel must map", lambda wrong: service().step(wrong)),
+    ("goals must map", lambda wrong: service().step(goals=wrong)),
+    ("names must be 2", lambda wrong: catch_arena.ArenaService("duel").record(wrong)),
+    ("parallel must be a CatchArenaEnv", CatchArenaAecEnv),
+    ("file must be a path", lambda wrong: recorded().save(wrong)),
+    ("replay must be a Replay", catch_arena.explain),
+    ("replay must be a Replay", lambda wrong: catch_arena.explain_step(wrong, 1)),
+    ("step must be a whole number", lambda wrong: catch_arena.explain_step(recorded(), wrong)),
+    ("at must be a number of seconds", lambda wrong: step_at(recorded(), wrong)),
+    ("limits must be a Limits", lambda wrong: catch_arena.View([0.0] * 57, (), wrong)),
+    ("limits must be a PreyLimits", lambda wrong: catch_arena.PreyView([0.0] * 27, wrong)),
+    ("observations must be", lambda wrong: catch_arena.BatchView(wrong, np.ones((1, 9)), LIMITS)),
+    ("limits must be a Limits", lambda wrong: catch_arena.BatchView(np.zeros((1, 57)), np.ones((1, 9)), wrong)),
+    ("settings must map names to values", catch_arena.ArenaConfig.from_dict),
+    ("unknown scenario", catch_arena.scenario),
 ]
+"""Beginning of the error, and a call with one wrong argument."""
 
 
-@pytest.mark.parametrize(("call", "error", "message"), ARGUMENTS)
+@pytest.mark.parametrize(("message", "call"), CALLS)
 @pytest.mark.parametrize("wrong", [[], True, b"x"], ids=repr)
-def test_a_wrong_argument_is_named_in_an_error_of_ours(call, error, message, wrong):
-    with pytest.raises(error, match=f"^{re.escape(message.format(got=wrong))}"):
+def test_a_wrong_argument_is_named_in_an_error_of_ours(message, call, wrong):
+    with pytest.raises(CatchArenaError, match=f"^{message}.*{re.escape(repr(wrong))}"):
         call(wrong)
 
 
@@ -453,26 +328,6 @@ def test_options_of_a_reset_are_a_dict_or_none(make):
 def test_a_name_that_no_target_has_kills_none():
     service = begun(catch_arena.ArenaService)
     assert [service.kill(name) for name in ([], None, 3)] == [False, False, False]
-
-
-def test_an_unknown_agent_of_the_aec_env_is_named():
-    arena = catch_arena.env("duel")
-    arena.reset(seed=1)
-    with pytest.raises(ActionError, match=r"^unknown agent 'x': known: hunter_0, hunter_1$"):
-        arena.observe("x")
-    for name in ([], 3, None, {}):
-        with pytest.raises(ActionError, match=r"^unknown agent .*: known: hunter_0, hunter_1$"):
-            arena.observe(name)
-        for call in (arena.observation_space, arena.action_space):
-            with pytest.raises(ActionError, match=r"^unknown agent "):
-                call(name)
-    assert arena.observe("hunter_1").dtype == np.float32
-
-
-@pytest.mark.parametrize("path", [3, None, [], True, object()])
-def test_what_is_no_path_is_no_replay(path):
-    with pytest.raises(ReplayError, match=r"^path must be a file's, as text or a Path, got "):
-        catch_arena.Replay.load(path)
 
 
 @pytest.mark.parametrize("observation", [None, 3, [], [0.0], [0.0] * 100, object(), {"observation": 1}])

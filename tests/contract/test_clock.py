@@ -1,4 +1,4 @@
-"""The clock on the wall may jump while a match is played: nothing reads it."""
+"""Nothing reads the clock on the wall, which may jump while a match is played."""
 
 import random
 import re

@@ -1,7 +1,4 @@
-"""PettingZoo's own tests, in every control, and what they leave out."""
-
-import hashlib
-import warnings
+"""Every kind of environment passes PettingZoo's own tests, and tests of what those leave out."""
 
 import cv2
 import numpy as np
@@ -17,34 +14,69 @@ import catch_arena.envs
 
 CONTROLS = ["target", "velocity", "full", ("target", "velocity", "full", "target")]
 
-# what PettingZoo says of any Dict action space, and of seats that differ
-KNOWN = (
-    "ignore:Action space for each agent probably should be",
+
+KINDS = [
+    *({"control": control} for control in CONTROLS),
+    *({"control": control, "mask_in_observation": True} for control in CONTROLS),
+    *({"dropout_rate": 0.05, "dropouts": dropouts} for dropouts in ("leave", "fixed")),
+    *({"env": "tag", "prey_returns_s": returns, "reach_m": 2.0} for returns in (0.0, 0.5, None)),
+    *({"env": name} for name in catch_arena.SCENARIOS),
+]
+"""A scenario and settings of each kind of agents."""
+
+
+@pytest.mark.filterwarnings(  # PettingZoo's remarks on Dict spaces, and on agents that differ
+    "ignore:Action space for each agent",
     "ignore:The class of observation spaces is different",
     "ignore:Agents have different observation space",
     "ignore:Observation is not a NumPy array",
     "ignore:Observation space for each agent probably should be",
+    "ignore:Observations are different shapes",
 )
-known_remarks = [pytest.mark.filterwarnings(remark) for remark in KNOWN]
+@pytest.mark.parametrize("kind", KINDS, ids=str)
+def test_both_envs_pass_pettingzoos_tests(kind):
+    """API, AEC and seeds; other warnings are errors."""
+    name, settings = kind.get("env", "standard"), {key: value for key, value in kind.items() if key != "env"}
+    parallel_api_test(catch_arena.parallel_env(name, max_cycles=40, **settings), num_cycles=80)
+    if "mask_in_observation" not in settings:
+        parallel_seed_test(lambda: catch_arena.parallel_env(name, **settings), num_cycles=20)
+    api_test(catch_arena.env(name, max_cycles=25, **settings), num_cycles=100)
 
 
-@pytest.mark.parametrize("control", CONTROLS, ids=str)
-def test_the_parallel_env_passes_pettingzoos_tests(control):
-    """API and seeds, warnings being errors."""
-    parallel_api_test(catch_arena.parallel_env(control=control, max_cycles=60), num_cycles=150)
-    parallel_seed_test(lambda: catch_arena.parallel_env(control=control), num_cycles=20)
-
-
-@pytest.mark.parametrize("control", CONTROLS, ids=str)
-@pytest.mark.parametrize("mask_in_observation", [False, True])
-def test_the_aec_env_passes_pettingzoos_test(control, mask_in_observation):
-    """Warnings are errors, except the remarks on kinds of spaces that PettingZoo makes of its own environments too."""
-    with warnings.catch_warnings():
-        for remark in KNOWN:
-            warnings.filterwarnings("ignore", message=remark.split(":", 1)[1])
-        api_test(
-            catch_arena.env(control=control, max_cycles=30, mask_in_observation=mask_in_observation), num_cycles=200
-        )
+@pytest.mark.rule("R1.7", "R12.3")
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("standard", {}),
+        ("dropout", {"dropout_rate": 0.05, "dropouts": "leave"}),
+        ("dropout", {"dropout_rate": 0.05, "dropouts": "fixed"}),
+        ("tag", {"prey_returns_s": 0.5, "reach_m": 1.0}),
+        ("tag", {"prey_returns_s": None, "reach_m": 1.0}),
+    ],
+)
+def test_r1_7_agent_by_agent_the_same_match_is_played(name, settings):
+    """AEC: whoever has left is asked for one last action, None, and then no more."""
+    one, other = (make(name, max_cycles=30, **settings) for make in (catch_arena.parallel_env, catch_arena.env))
+    for seed in range(3):
+        one.reset(seed=seed)
+        other.reset(seed=seed)
+        gone = set()
+        while one.agents:
+            chosen = {agent: 1 if one.action_space(agent).shape == () else np.array([0.5, 0.3]) for agent in one.agents}
+            observations, rewards, *_ = one.step(chosen)
+            for agent, action in chosen.items():
+                while other.agent_selection != agent:  # those that have left stand before it
+                    gone.add(other.agent_selection)
+                    other.step(None)
+                other.step(action)
+            assert other.unwrapped.digest() == one.digest()
+            for agent in chosen:
+                assert (other.observe(agent) == observations[agent]).all()
+                assert other.rewards[agent] == rewards[agent]
+        for agent in other.agent_iter():
+            gone.add(agent)
+            other.step(None)
+        assert gone == set(other.possible_agents)
 
 
 def test_a_mask_in_the_observation_is_used_by_pettingzoo():
@@ -114,56 +146,6 @@ def test_observations_lie_in_their_space_for_whole_episodes(name):
         observations, *_ = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
 
 
-def episode_hash(make, seed):
-    """A hash over everything that a whole episode delivers."""
-    env = make()
-    digest = hashlib.blake2b()
-    observations, infos = env.reset(seed=seed)
-    for index, agent in enumerate(env.possible_agents):
-        env.action_space(agent).seed(index)
-    while env.agents:
-        results = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
-        observations, rewards, terminations, truncations, infos = results
-        digest.update(repr((rewards, terminations, truncations)).encode())
-        for agent in observations:
-            digest.update(observations[agent].tobytes())
-            info = {k: v for k, v in infos[agent].items() if k != "action_mask"}
-            digest.update(repr(info).encode())
-        digest.update(env.digest())
-    return digest.hexdigest()
-
-
-@pytest.mark.parametrize("control", CONTROLS, ids=str)
-def test_whole_episodes_repeat_by_their_seed(control):
-    """PettingZoo's seed test looks at one step; this one at all of them, and at a second reset of the same env."""
-
-    def make():
-        return catch_arena.parallel_env("faulty", control=control, max_cycles=200)
-
-    first = episode_hash(make, 77)
-
-    assert first == episode_hash(make, 77)
-    assert first != episode_hash(make, 78)
-
-
-def test_resets_without_a_seed_follow_from_the_first_seed():
-    """A run of episodes is repeated by its first seed, and its episodes differ."""
-
-    def digests():
-        env = catch_arena.parallel_env()
-        found = []
-        env.reset(seed=9)
-        for _ in range(3):
-            found.append(env.digest())
-            env.reset()
-        return found
-
-    first = digests()
-
-    assert first == digests()
-    assert len(set(first)) == 3
-
-
 @pytest.mark.parametrize("api", ["parallel", "aec"])
 def test_pettingzoo_makes_every_scenario(api):
     """The registry serves third parties."""
@@ -173,26 +155,8 @@ def test_pettingzoo_makes_every_scenario(api):
         assert env.unwrapped.config == catch_arena.scenario(name, max_cycles=3)
 
 
-def test_aec_and_parallel_play_the_same_match():
-    """The same actions by either interface: the same digests, rewards and observations."""
-    parallel, aec = catch_arena.parallel_env(max_cycles=100), catch_arena.env(max_cycles=100)
-    parallel.reset(seed=4)
-    aec.reset(seed=4)
-    rng = np.random.default_rng(0)
-    while parallel.agents:
-        actions = {agent: int(rng.integers(0, 9)) for agent in parallel.agents}
-        observations, rewards, *_ = parallel.step(actions)
-        for agent in list(actions):
-            assert aec.agent_selection == agent
-            aec.step(actions[agent])
-        for agent in actions:
-            assert (aec.observe(agent) == observations[agent]).all()
-            assert aec.rewards[agent] == rewards[agent]
-        assert aec.unwrapped.digest() == parallel.digest()
-
-
 def test_observations_and_masks_are_the_callers_own():
-    """What a step delivered does not change with the next step, nor the arena with what is written into it."""
+    """The next step changes no observation that was returned, and writing into one changes no arena."""
     env = catch_arena.parallel_env()
     observations, infos = env.reset(seed=1)
     kept = observations["hunter_0"].copy()

@@ -87,27 +87,6 @@ def test_whatever_is_said_to_be_installed_is_an_extra():
     assert "catch-arena[" not in pages + code  # it is on no index
 
 
-def test_the_readme_begins_with_its_two_commands():
-    """That is `make demo`, then `make test`."""
-    commands = [line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.strip()]
-
-    assert commands[:2] == ["make demo", "make test"]
-
-
-def test_the_page_about_the_architecture_lists_every_package_lowest_layer_first():
-    """In the order of the layers that import-linter enforces; `agents` is in none."""
-    linter = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
-    layers = next(one["layers"] for one in linter["contracts"] if one.get("containers") == ["catch_arena"])
-    height = {name: number for number, layer in enumerate(reversed(layers)) for name in layer.split(" : ")}
-    page = (ROOT / "docs" / "explanation" / "architecture.md").read_text()
-    table = page.partition("## The packages")[2].partition("## ")[0]
-    names = re.findall(r"`(\w+)/?`", "".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)))
-
-    assert sorted(names) == sorted([*height, "agents"])
-    listed = [height[name] for name in names if name in height]
-    assert listed == sorted(listed)
-
-
 def test_the_made_pages_are_up_to_date():
     """`make docs` would change nothing."""
     write_docs = runpy.run_path(str(ROOT / "scripts" / "write_docs.py"))

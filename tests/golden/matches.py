@@ -73,7 +73,7 @@ class Match:
 
 
 def view(arena: Adjudicator, seat: int) -> str:
-    """Where one hunter sees what, in its own frame, the nearest first."""
+    """Targets and rivals that one hunter sees, in its own frame, the nearest first."""
     config, numbers = arena.config, arena.observation(seat)
     columns = len(target_features(config)._fields)
     rivals = len(SELF_COLUMNS) + columns * config.targets_seen
@@ -85,7 +85,7 @@ def view(arena: Adjudicator, seat: int) -> str:
 
 
 def changes(arena: Adjudicator, alive: Sequence[int], scores: Sequence[int]) -> Iterator[str]:
-    """What left, what appeared, and the scores if they are others now."""
+    """Targets that left, targets that appeared, and the scores if they have changed."""
     now = {int(target.number): target for target in arena.targets}
     yield from (f"  target {number} leaves" for number in alive if number not in now)
     yield from (

@@ -69,7 +69,7 @@ Command = tuple[float, float]
 """(a1, a2), prey's action."""
 Pose = tuple[float, float, float]
 Chase = tuple[tuple[float, float], tuple[float, float] | None]
-"""Where prey stands, and the hunter nearest to it."""
+"""Place of a prey, and the hunter nearest to it."""
 RulingTuple = tuple[int, int | None, int | None, int | None]
 """(verdict, target's number, distance in micrometres, winner's seat)."""
 
@@ -776,7 +776,7 @@ class OracleArena:
         return [float(number) for number in numbers]
 
     def number_names(self) -> list[str]:
-        """What each of `numbers` is, for messages."""
+        """Names of `numbers`, for messages."""
         names = ["time", "step", "spawned", "used", "firings", "skipped_full", "skipped_down", "refused"]
         own = ("x", "y", "theta", "v", "w", "I_d", "I_e", "active", "score", "at_wall", "withdrawn")
         for hunter in self.hunters:
@@ -795,7 +795,7 @@ class OracleArena:
 
 
 def body_row(observer: Turtle, other: Turtle) -> tuple[float, ...]:
-    """What sorts as R7.1 says of rivals, and R12.4 of all: near, and then the columns negated, left first."""
+    """Sort key of R7.1 for rivals, and of R12.4 for all: near, and then the columns negated, left first."""
     forward, left = in_own_frame(observer, other.x, other.y)
     relative_cosine, relative_sine = relative_heading(observer, other)
     near = nearness(observer.x, observer.y, other.x, other.y)

@@ -1,4 +1,4 @@
-"""Oracles for its own tests: nothing happens in them that a test has not asked for."""
+"""Oracles for their own tests: nothing happens in them that a test has not asked for."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""The oracle keeps its word: it shares no code with the package, and it stands on the standard library alone."""
+"""The oracle shares no code with the package and needs the standard library alone."""
 
 import ast
 import sys
@@ -11,7 +11,7 @@ HERE = Path(__file__).parent
 
 @pytest.mark.parametrize("module", ["arithmetic.py", "arena.py"])
 def test_the_oracle_imports_nothing_of_the_package(module: str) -> None:
-    """Its worth is its independence."""
+    """An oracle that shares code shares mistakes."""
     roots = set()
     for node in ast.walk(ast.parse((HERE / module).read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

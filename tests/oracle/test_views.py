@@ -1,30 +1,27 @@
-"""R7.4 to R7.6 on the oracle: what a hunter sees, and that what it does not see leaves no trace."""
+"""R7.4 to R7.6 on the oracle: the limits of a view, its columns and its errors, worked out by hand."""
 
 import math
-from random import Random
 
 import pytest
-from oracle.arbiter import GRANTED, LOST_CONTEST, MALFORMED
 from oracle.arena import OracleArena
 from oracle.arithmetic import ERROR, draw, fraction, key, to_float32
 from oracle.quiet import drive, quiet, rest
-from oracle.turtles import micrometres
 
 from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
 
 OWN, TARGET, MOVING_TARGET, RIVAL = map(len, (SELF_COLUMNS, TARGET_COLUMNS, MOVING_TARGET_COLUMNS, RIVAL_COLUMNS))
-"""How many numbers of an observation are about what: names and widths are the table's, all values the oracle's."""
+"""Widths of an observation's parts: names and widths are the table's, all values the oracle's."""
 
 
 def seen_numbers(arena: OracleArena, seat: int = 0) -> int:
-    """How many targets the hunter has a rank for."""
+    """Number of targets that the hunter has a rank for."""
     mask = arena.masks()[seat]
     assert mask is not None
     return sum(mask) - 1
 
 
 def seen_rivals(arena: OracleArena, seat: int = 0) -> int:
-    """How many rivals stand in the observation of a hunter of an arena with still targets."""
+    """Number of rivals that stand in the observation of a hunter of an arena with still targets."""
     rivals = arena.observations()[seat][OWN + TARGET * arena.targets_seen :]
     return int(sum(rivals[RIVAL_COLUMNS.index("present") :: RIVAL]))
 
@@ -55,22 +52,6 @@ def test_r7_4_a_moving_target_has_a_heading_and_a_velocity() -> None:
             assert (seen["present"], seen["linear_velocity"]) == (1.0, to_float32(0.8))
 
 
-@pytest.mark.rule("R7.4")
-def test_r7_4_a_new_target_has_no_velocity_yet() -> None:
-    """At reset; in the next observation it has."""
-    arena = quiet(target_motion="flee", initial_targets=1, alarm_m=0.0)
-    for velocity in (0.0, 0.5, 0.5):
-        assert arena.observations()[0][OWN + MOVING_TARGET_COLUMNS.index("linear_velocity")] == velocity
-        rest(arena)
-
-
-@pytest.mark.rule("R7.4")
-def test_r7_4_still_targets_keep_their_columns() -> None:
-    """None for a heading or a velocity."""
-    arena = quiet(hunters=3, initial_targets=2, view_radius_m=3.0, view_noise_m=0.1)
-    assert {len(numbers) for numbers in arena.observations()} == {OWN + 8 * TARGET + 2 * RIVAL}
-
-
 @pytest.mark.rule("R7.5")
 @pytest.mark.parametrize(("away", "seen"), [(2.499999, 1), (2.4999994, 1), (2.4999996, 0), (2.5, 0), (2.500001, 0)])
 def test_r7_5_the_radius_is_measured_in_whole_micrometres(away: float, seen: int) -> None:
@@ -85,7 +66,7 @@ def test_r7_5_the_radius_is_measured_in_whole_micrometres(away: float, seen: int
 @pytest.mark.rule("R7.5")
 @pytest.mark.parametrize("angle", [10.0, 90.0, 120.0, 180.0, 240.0, 359.0])
 def test_r7_5_the_cone_opens_evenly_to_both_sides(angle: float) -> None:
-    """What is a millionth of a radian within its edge is seen, and what is as much beyond is not."""
+    """A body a millionth of a radian within its edge is seen, and one as far beyond is not."""
     for side in (1.0, -1.0):
         for beyond, seen in ((-1e-6, 1), (1e-6, 0)):
             heading = 0.7
@@ -110,20 +91,6 @@ def test_r7_5_within_reach_everything_is_seen() -> None:
 
 
 @pytest.mark.rule("R7.5")
-def test_r7_5_only_what_is_seen_has_a_rank() -> None:
-    """The nearer target is out of sight: rank 1 is the farther, and rank 2 has none."""
-    arena = quiet(control="target", view_angle_deg=90.0)
-    arena.place([(5.0, 5.0, 0.0)], [(4.0, 5.0), (7.0, 5.0)])
-    assert arena.masks() == [[1, 1, 0, 0, 0, 0, 0, 0, 0]]
-    arena.step([1])
-    assert arena.hunters[0].active == arena.alive[1].number
-    assert arena.hunters[0].x > 5.0
-    arena.step([2])
-    assert arena.rulings == [(MALFORMED, None, None, None)]
-    assert arena.hunters[0].v == 0.0
-
-
-@pytest.mark.rule("R7.5")
 def test_r7_5_room_is_for_what_is_seen() -> None:
     """Two places for targets and one for rivals, and nearer ones behind one's back."""
     arena = quiet(hunters=4, observed_targets=2, observed_hunters=1, view_angle_deg=90.0)
@@ -134,19 +101,8 @@ def test_r7_5_room_is_for_what_is_seen() -> None:
 
 
 @pytest.mark.rule("R7.5")
-def test_r7_5_the_arbiter_judges_what_nobody_sees() -> None:
-    """Two hunters that do not see each other contest a target; the nearer one wins, as ever."""
-    arena = quiet(hunters=2, view_angle_deg=60.0, view_radius_m=0.2)
-    arena.place([(4.8, 5.0, 0.0), (5.25, 5.0, 3.0)], [(5.0, 5.0)])
-    assert seen_rivals(arena, 0) == seen_rivals(arena, 1) == 0
-    arena.step([((0.0, 0.0), 1)] * 2)
-    assert [found and found[0] for found in arena.rulings] == [GRANTED, LOST_CONTEST]
-    assert [found and found[3] for found in arena.rulings] == [0, 0]
-
-
-@pytest.mark.rule("R7.5")
 def test_r7_5_a_target_out_of_sight_stays_the_active_one() -> None:
-    """It is driven past: the state has its number, and no rank is active."""
+    """The hunter drives past: the state has the target's number, and no rank is active."""
     arena = quiet(control="target", view_angle_deg=90.0, gains={"kp_w": 0.0, "ki_v": 1.0})
     arena.place([(5.0, 5.0, 0.7)], [(5.6, 5.0)])
     arena.step([1])
@@ -170,107 +126,9 @@ def test_r6_2_progress_counts_towards_seen_targets_alone() -> None:
         assert arena.parts[0][4] == pytest.approx(progress)
 
 
-@pytest.mark.rule("R7.5")
-@pytest.mark.parametrize(("motion", "noise"), [("still", 0.0), ("still", 0.2), ("flee", 0.0), ("wander", 0.2)])
-def test_r7_5_what_is_not_seen_cannot_change_what_is(motion: str, noise: float) -> None:
-    """Unseen targets and rivals are moved to other unseen places, turned, sped up and given catches."""
-    changed = 0
-    for match in range(25):
-        source = Random(match)
-        settings = {
-            "hunters": 5,
-            "initial_targets": 8,
-            "target_motion": motion,
-            "view_noise_m": noise,
-            "view_radius_m": source.choice([None, 3.0]),
-            "view_angle_deg": source.choice([60.0, 200.0]),
-            "seed": match,
-        }
-        arena, other = quiet(**settings), quiet(**settings)
-        for _ in range(source.randint(0, 9)):
-            commands = [(source.uniform(-1, 1), source.uniform(-1, 1)) for _ in arena.hunters]
-            drive(arena, *commands)
-            drive(other, *commands)
-        observer = other.hunters[0]
-        for turtle in [*other.hunters[1:], *other.alive]:
-            if other._sees(observer, turtle):
-                continue
-            changed += 1
-            turtle.theta, turtle.v = source.uniform(-3, 3), source.uniform(0, 2)
-            was = turtle.x, turtle.y
-            turtle.x, turtle.y = source.uniform(0, 11), source.uniform(0, 11)
-            if other._sees(observer, turtle):
-                turtle.x, turtle.y = was
-        for rival in other.hunters[1:]:
-            if not other._sees(observer, rival):
-                rival.score += 3
-        assert arena.observations()[0] == other.observations()[0]
-        assert arena.masks()[0] == other.masks()[0]
-    assert changed > 100
-
-
-@pytest.mark.rule("R7.5")
-def test_r7_5_a_hunter_without_limits_sees_everything() -> None:
-    """A radius beyond the arena shows what no radius shows, and so does a full turn."""
-    settings = {"hunters": 4, "initial_targets": 9, "target_motion": "wander"}
-    arenas = [quiet(**settings), quiet(**settings, view_radius_m=16.0), quiet(**settings, view_angle_deg=360)]
-    for _ in range(10):
-        assert arenas[0].observations() == arenas[1].observations() == arenas[2].observations()
-        for arena in arenas:
-            drive(arena, (1.0, 0.4), (0.6, -1.0))
-
-
-def errors(arena: OracleArena, exact: OracleArena) -> list[float]:
-    """What two observations of equal states differ by, where they may: a target's or a rival's forward and left."""
-    found = []
-    for noisy, plain in zip(arena.observations(), exact.observations(), strict=True):
-        places = set()
-        for start, names, count in (
-            (OWN, TARGET_COLUMNS, arena.targets_seen),
-            (OWN + TARGET * arena.targets_seen, RIVAL_COLUMNS, arena.hunters_seen),
-        ):
-            for rank in range(count):
-                at = start + len(names) * rank
-                if plain[at + names.index("present")]:
-                    places |= {at, at + 1}
-        assert all(one == other for at, (one, other) in enumerate(zip(noisy, plain, strict=True)) if at not in places)
-        found += [noisy[at] - plain[at] for at in sorted(places)]
-    return found
-
-
-@pytest.mark.rule("R7.6")
-def test_r7_6_errors_have_their_mean_deviation_and_bound() -> None:
-    """Some twenty thousand of them, with s = 0.25 m; nothing else in the observations is other than without noise."""
-    settings = {"hunters": 6, "initial_targets": 16, "observed_targets": 16}
-    noisy, exact = quiet(**settings, view_noise_m=0.25), quiet(**settings)
-    found: list[float] = []
-    for _ in range(80):
-        rest(noisy)
-        rest(exact)
-        assert noisy.digest() == exact.digest()
-        found += errors(noisy, exact)
-    assert len(found) == 80 * 6 * (16 + 5) * 2
-    mean = sum(found) / len(found)
-    deviation = math.sqrt(sum(error * error for error in found) / len(found))
-    assert abs(mean) < 0.006
-    assert deviation == pytest.approx(0.25, rel=0.02)
-    assert 0.7 < max(map(abs, found)) < 0.25 * 3.4642
-    assert len(set(found)) > 0.99 * len(found)
-
-
-@pytest.mark.rule("R7.6")
-def test_r7_6_who_looks_twice_sees_the_same_and_the_next_step_is_another() -> None:
-    """Also after another match of that seed."""
-    one, other = (quiet(hunters=2, initial_targets=3, view_noise_m=0.1, seed=5) for _ in range(2))
-    first = one.observations()
-    assert first == one.observations() == other.observations()
-    rest(one)
-    assert [numbers[OWN] for numbers in first] != [numbers[OWN] for numbers in one.observations()]
-
-
 @pytest.mark.rule("R7.6")
 def test_r7_6_an_error_is_that_of_its_target_or_seat() -> None:
-    """As the hash draws it, whatever its rank; kind 1 is a rival by its seat."""
+    """The hash draws it, whatever the rank; kind 1 is a rival by its seat."""
     arena = quiet(hunters=3, view_noise_m=0.05, seed=11)
     arena.place([(2.0, 2.0, 0.0), (6.0, 2.0, 0.0), (4.0, 2.0, 0.0)], [(9.0, 2.0), (5.0, 2.0)])
     rest(arena)
@@ -314,26 +172,3 @@ def test_r7_6_of_rivals_that_are_alike_the_lower_seat_comes_first() -> None:
         arena.hunters[seat].x = 5.0
     rivals = arena.observations()[0][OWN + 8 * TARGET :]
     assert rivals[::RIVAL] == pytest.approx(alone, abs=1e-6)
-
-
-@pytest.mark.rule("R5.3")
-def test_r5_3_what_a_hunter_sees_within_reach_is_what_the_arbiter_grants_it() -> None:
-    """Whatever the view: each hunter has a rank for every target that it could be granted."""
-    for match in range(60):
-        source = Random(match)
-        arena = quiet(
-            hunters=3,
-            initial_targets=12,
-            view_angle_deg=source.uniform(1, 300),
-            view_radius_m=source.choice([None, 0.05, 1.0]),
-            reach_m=tuple(source.uniform(0.1, 3.0) for _ in range(3)),
-            observed_targets=12,
-            seed=match,
-        )
-        for hunter in arena.hunters:
-            near = [
-                one
-                for one in arena.alive
-                if micrometres(math.dist((one.x, one.y), (hunter.x, hunter.y))) < arena.reaches_um[hunter.seat]
-            ]
-            assert {one.number for one in near} <= {one.number for one in arena._targets_in_view(hunter)}

@@ -38,7 +38,7 @@ def nearness(x: float, y: float, x_other: float, y_other: float) -> int:
 
 
 class Turtle:
-    """What chapter 2 moves: a pose, a command, and whether the last step met a wall."""
+    """A body that chapter 2 moves: a pose, a command, and whether the last step met a wall."""
 
     def __init__(self, x: float, y: float, theta: float) -> None:
         self.x = x
@@ -62,7 +62,7 @@ class Hunter(Turtle):
         self.withdrawn = False
 
     def stand_still(self) -> None:
-        """What holding does: no velocity, no integrals, no active target (A.7)."""
+        """Hold: no velocity, no integrals, no active target (A.7)."""
         self.v = self.w = 0.0
         self.distance_integral = self.bearing_integral = 0.0
         self.active = 0
@@ -83,7 +83,7 @@ class Prey:
     def __init__(self, index: int, target: Target) -> None:
         self.index = index
         self.target: Target | None = target
-        """What it plays; None while it is out."""
+        """Target that it plays; None while it is out."""
         self.times_caught = 0
         self.caught_at: int | None = None
         """While it is out, the time of the state on which it was caught [ms]."""

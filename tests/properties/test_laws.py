@@ -1,7 +1,6 @@
 """The laws that follow from the rulebook, on cases and matches that hypothesis looks for.
 
-That a row of a batch is the arena that it would be alone, and that a restored state goes on identically, stands in
-test_batch.py.
+test_batch.py has rows of a batch, test_keeping.py restored states.
 """
 
 import itertools
@@ -185,7 +184,7 @@ def test_moving_closer_never_loses(case: Case, data: st.DataObject, share: float
 
 
 CHI_SQUARE = {1: 10.83, 2: 13.82, 15: 37.70}
-"""What a fair lot exceeds once in a thousand, by degrees of freedom."""
+"""Quantile that a fair lot exceeds once in a thousand, by degrees of freedom."""
 
 
 @pytest.mark.rule("R5.5", "R5.9")
@@ -431,7 +430,7 @@ def test_what_a_hunter_sees_stands_where_it_says(source: Random, seed: int, acti
 
 
 def with_partial_view(config: ArenaConfig, source: Random) -> ArenaConfig:
-    """The same with a view that leaves something out."""
+    """Return the config with a view that leaves something out."""
     return config.replace(
         policy="nearest",
         view_radius_m=source.choice([None, 0.3 * config.side_m, 0.6 * config.side_m]),

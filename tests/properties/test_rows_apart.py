@@ -1,6 +1,4 @@
-"""Rows of one small batch that are at different steps, have ended, or are all withdrawn, beside an oracle each; and the
-figures that an episode leaves. What a row gets from another one's memory shows here.
-"""
+"""Rows of one batch that differ in step, end, withdrawals, controls and order of bodies play as an oracle each."""
 
 from random import Random
 from typing import Any
@@ -88,7 +86,7 @@ CONFIGS = {
 TINY = 2.0**-100
 """A fraction of a velocity."""
 CROWDS = [(1, 1, 3), (2, 2, 41), (4, 9, 3), (8, 16, 9), (9, 2, 3), (10, 12, 3)]
-"""How many hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
+"""Numbers of hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
 
 
 def config_of(name: str) -> ArenaConfig:

@@ -59,7 +59,7 @@ class PreyNumbers(NamedTuple):
     """A.8's numbers of one prey."""
 
     number: float
-    """Of the target that it plays, 0 while it is out."""
+    """Number of the target that it plays, 0 while it is out."""
     times_caught: float
     caught_at: float
     """-1 unless it is out."""
@@ -80,7 +80,7 @@ def rows_by_name(names: Sequence[str], numbers: Sequence[float]) -> list[dict[st
 
 
 class Adjudicator:
-    """What a rulebook test may ask of an arena. Everything about the state is read from A.8's numbers."""
+    """An arena as rulebook tests use it. Everything about the state is read from A.8's numbers."""
 
     def __init__(self, config: ArenaConfig) -> None:
         self.config = config
@@ -167,16 +167,16 @@ class Adjudicator:
         return [int(self.hunter(seat).score) for seat in range(self.config.hunters)]
 
     def own(self, seat: int = 0) -> dict[str, float]:
-        """What one hunter sees of itself, by its columns' names."""
+        """Numbers that one hunter sees of itself, by column."""
         return dict(zip(SELF_COLUMNS, self.observation(seat)[: len(SELF_COLUMNS)], strict=True))
 
     def seen_targets(self, seat: int = 0) -> list[dict[str, float]]:
-        """What it sees of the target of each rank."""
+        """Numbers that it sees of the target of each rank."""
         names, first = target_features(self.config)._fields, len(SELF_COLUMNS)
         return rows_by_name(names, self.observation(seat)[first : first + len(names) * self.config.targets_seen])
 
     def seen_rivals(self, seat: int = 0) -> list[dict[str, float]]:
-        """What it sees of the rival of each rank."""
+        """Numbers that it sees of the rival of each rank."""
         first = len(SELF_COLUMNS) + len(target_features(self.config)._fields) * self.config.targets_seen
         return rows_by_name(RIVAL_COLUMNS, self.observation(seat)[first:])
 
@@ -410,7 +410,7 @@ class EnvAdjudicator(Adjudicator):
         self._require_the_oracles_state()
 
     def look(self) -> None:
-        """What no step has led to, an env cannot show."""
+        """Take a step of holding if the env has not observed this state."""
         if not self.is_shown:
             self.hold()
 
@@ -496,7 +496,7 @@ def adjudicator(kind: str, config: ArenaConfig) -> Adjudicator:
 
 
 def ticks_turned(before: float, after: float, turn_rate: float) -> int:
-    """How many ticks a turn at that rate took; the rate is so low that no wrap is crossed."""
+    """Number of ticks that a turn at that rate took; the rate is so low that no wrap is crossed."""
     ticks = (after - before) / (turn_rate * 0.016)
     assert math.isclose(ticks, round(ticks), abs_tol=1e-6)
     return round(ticks)

@@ -13,7 +13,7 @@ SEED = 2026
 
 
 def config_of(name: str) -> ArenaConfig:
-    """That scenario, with hunters that drive and ask."""
+    """Return a scenario, with hunters that drive and ask."""
     return scenario(name, control=("target", "full") * 8 if name == "crowd" else "full")
 
 

@@ -1,4 +1,4 @@
-"""Chapter 12: prey. tests/oracle/test_prey.py has what takes prey at a given place, which only the oracle can do."""
+"""Chapter 12, prey: every clause on every adjudicator; tests/oracle/test_prey.py places prey by hand."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Chapter 1: time."""
+"""Chapter 1, time: every clause on every adjudicator."""
 
 import pytest
 from oracle.arena import PART_NAMES
@@ -12,7 +12,7 @@ TURN = 0.02
 
 
 def ticks_of(arena: Adjudicator, steps: int) -> list[int]:
-    """How many ticks each of the next steps has."""
+    """Numbers of ticks of the next steps."""
     counts = []
     for _ in range(steps):
         before = arena.hunter().theta
@@ -58,13 +58,6 @@ def test_r1_3_a_step_of_100_ms_has_6_or_7_ticks_and_four_have_25(arena: ArenaFac
     assert ticks_of(match, 12) == [6, 6, 6, 7] * 3
 
 
-@pytest.mark.rule("R1.3")
-def test_r1_3_the_scenario_says_how_long_a_step_is(arena: ArenaFactory) -> None:
-    """48 ms hold three ticks each."""
-    match = arena(control="velocity", control_period_ms=48, max_turn_rate_radps=1.0)
-    assert ticks_of(match, 4) == [3] * 4
-
-
 @pytest.mark.rule("R1.4")
 def test_r1_4_requests_are_judged_before_the_motion(arena: ArenaFactory) -> None:
     """The hunter is within reach when it asks and out of reach when the step ends."""
@@ -73,17 +66,6 @@ def test_r1_4_requests_are_judged_before_the_motion(arena: ArenaFactory) -> None
     match.step(((1.0, 0.0), 1))
     assert match.verdicts == [Verdict.GRANTED]
     assert match.hunter().x > 9.0
-
-
-@pytest.mark.rule("R1.4")
-def test_r1_4_a_hunter_that_arrives_within_the_step_has_to_ask_again(arena: ArenaFactory) -> None:
-    """Out of reach on S_t, within reach on the next state."""
-    match = arena(control="full")
-    match.place(hunters=[(5.0, 5.0, 0.0)], targets=[(5.4, 5.0)])
-    match.step(((1.0, 0.0), 1))
-    assert match.verdicts == [Verdict.OUT_OF_REACH]
-    match.step(((1.0, 0.0), 1))
-    assert match.verdicts == [Verdict.GRANTED]
 
 
 @pytest.mark.rule("R1.4")
@@ -126,22 +108,12 @@ def test_r1_4_the_end_is_tested_after_spawning(arena: ArenaFactory) -> None:
 def test_r1_5_an_episode_is_truncated_at_the_first_boundary_at_or_past_its_limit(
     arena: ArenaFactory, limit: float, steps: int
 ) -> None:
-    """And not before."""
+    """No earlier boundary truncates."""
     match = arena(time_limit_s=limit)
     for step in range(1, steps + 1):
         match.hold()
         assert match.truncated == (step == steps)
         assert not match.terminated
-
-
-@pytest.mark.rule("R1.5")
-def test_r1_5_the_limit_is_60_s_by_default(arena: ArenaFactory) -> None:
-    """Six hundred steps of 100 ms."""
-    match = arena()
-    match.hold(599)
-    assert not match.truncated
-    match.hold()
-    assert match.truncated
 
 
 @pytest.mark.rule("R1.5")
@@ -175,16 +147,6 @@ def test_r1_5_an_episode_terminates_when_its_budget_is_spawned_and_caught(arena:
 
 
 @pytest.mark.rule("R1.5")
-def test_r1_5_a_budget_that_is_spawned_in_full_is_not_exceeded(arena: ArenaFactory) -> None:
-    """The timer goes on firing, and nothing appears."""
-    match = arena(initial_targets=2, target_budget=3, spawn_frequency_hz=10.0)
-    match.hold(10)
-    assert match.spawned == match.used == 3
-    assert match.firings == 10
-    assert match.skipped_full == 0
-
-
-@pytest.mark.rule("R1.5")
 def test_r1_5_the_budget_counts_the_targets_that_appeared(arena: ArenaFactory) -> None:
     """Not the numbers: a spawn that the simulator refused is made up for."""
     match = arena(target_budget=6, max_targets=6, spawn_frequency_hz=10.0, faults={"spawn_refused": 0.5})
@@ -192,15 +154,6 @@ def test_r1_5_the_budget_counts_the_targets_that_appeared(arena: ArenaFactory) -
     assert match.spawned == len(match.alive) == 6
     assert match.used == 6 + match.refused
     assert match.refused > 0
-
-
-@pytest.mark.rule("R1.5")
-def test_r1_5_without_a_budget_an_empty_arena_is_no_end(arena: ArenaFactory) -> None:
-    """Nothing alive, and nothing terminated."""
-    match = arena()
-    match.hold(20)
-    assert match.alive == []
-    assert not match.terminated
 
 
 @pytest.mark.rule("R1.5")
@@ -251,7 +204,7 @@ def test_r1_6_the_others_do_not_see_a_withdrawn_hunter(arena: ArenaFactory) -> N
 
 @pytest.mark.rule("R1.6")
 def test_r1_6_a_withdrawn_hunters_requests_are_hunter_inactive_and_its_rewards_zero(arena: ArenaFactory) -> None:
-    """It cannot win the target either: the farther one does."""
+    """The farther hunter wins the target instead."""
     weights = {"catch": 1.0, "rejected_request": -1.0, "rival_catch": -1.0, "time": -1.0, "progress": 1.0}
     match = arena(control="full", hunters=2, rewards=weights)
     match.place(hunters=[(5.0, 5.0, 0.0), (5.2, 5.0, 0.0)], targets=[(5.0, 5.0)])

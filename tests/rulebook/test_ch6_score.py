@@ -1,4 +1,4 @@
-"""Chapter 6: score and reward."""
+"""Chapter 6, score and reward: every clause on every adjudicator."""
 
 import dataclasses
 import math

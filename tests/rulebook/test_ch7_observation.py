@@ -1,4 +1,4 @@
-"""Chapter 7: observation."""
+"""Chapter 7, observation: every clause on every adjudicator; tests/oracle has those of partial views."""
 
 import math
 from typing import Any
@@ -72,7 +72,7 @@ def test_r7_1_targets_equally_near_are_ordered_by_number(arena: ArenaFactory) ->
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> None:
-    """Of twelve, or all where fewer may be alive."""
+    """Eight of twelve are seen, or all if fewer may be alive."""
     match = arena()
     match.place(hunters=[(0.0, 0.0, 0.0)], targets=[(11.0 - 0.5 * i, 0.0) for i in range(12)])
     match.look()
@@ -82,7 +82,7 @@ def test_r7_1_the_k_nearest_are_seen_eight_by_default(arena: ArenaFactory) -> No
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_rivals_stand_in_the_hunters_own_frame_nearest_first(arena: ArenaFactory) -> None:
-    """Where they are, how they are turned, how fast they drive, and their score less one's own."""
+    """The columns are place, heading, velocity, and their score less one's own."""
     match = arena(hunters=3, control="full", max_targets=2, observed_targets=1)
     match.place(
         hunters=[(5.0, 5.0, math.pi / 2), (5.0, 8.0, 0.0), (7.0, 5.0, math.pi)], targets=[(5.0, 8.0), (9.0, 9.0)]
@@ -127,7 +127,7 @@ def test_r7_1_rivals_that_differ_in_velocity_alone_are_ordered_by_it(arena: Aren
 
 @pytest.mark.rule("R7.1")
 def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaFactory) -> None:
-    """Of nine; or all of fewer; or as many as the scenario says."""
+    """Seven of nine are seen, or all of fewer, or as many as the scenario says."""
     match = arena(hunters=10)
     match.place(hunters=[(float(seat), 5.0, 0.0) for seat in range(10)])
     assert [rival["forward"] for rival in match.seen_rivals()] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
@@ -135,20 +135,6 @@ def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaF
     assert ArenaConfig(hunters=3).hunters_seen == 2
     assert ArenaConfig(hunters=3, observed_hunters=1).hunters_seen == 1
     assert ArenaConfig(hunters=1).hunters_seen == 0
-
-
-@pytest.mark.rule("R7.1")
-def test_r7_1_from_the_same_place_everybody_sees_the_same(arena: ArenaFactory) -> None:
-    """Each of three hunters in turn takes one seat in a figure of three."""
-    match = arena(hunters=3, observed_targets=2)
-    figure = [(5.0, 5.0, 1.0), (6.0, 5.5, 2.0), (4.0, 7.0, -2.5)]
-    views: list[list[list[float]]] = []
-    for turn in range(3):
-        match.reset(1)
-        match.place(hunters=figure[turn:] + figure[:turn], targets=[(5.0, 6.0), (7.0, 7.0)])
-        match.look()
-        views.append([match.observation((place - turn) % 3) for place in range(3)])
-    assert views[0] == views[1] == views[2]
 
 
 def read_by_name(view: View, config: ArenaConfig) -> dict[str, float]:
@@ -220,25 +206,8 @@ def test_r7_2_ranks_without_a_target_are_zero_and_masked(arena: ArenaFactory) ->
 
 
 @pytest.mark.rule("R7.2")
-def test_r7_2_the_mask_comes_in_info() -> None:
-    """An int8 array, or none; at reset and after each step."""
-    env = parallel_env("standard", hunters=3, control=("target", "full", "velocity"), initial_targets=2)
-    _, infos = env.reset(seed=1)
-    for _ in range(2):
-        expected = np.array([1, 1, 1, 0, 0, 0, 0, 0, 0], np.int8)
-        for agent in env.agents[:2]:
-            assert infos[agent]["action_mask"].dtype == np.int8
-            assert np.array_equal(infos[agent]["action_mask"], expected)
-        assert "action_mask" not in infos["hunter_2"]
-        drawn = [env.action_space(agent).sample(infos[agent]["action_mask"]) for agent in env.agents[:2]]
-        assert {drawn[0], drawn[1]["catch"]} <= {0, 1, 2}
-        still = np.zeros(2, np.float32)
-        infos = env.step({"hunter_0": 0, "hunter_1": {"cmd_vel": still, "catch": 0}, "hunter_2": still})[4]
-
-
-@pytest.mark.rule("R7.2")
 def test_r7_2_where_asked_for_the_mask_stands_in_the_observation_under_target_control() -> None:
-    """And only there."""
+    """Other hunters' observations stay arrays."""
     env = parallel_env("standard", hunters=2, control=("target", "velocity"), mask_in_observation=True)
     observations, infos = env.reset(seed=1)
     assert set(observations["hunter_0"]) == {"observation", "action_mask"}
@@ -250,7 +219,7 @@ def test_r7_2_where_asked_for_the_mask_stands_in_the_observation_under_target_co
 
 @pytest.mark.rule("R7.3")
 def test_r7_3_state_is_the_global_view_in_the_world_frame() -> None:
-    """It is named by its table, and says what the world says."""
+    """Columns have the table's names and the world's numbers."""
     env = parallel_env("standard", hunters=2, initial_targets=3)
     env.reset(seed=6)
     for _ in range(7):
@@ -274,27 +243,3 @@ def test_r7_3_state_is_the_global_view_in_the_world_frame() -> None:
         assert (view[f"target_{place}.x"], view[f"target_{place}.y"]) == (np.float32(target.x), np.float32(target.y))
         assert view[f"target_{place}.age"] == pytest.approx((700 - target.spawned_ms) / 1000, abs=1e-6)
     assert view[f"target_{len(world.targets) + 1}.present"] == 0.0
-
-
-@pytest.mark.rule("R7.3")
-@pytest.mark.parametrize("budget", [None, 1])
-def test_r7_3_truncation_and_termination_are_told_apart_and_the_last_observation_is_delivered(
-    budget: int | None,
-) -> None:
-    """The first by the time limit, the second by the budget; the last observation shows the last state."""
-    env = parallel_env(
-        "standard", hunters=2, initial_targets=1, target_budget=budget, time_limit_s=0.2, reach_m=20.0, max_targets=1
-    )
-    env.reset(seed=1)
-    env.step({"hunter_0": 0, "hunter_1": 0})
-    observations, _, terminations, truncations, infos = env.step({"hunter_0": 1, "hunter_1": 0})
-    assert set(terminations.values()) == {budget is not None}
-    assert set(truncations.values()) == {budget is None}
-    assert env.agents == []
-    for seat, agent in enumerate(env.possible_agents):
-        hunter = env.world().hunters[seat]
-        found = dict(zip(SELF_COLUMNS, observations[agent][:OWN].tolist(), strict=True))
-        assert (found["x"], found["y"]) == (np.float32(hunter.x), np.float32(hunter.y))
-        assert found["time_left"] == 0.0
-        assert found["score"] == hunter.score == 1 - seat
-    assert set(infos) == set(env.possible_agents)

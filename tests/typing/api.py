@@ -155,7 +155,7 @@ class Nearest:
     """An agent, without a base class."""
 
     def reset(self, seed: int) -> None:
-        """It remembers nothing."""
+        """Remember nothing."""
 
     def act(self, view: View) -> int:
         assert_type(view.targets, tuple[SeenTarget, ...])
@@ -181,7 +181,7 @@ class Runaway:
     """Prey, without a base class."""
 
     def reset(self, seed: int) -> None:
-        """It remembers nothing."""
+        """Remember nothing."""
 
     def act(self, view: PreyView) -> tuple[float, float]:
         assert_type(view.hunters, tuple[SeenBody, ...])

@@ -1,4 +1,4 @@
-"""The arbiter's preference between two seats."""
+"""Exactly one of two seats that ask for a target is preferred, whatever the lots."""
 
 import numpy as np
 import pytest

@@ -71,7 +71,7 @@ print(work(block), block.tobytes().hex())
 
 
 def run_small(folder, *arguments, interpreted=False):
-    """What SMALL prints."""
+    """Output of SMALL."""
     script = folder / "small.py"
     script.write_text(SMALL, encoding="utf-8")
     settings = {"NUMBA_DISABLE_JIT": str(int(interpreted)), "NUMBA_CACHE_DIR": str(folder / "-".join(arguments))}

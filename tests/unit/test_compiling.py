@@ -1,7 +1,5 @@
 """Each variant of the rules is compiled once, and a line says so."""
 
-import threading
-
 import pytest
 
 from catch_arena.core import cache
@@ -64,19 +62,3 @@ def test_what_was_interrupted_is_compiled_again_and_then_never():
     for _ in range(2):
         compile_once(ONE, play)
     assert plays == [0, 1]
-
-
-def test_a_second_thread_does_not_begin_what_is_being_compiled():
-    """It goes on, and waits for Numba's lock where it calls what is compiled."""
-    inside, go = threading.Event(), threading.Event()
-
-    def in_another_thread():
-        inside.wait()
-        compile_once(ONE, lambda: pytest.fail("it is being compiled"))
-        go.set()
-
-    thread = threading.Thread(target=in_another_thread)
-    thread.start()
-    compile_once(ONE, lambda: (inside.set(), go.wait(60)))
-    thread.join()
-    assert go.is_set()

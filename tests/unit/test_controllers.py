@@ -1,4 +1,4 @@
-"""R4.3's loop by itself, in states that no match leads to, and hunters of several lanes (R1.6)."""
+"""R4.3's loop works off an integral that saturates, in states that no match leads to."""
 
 import pytest
 

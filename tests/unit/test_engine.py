@@ -1,4 +1,4 @@
-"""The engine's bookkeeping: ended arenas, rows, saved states, seeds."""
+"""The engine's rows keep to themselves: ended arenas, resets, withdrawals, targets and prey by name."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, with the permissions that a user asks for."""
+"""Files appear whole or not at all, with the permissions that a user asks for."""
 
 import os
 import stat
@@ -6,7 +6,7 @@ import stat
 import pytest
 
 from catch_arena.errors import OutputError
-from catch_arena.files import prepare_folder, unfinished_file, write_whole
+from catch_arena.files import unfinished_file, write_whole
 
 
 @pytest.fixture(params=[0o022, 0o077, 0o002])
@@ -41,18 +41,6 @@ def test_a_name_may_be_as_long_as_the_disk_allows(tmp_path):
     with pytest.raises(OutputError, match="cannot be written: File name too long"):
         write_whole(tmp_path / (256 * "x"), b"content")
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_folder_is_prepared_by_two_at_the_same_time(tmp_path, monkeypatch):
-    """The other one has removed the file by which it is tried."""
-    touch = type(tmp_path).touch
-
-    def touched_and_removed(path, *arguments, **options):
-        touch(path, *arguments, **options)
-        path.unlink()
-
-    monkeypatch.setattr(type(tmp_path), "touch", touched_and_removed)
-    assert prepare_folder(tmp_path / "new") == tmp_path / "new"
 
 
 def test_ctrl_c_while_the_unfinished_file_is_made_leaves_nothing(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""How the core is compiled and kept: by its sources, apart from code that tests its indices, and not for ever."""
+"""Compiled code is kept by the digest of its sources, compiled again when damaged, never loaded from strangers."""
 
 import ast
 import logging
@@ -43,7 +43,7 @@ except IndexError:
 
 
 def beyond(folder, *, checked, cache, code=BEYOND):
-    """What BEYOND prints, compiled, on both streams."""
+    """Run BEYOND, compiled."""
     script = folder / "beyond.py"
     script.write_text(code, encoding="utf-8")
     settings = {"NUMBA_BOUNDSCHECK": str(int(checked)), "NUMBA_DISABLE_JIT": "0", "NUMBA_CACHE_DIR": str(cache)}
@@ -57,7 +57,7 @@ def beyond(folder, *, checked, cache, code=BEYOND):
 
 
 def run_beyond(folder, *, checked, cache):
-    """What BEYOND prints, compiled."""
+    """Output of BEYOND, compiled."""
     return beyond(folder, checked=checked, cache=cache).stdout.strip()
 
 
@@ -77,7 +77,7 @@ def test_the_rules_are_compiled_where_nothing_can_be_kept(tmp_path):
 
 
 def test_compiled_code_is_kept_in_a_folder_for_each_state_of_the_sources(tmp_path, monkeypatch):
-    """The same folder every time, and those that were used last besides, however old they are by a clock that jumps."""
+    """The folder is the same every time; the folders that were used last stay too, though the clock may jump."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     others = [tmp_path / f"core-{number:016x}" for number in range(cache._MOST_KEPT + 4)]
     (tmp_path / "mine").mkdir()
@@ -91,7 +91,7 @@ def test_compiled_code_is_kept_in_a_folder_for_each_state_of_the_sources(tmp_pat
 
 
 def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, monkeypatch):
-    """Of a copy of the package: each file of core/, and what these import from outside it."""
+    """Each file of core/ in a copy of the package is edited, and each file that these import."""
     package = tmp_path / "catch_arena"
     shutil.copytree(ROOT / "catch_arena" / "core", package / "core", ignore=shutil.ignore_patterns("__pycache__"))
     for source in (ROOT / "catch_arena").glob("*.py"):
@@ -114,13 +114,6 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
             edited.write("# edited\n")
         folders.add(cache._cache_directory())
     assert len(folders) == 1 + len(read)
-
-
-def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
-    """One that can be seen, but not written."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
-    assert cache._cache_directory() is None
 
 
 @pytest.fixture
@@ -162,7 +155,7 @@ def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
 
 
 def total_of(row):
-    """What is compiled and kept."""
+    """Function that is compiled and kept."""
     total = 0
     for value in row:
         total += value
@@ -171,7 +164,7 @@ def total_of(row):
 
 @pytest.fixture
 def hits(tmp_path, monkeypatch):
-    """Whether a new process finds that in the cache, which is empty at first; its result is right."""
+    """Function that returns True if a new process finds it in the cache, which is empty at first."""
     monkeypatch.setattr(cache, "CACHE_DIRECTORY", tmp_path)
 
     def call(row):
@@ -197,7 +190,7 @@ def hits(tmp_path, monkeypatch):
     ],
 )
 def test_what_is_damaged_in_the_cache_is_compiled_again_and_replaced(tmp_path, hits, suffix, damage):
-    """As a crash of the machine can leave it."""
+    """A crash of the machine can leave such files."""
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
     (file,) = tmp_path.rglob(f"*.{suffix}")
     file.write_bytes(damage(file.read_bytes()))
@@ -205,19 +198,8 @@ def test_what_is_damaged_in_the_cache_is_compiled_again_and_replaced(tmp_path, h
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
-def test_one_wrong_byte_is_noticed(tmp_path, hits):
-    """Where nothing fails on it: it could as well be in the machine code."""
-    assert not hits([1.5, 2.0])
-    (file,) = tmp_path.rglob("*.nbc")
-    damaged = file.read_bytes().replace(b"total = 0", b"total = 1")  # the source, which Numba keeps beside the code
-    assert damaged != file.read_bytes()
-    file.write_bytes(damaged)
-    assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, True]
-
-
-@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_code_for_other_arguments_under_a_file_s_name_is_not_run(tmp_path, hits):
-    """As two processes can leave it that save at once."""
+    """Two processes that save at the same time can leave such a file."""
     assert not hits([1.5, 2.0])
     assert not hits([1, 2])
     of_floats, of_integers = sorted(tmp_path.rglob("*.nbc"))
@@ -244,12 +226,3 @@ def test_numba_writes_no_debug_lines_for_the_root_logger(caplog):
 
     assert numba.njit(lambda number: number + 1)(1) == 2
     assert [record.name for record in caplog.records] == []
-
-
-def test_a_level_that_somebody_gave_numbas_logger_stays():
-    """Who wants these lines gets them."""
-    given = "import logging; log = logging.getLogger('numba'); log.setLevel(logging.DEBUG); "
-    code = f"{given}import catch_arena.core.jit; print(log.level == logging.DEBUG)"
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-
-    assert result.stdout == "True\n"

@@ -20,7 +20,7 @@ def neighbours(number: float, count: int) -> list[float]:
 
 
 def test_an_angle_of_half_a_turn_at_most_is_wrapped_without_a_division() -> None:
-    """As wrap does, bit for bit, up to the last doubles before pi, where its own division rounds."""
+    """The result is wrap's, bit for bit, up to the last doubles before pi, where its own division rounds."""
     angles = [*np.random.default_rng(3).uniform(-PI, PI, 10_000), *neighbours(PI, 40), *neighbours(-PI, 40), 0.0, -0.0]
     for angle in angles:
         if -PI <= angle <= PI:
@@ -37,7 +37,7 @@ def test_round_distances_are_not_where_the_order_of_what_is_seen_rounds() -> Non
 
 
 def test_the_order_of_what_is_seen_is_that_of_distance_to_four_parts_in_a_million() -> None:
-    """And slots tell equal ones apart."""
+    """Slots order equal ones."""
     lengths = np.sort(np.random.default_rng(4).uniform(0.01, 16.0, 2000))
     near = [int(key_of(float(length), 0.0, 0)) // 64 for length in lengths]
     assert near == sorted(near)

@@ -48,7 +48,7 @@ def test_sections_lie_where_the_directory_says():
 
 @pytest.mark.parametrize("thread", [0, 1])
 def test_compiled_code_finds_the_same_sections(thread):
-    """It reads the last number of each, and writes the first; of scratch each thread has its own part."""
+    """Compiled code reads the last number of each, and writes the first; each thread has its own scratch."""
     wanted = some_sections()._replace(requests=np.arange(30).reshape(2, 3, 5))
     memory, _ = lay_out(wanted)
 

@@ -1,4 +1,4 @@
-"""Lanes of a block whose steps have different numbers of ticks (R1.3): what the extra tick may not touch."""
+"""R1.3: rows of a block whose steps have fewer ticks meet no wall in the tick that they lack."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""R7.1's order of rivals: those that are equally far."""
+"""R7.1's order of rivals that are equally far is total, and the one in which Python sorts them."""
 
 from functools import cmp_to_key
 from itertools import pairwise, product
@@ -55,7 +55,7 @@ def a_block(hunters, looks):
 
 
 def first_of(block, seat, one, other, lane, teams):
-    """Whether the first of two rivals precedes the second."""
+    """True if the first of two rivals precedes the second."""
     me, rows, others = (block[seat_at(who) :] for who in (seat, one, other))
     difference = lead(me, rows, others, lane)
     more = has_more_catches(rows, others, lane, is_listed_first(seat, one, other, teams))

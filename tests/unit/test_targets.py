@@ -1,4 +1,4 @@
-"""What targets that move decide, where random matches seldom come: lots among threats, in rows that differ."""
+"""Targets that move draw their threats by lot in every row, where random matches seldom come."""
 
 import math
 

@@ -77,7 +77,7 @@ def calculate(a, b, out, width):
 
 
 def expected():
-    """The same by NumPy, row by row."""
+    """Results of NumPy, row by row."""
     x, y = NUMBERS, OTHERS
     high = np.where(x > 0.0, 7, 3).astype(np.int64) << 40
     return np.array(

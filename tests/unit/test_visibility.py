@@ -1,4 +1,4 @@
-"""R7.5's limits as squares of distances."""
+"""R7.5's limits, kept as squares of distances, decide as distances in whole micrometres do."""
 
 import math
 from random import Random

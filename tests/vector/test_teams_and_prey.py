@@ -1,15 +1,11 @@
 """R11 and R12 in the batch: prey stands behind the hunters, and every row plays what one arena plays."""
 
-import copy
-import pickle
 import re
 
 import numpy as np
 import pytest
 
 from catch_arena import VectorArena, parallel_env, scenario
-from catch_arena.core import state
-from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
@@ -48,7 +44,7 @@ def row_of(config, agent):
 
 
 def same(told, row):
-    """Whether the batch tells what the env has told an agent, and zeros behind it."""
+    """True if a row of the batch has the numbers of the env, and zeros after them."""
     return told.tobytes() == row[: len(told)].tobytes() and not row[len(told) :].any()
 
 
@@ -118,24 +114,6 @@ def test_r11_1_figures_rank_by_team_and_infos_tell_team_scores():
     assert not infos["team_score"].any()  # of the episodes that have begun
 
 
-@pytest.mark.rule("R11.2")
-def test_r11_2_a_batch_gives_the_rewards_of_the_one_arena_env():
-    """In float32; their sums are what the figures say."""
-    config = TEAMS.replace(rewards={"rival_catch": -0.25, "mate_catch": 0.3, "time": -0.01, "lost_contest": -0.1})
-    arena, source = VectorArena(config, 5), np.random.default_rng(SEED)
-    arena.reset(seed=SEED)
-    env = parallel_env(config)
-    env.reset(seed=int(batch_seeds(SEED, 5)[2]))
-    returns = np.zeros(8)
-    while env.agents:
-        actions = source.integers(0, 5, (5, 8))
-        _, rewards, _, _, infos = arena.step(actions)
-        gained = list(env.step({f"hunter_{seat}": int(actions[2, seat]) for seat in range(8)})[1].values())
-        assert np.array(gained, np.float32).tolist() == rewards[2].tolist()
-        returns += gained
-    np.testing.assert_allclose(infos["episode"]["return"][2], returns, rtol=1e-5)
-
-
 def test_shapes_and_spaces_are_those_of_the_agents():
     arena = VectorArena(HUNT, 4)
     observations, infos = arena.reset(seed=1)
@@ -186,64 +164,3 @@ def test_bad_actions_are_named_and_nothing_moves(change, message):
     with pytest.raises(ActionError, match=re.escape(message)):
         arena.step(**change(random_actions(HUNT, 4, np.random.default_rng(1))))
     assert arena.digest(2) == digest
-
-
-def test_an_arena_that_has_ended_stands_still_and_prey_gets_nothing():
-    """Without auto_reset."""
-    config = HUNT.replace(prey_rewards={"caught": -1.0, "survived": -1.0, "gained": -1.0}, max_cycles=5)
-    arena, source = VectorArena(config, 3, auto_reset=False), np.random.default_rng(1)
-    arena.reset(seed=1)
-    for _ in range(5):
-        observations, rewards, *_ = arena.step(**random_actions(config, 3, source))
-    assert rewards[:, config.hunters :].any()
-    last, digest = observations.copy(), arena.digest(1)
-    observations, rewards, *_ = arena.step(**random_actions(config, 3, source))
-    assert not rewards.any()
-    assert arena.digest(1) == digest
-    assert (observations == last).all()
-
-
-def test_states_are_saved_copied_and_pickled_with_prey():
-    """And played on, bit for bit."""
-    arena, source = VectorArena(HUNT, 6), np.random.default_rng(4)
-    arena.reset(seed=2)
-    for _ in range(8):
-        arena.step(**random_actions(HUNT, 6, source))
-    saved, row = arena.save(), arena.save_row(4)
-    others = [copy.deepcopy(arena), pickle.loads(pickle.dumps(arena)), arena.clone()]  # noqa: S301 - our own
-    actions = random_actions(HUNT, 6, source)
-    after = arena.step(**actions)[0].copy()
-    for other in others:
-        assert (other.step(**actions)[0] == after).all()
-    arena.restore(saved)
-    arena.restore_row(0, row)
-    for given in actions.values():
-        given[0] = given[4]
-    assert (arena.step(**actions)[0][1:] == after[1:]).all()
-    assert arena.digest(0) == arena.digest(4)
-
-
-def test_copies_are_the_callers_own_with_prey():
-    arena = VectorArena(HUNT, 2, copy=True)
-    observations, _ = arena.reset(seed=1)
-    kept = observations.copy()
-    arena.step(**random_actions(HUNT, 2, np.random.default_rng(1)))
-    assert (observations == kept).all()
-
-
-@pytest.mark.rule("R12.5")
-def test_r12_5_withdrawn_prey_ranks_last_in_the_figures_of_an_episode():
-    """However rarely it was caught; among itself by score."""
-    engine, source = Engine(HUNT, 3, with_infos=False, auto_reset=True), np.random.default_rng(2)
-    engine.reset([1, 2, 3])
-    for index in (0, 2):
-        engine.withdraw(1, HUNT.hunters + index)
-    for _ in range(HUNT.max_steps):
-        engine.step(**random_actions(HUNT, 3, source))
-    caught, rank = engine.records[1, HUNT.hunters :, [state.FINAL_SCORE, state.FINAL_RANK]]
-    assert rank[1] == 1
-    assert rank[[0, 2]].tolist() == [2 + (caught[2] < caught[0]), 2 + (caught[0] < caught[2])]
-    assert caught.any()
-    for row in (0, 2):
-        caught, rank = engine.records[row, HUNT.hunters :, [state.FINAL_SCORE, state.FINAL_RANK]]
-        assert rank.tolist() == [1 + sum(other < mine for other in caught) for mine in caught]

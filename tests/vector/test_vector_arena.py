@@ -1,8 +1,6 @@
 """The batch: many arenas play what one plays, whatever their number, rows and threads."""
 
-import copy
 import multiprocessing
-import pickle
 import re
 import threading
 import tracemalloc
@@ -32,7 +30,7 @@ def random_actions(config, num_envs, source):
 
 
 def one_arenas_actions(config, actions, row):
-    """The same for one row, as the one-arena env wants them."""
+    """Actions of one row, as the one-arena env takes them."""
     catches, commands = actions.get("choices"), actions.get("commands")
     kinds = {
         "target": lambda seat: int(catches[row, seat]),
@@ -155,25 +153,11 @@ def test_r4_4_arenas_of_one_batch_may_differ_in_their_controls(size):
         arena.set_controls(controls[rows], rows)
 
 
-@pytest.mark.parametrize("again", [copy.deepcopy, lambda arena: pickle.loads(pickle.dumps(arena))])  # noqa: S301
-def test_a_copy_of_arenas_that_differ_in_their_controls_plays_on_like_them(again):
-    config, source = BUSY, np.random.default_rng(SEED)
-    arena = VectorArena(config, 8, any_control=True)
-    arena.reset(seed=SEED)
-    arena.set_controls(source.integers(0, 3, (8, 5)))
-    twin = again(arena)
-    for _ in range(10):
-        actions = random_actions(config.replace(control="full"), 8, source)
-        arena.step(**actions)
-        twin.step(**actions)
-        assert [arena.digest(row) for row in range(8)] == [twin.digest(row) for row in range(8)]
-
-
 @pytest.mark.parametrize(
     ("controls", "arenas"), [([[0, 3]], [0]), ([[0, 0.5]], [0]), ([[0, 1], [0, 1]], [0]), ("target", None)]
 )
 def test_controls_that_cannot_be_are_refused(controls, arenas):
-    """And any, where the arena does not say that they may differ."""
+    """Any are refused if the arena was made without any_control."""
     arena = VectorArena("duel", 3, any_control=True)
     with pytest.raises(ConfigError, match="controls must be "):
         arena.set_controls(controls, arenas)
@@ -182,7 +166,7 @@ def test_controls_that_cannot_be_are_refused(controls, arenas):
 
 
 def test_controls_are_kept_with_a_state():
-    """Of all arenas and of a single one; an arena whose controls cannot differ takes no others."""
+    """States of all arenas and of a single one have controls; an arena whose controls cannot differ takes no others."""
     arena = VectorArena("duel", 3, any_control=True)
     arena.reset(seed=SEED)
     arena.set_controls([[0, 1], [1, 2], [2, 0]])
@@ -210,7 +194,7 @@ def test_controls_are_kept_with_a_state():
 
 @pytest.mark.parametrize("scenario", ["duel", "herd"])
 def test_actions_can_be_checked_before_they_are_given(scenario):
-    """As `step` checks them, and nothing moves."""
+    """`step` checks them in the same way, and nothing moves."""
     arena = VectorArena(scenario, 2)
     arena.reset(seed=SEED)
     before = arena.digest(0)
@@ -286,34 +270,6 @@ def test_a_forked_process_plays_on_after_threads_have_played():
     assert answers.get() == arena.digest(4999)
 
 
-def test_a_batch_and_its_rows_can_be_saved_restored_and_cloned():
-    """What is restored goes on bit for bit, figures of the episode included."""
-    arena, source = VectorArena(BUSY, 35), np.random.default_rng(SEED)
-    arena.reset(seed=SEED)
-    script = [random_actions(BUSY, 35, source) for _ in range(2 * BUSY.max_steps)]
-    for actions in script[:13]:
-        arena.step(**actions)
-    saved, row, twin = arena.save(), arena.save_row(33), arena.clone()
-    other = VectorArena(BUSY, 3)
-    other.reset(seed=1)
-    for actions in script[13:]:
-        expected = [part.copy() for part in arena.step(**actions)[:4]]
-    figures = {name: values.copy() for name, values in arena.step(**script[0])[4]["episode"].items()}
-
-    for again in (twin, arena):
-        if again is arena:
-            again.restore(saved)
-        for actions in script[13:]:
-            got = again.step(**actions)
-        assert all((left == right).all() for left, right in zip(expected, got[:4], strict=True))
-        got = again.step(**script[0])
-        assert all((figures[name] == values).all() for name, values in got[4]["episode"].items())
-    other.restore_row(2, row)
-    for actions in (*script[13:], script[0]):
-        other.step(actions["choices"][31:34])
-    assert other.digest(2) == arena.digest(33)
-
-
 def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
     """Gymnasium's DISABLED mode: they stand still, and single ones are reset by number or by mask."""
     arena = VectorArena(BUSY, 33, auto_reset=False)
@@ -334,18 +290,6 @@ def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
     assert arena.digest(32) == env.digest()
     assert arena.digest(0) != arena.digest(8)
     assert arena.world(8).step == 0
-
-
-def test_a_batch_of_other_size_is_refused_even_in_as_many_blocks():
-    """Rows beyond the saved ones would not have begun."""
-    arena, larger = VectorArena("duel", 33), VectorArena("duel", 40)
-    arena.reset(seed=SEED)
-    with pytest.raises(ConfigError, match="a saved state must be one of 40 arenas here, got one of 33 arenas"):
-        larger.restore(arena.save())
-    with pytest.raises(ConfigError, match="arenas must be different rows"):
-        larger.reset(seed=SEED, arenas=[0] * 40)
-    with pytest.raises(EpisodeError, match="step must follow a reset"):
-        larger.step(np.zeros((40, 2), dtype=int))
 
 
 @pytest.mark.parametrize(
@@ -408,45 +352,6 @@ def test_episodes_without_a_seed_follow_one_another():
 
 
 @pytest.mark.large
-@pytest.mark.parametrize("again", [copy.deepcopy, lambda arena: pickle.loads(pickle.dumps(arena))])  # noqa: S301
-def test_copies_and_pickles_play_on_by_themselves(again):
-    """Threads and figures of episodes included; the original does not move."""
-    arena = VectorArena(BUSY, 2000, 2)
-    arena.reset(seed=SEED)
-    actions = np.ones((2000, 5), dtype=np.int64)
-    for _ in range(BUSY.max_steps + 3):
-        arena.step(actions)
-    before, twin = arena.digest(3), again(arena)
-    assert (twin.step(actions)[4]["episode"]["score"] == arena._infos["episode"]["score"]).all()
-    assert arena.digest(3) == before
-    arena.step(actions)
-    assert (twin.digest(3), twin.world(3)) == (arena.digest(3), arena.world(3))
-    env = parallel_env(BUSY)
-    env.reset(seed=SEED)
-    twin = again(env)
-    for _ in range(5):
-        seen, other = (one.step(dict.fromkeys(one.agents, 1)) for one in (env, twin))
-        assert all((seen[0][agent] == other[0][agent]).all() for agent in env.agents)
-        assert str(seen[4]) == str(other[4])
-    assert env.digest() == twin.digest()
-
-
-def test_actions_that_may_not_be_written_to_are_taken_without_another_compilation():
-    """As those that other libraries' arrays become."""
-    from catch_arena.core import tick
-
-    arena = VectorArena("duel", 2)
-    arena.reset(seed=1)
-    actions = np.ones((2, 2), dtype=np.int64)
-    arena.step(actions)
-    compiled = len(getattr(tick.run, "signatures", ()))
-    actions.flags.writeable = False
-    arena.step(actions)
-
-    assert len(getattr(tick.run, "signatures", ())) == compiled
-
-
-@pytest.mark.large
 def test_a_step_allocates_nothing():
     """But a few small objects of Python's and NumPy's buffer for a conversion: less than one flag for each arena."""
     arena = VectorArena("standard", 20_000)
@@ -465,7 +370,7 @@ def test_a_step_allocates_nothing():
 
 
 def test_buffers_are_reused_unless_copies_are_asked_for():
-    """And the mask, of which only changes are written, is read only."""
+    """The mask, of which only changes are written, is read only."""
     for copied in (False, True):
         arena = VectorArena("standard", 3, copy=copied)
         first, infos = arena.reset(seed=SEED)
@@ -477,42 +382,21 @@ def test_buffers_are_reused_unless_copies_are_asked_for():
         assert infos["action_mask"].flags.writeable == copied
 
 
-def test_other_integers_and_floats_are_taken_too():
-    """They are converted, as the one-arena env does it."""
-    arena, other = VectorArena("duel", 2), VectorArena("duel", 2)
-    arena.reset(seed=1)
-    other.reset(seed=1)
-    arena.step([[1, 2], [0, 1]])
-    other.step(np.array([[1, 2], [0, 1]], dtype=np.uint8))
-    assert arena.digest(1) == other.digest(1)
-    arena, other = (VectorArena("duel", 2, control="velocity") for _ in range(2))
-    arena.reset(seed=1)
-    other.reset(seed=1)
-    commands = np.random.default_rng(SEED).uniform(-1, 1, (2, 2, 2))
-    arena.step(commands=commands)
-    other.step(commands=np.asfortranarray(commands.astype(np.float32)))
-    assert arena.digest(1) == other.digest(1)
-
-
 NAN = np.zeros((2, 2, 2))
 NAN[1, 0, 1] = np.nan
 ILLEGAL = [
     ("target", [[[1, 2, 3]]], "choices must have the shape (2, 2), got (1, 3)"),
     ("target", [[[0, 1], [9, 0]]], "choices must be a whole number from 0 to 8, got 9 in arena 1 for hunter_0"),
-    ("target", [[[0, 1], [0, -1]]], "got -1 in arena 1 for hunter_1"),
     ("target", [[[0.0, 1.0], [0.0, 1.0]]], "choices must be whole numbers, got [[0.0, 1.0], ["),
-    ("target", ["left"], "choices must be whole numbers, got 'left'"),
     ("target", [{"hunter": 1}], "choices must be whole numbers, got {'hunter': 1}"),
     ("target", [[[1, 2], [1]]], "choices must be rows of equal length"),
     ("target", [], "choices must be (2, 2) whole numbers where hunters choose, got None"),
     ("target", [[[0, 1], [0, 1]], NAN], "commands must be two finite numbers, got [0.0, nan]"),
     ("velocity", [None, NAN], "commands must be two finite numbers, got [0.0, nan] in arena 1 for hunter_0"),
-    ("velocity", [None, np.full((2, 2, 2), -np.inf)], "got [-inf, -inf] in arena 0 for hunter_0"),
     ("velocity", [None, np.ones((2, 2, 2), dtype=bool)], "commands must be numbers, got an array of bool"),
     ("velocity", [], "commands must be (2, 2, 2) numbers where agents drive themselves, got None"),
     ("full", [None, np.zeros((2, 2, 2))], "choices must be (2, 2) whole numbers where hunters choose, got None"),
     ("full", [[[0, 0], [0, 0]]], "commands must be (2, 2, 2) numbers where agents drive themselves, got None"),
-    ("full", [[[0, 9], [0, 0]], np.zeros((2, 2, 2))], "choices must be a whole number"),
 ]
 
 
@@ -556,47 +440,25 @@ def test_what_else_is_wrong_is_told_in_one_line():
         arena.reset(seed=5, arenas=[2, 1, 1])
     with pytest.raises(ConfigError, match="seeds must be one for each of 3 arenas, got 2"):
         arena.reset(seed=[1, 2])
-    with pytest.raises(ConfigError, match="seed must be a whole number"):
-        arena.reset(seed=-1)
     other, larger = VectorArena("duel", 3, reach_m=0.2), VectorArena("duel", 40)
     other.reset(seed=1)
     larger.reset(seed=1)
-    with pytest.raises(ConfigError, match="saved must come from an arena of equal config"):
-        arena.restore(other.save())
-    for saved in (arena.save().memory, None):
-        with pytest.raises(ConfigError, match="saved must be what save gives"):
-            arena.restore(saved)
-    with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of 40 arenas"):
-        arena.restore(larger.save())
-    with pytest.raises(ConfigError, match="a saved state must be one of a single row here, got one of 40 arenas"):
-        arena.restore_row(0, larger.save())
-    with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of a single row"):
-        arena.restore(arena.save_row(0))
-    with pytest.raises(ConfigError, match=r"must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"):
-        arena.restore(arena.save()._replace(memory=larger.save().memory))
+    for restore, saved, message in (
+        (arena.restore, other.save(), "saved must come from an arena of equal config"),
+        (arena.restore, None, "saved must be what save gives"),
+        (arena.restore, larger.save(), "a saved state must be one of 3 arenas here, got one of 40 arenas"),
+        (arena.restore, arena.save_row(0), "a saved state must be one of 3 arenas here, got one of a single row"),
+        (lambda saved: arena.restore_row(0, saved), larger.save(), "must be one of a single row here, got one of 40"),
+    ):
+        with pytest.raises(ConfigError, match=message):
+            restore(saved)
     with pytest.raises(ConfigError, match="agent must be a whole number from 0 to 1, got 2"):
         arena.action_space(2)
-    for seed in (5.0, [1.5] * 3, "123", b"123", True, [None] * 3, [[1]] * 3, np.array(1.5), np.ones((3, 1), np.uint64)):
+    for seed in (-1, 5.0, "123", True, [[1]] * 3):
         with pytest.raises(ConfigError, match="seed must be a whole number"):
             arena.reset(seed=seed)
     with pytest.raises(ConfigError, match="auto_reset must be true or false, got 'no'"):
         VectorArena("duel", 1, auto_reset="no")
-
-
-def test_a_batch_that_memory_does_not_hold_is_told_in_one_line(monkeypatch):
-    """Some systems promise any amount, so that NumPy's refusal is made here."""
-    zeros = np.zeros
-
-    def refusing(shape, dtype=float):
-        if np.prod(shape) > 10**9:
-            raise MemoryError("Unable to allocate 3 TiB")
-        return zeros(shape, dtype)
-
-    monkeypatch.setattr(np, "zeros", refusing)
-    with pytest.raises(
-        ConfigError, match="num_envs must fit into this machine's memory, got 1000000000: Unable to all"
-    ):
-        VectorArena("duel", 10**9)
 
 
 def test_the_spaces_are_those_of_the_one_arena_env():

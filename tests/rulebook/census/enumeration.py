@@ -25,7 +25,7 @@ COUNTED = "\n# Counted by the oracle: how often each hunter gets each verdict, b
 Answer = tuple[int, Verdict]
 """A seat, and what it was answered."""
 Counts = dict[str, Any]
-"""How many steps there are, and by verdict how many of them each seat got."""
+"""Number of steps, and by verdict the number that each seat got."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Position:
     targets: dict[str, tuple[float, float]]
     names: list[object]
     most: int
-    """How many requests a hunter may make in one step, by name; by rank it is one."""
+    """Most requests of a hunter in one step, by name; by rank it is one."""
     circumstances: dict[str, Any]
     """Further arguments of `arbitrate`."""
     counts: dict[str, Counts]
@@ -75,7 +75,7 @@ class Position:
 
     @property
     def in_an_arena(self) -> bool:
-        """Whether hunters in an arena can be in this position: outages cannot be ordered there."""
+        """True if an arena can have this position: outages cannot be ordered there."""
         return self.circumstances.keys() <= {"policy", "seed", "inactive", "caught"}
 
     @property
@@ -122,7 +122,7 @@ class Position:
 
 
 def counted(answers: Sequence[Sequence[Answer]], hunters: int) -> Counts:
-    """How many steps there are, and by verdict how many answers each seat got."""
+    """Return the number of steps, and by verdict the number of answers that each seat got."""
     tally = Counter(answer for step in answers for answer in step)
     found: Counts = {"steps": len(answers)}
     for verdict in Verdict:
