@@ -118,7 +118,7 @@ def test_what_a_node_uses_decides_between_types_of_one_package(package):
             {"Catch": USUAL["srv"]["CatchTurtle"], "KillTurtle": USUAL["srv"]["CatchTurtle"]},
             "mine: CatchTurtle could be mine/srv/Catch and mine/srv/KillTurtle",
         ),
-        (USUAL["msg"], {}, "mine/srv holds nothing in the place of CatchTurtle"),
+        (USUAL["msg"], {}, "mine/srv has no type that fits CatchTurtle"),
     ],
 )
 def test_what_is_missing_or_ambiguous_is_told_with_what_the_file_holds(package, msg, srv, why):
@@ -179,7 +179,7 @@ def test_the_types_that_a_node_uses_come_before_those_of_packages(package, monke
     used = [Endpoint("/mine", "client", "/catch_turtle", "b/srv/CatchTurtle")]
     assert found_types(Interfaces(), lambda: used).package == "b"
     assert found_types(Interfaces("a"), lambda: used).package == "a"
-    with pytest.raises(BusError, match=r"^a and b have a catch service each$") as error:
+    with pytest.raises(BusError, match=r"^each of the packages a and b has a catch service$") as error:
         found_types(Interfaces(), list)
     assert error.value.hint == "give --interfaces a, or another"
 

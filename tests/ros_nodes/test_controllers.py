@@ -74,7 +74,7 @@ def test_a_spawner_next_to_the_arena_is_named(course):
     arena = course.serve(*ANNA)
     course.node("referee")
     line = arena.wait_for("^warning: /turtle_spawner ").string
-    assert "answers /catch_turtle" in line
+    assert "serves /catch_turtle" in line
     assert "publishes /alive_turtles" in line
     assert "ros2 run" in line
 
@@ -84,7 +84,7 @@ def test_a_second_arena_is_named(course):
     first = course.serve(*ALONE)
     second = course.serve(*ALONE)
     for arena in (first, second):
-        assert "second arena" in arena.wait_for("^warning: /catch_arena .*answers /catch_turtle").string
+        assert "second arena" in arena.wait_for("^warning: /catch_arena .*serves /catch_turtle").string
 
 
 def test_answers_may_come_later_and_leave_before_the_next_message(course):
