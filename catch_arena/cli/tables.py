@@ -17,13 +17,13 @@ from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 
-_KEY: Final = """grp: who shares a group cannot be told apart
-rating: points, 0 is the mean; score: catches a match
-wins: ties shared; cont.: of its contests, those it won"""
-_MATES_KEY: Final = "\nmates: requests a match that a team-mate won"
-_PREY_KEY: Final = """grp: who shares a group cannot be told apart
-rating: points, 0 is the mean; caught: times a match
-wins: ties shared"""
+_KEY: Final = """grp: agents of one group do not differ significantly
+rating: points, 0 is the mean; score: catches per match
+wins: matches won, ties shared; cont.: contests won"""
+_MATES_KEY: Final = "\nmates: requests per match lost to a team-mate"
+_PREY_KEY: Final = """grp: agents of one group do not differ significantly
+rating: points, 0 is the mean; caught: times per match
+wins: matches won, ties shared"""
 
 
 def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
@@ -79,38 +79,38 @@ def plan_table(
     if isinstance(plan, FixedPlan):
         played, met = match_counts(plan, len(worker.entrants), progress)
         most = played[1]
-        shown.add_row("an agent plays", f"{_span(*played)} matches")
-        shown.add_row("a pair meets in", f"{_span(*met)} matches")
+        shown.add_row("an agent plays", f"{_number_range(*played)} matches")
+        shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
     if cost is not None:
         _add_cost(shown, plan.size, cost, jobs, max_forfeits)
     worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
         once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s
-        then = ", then it is out" if worst.matches < most else ""
-        shown.add_row("an agent that hangs", f"may take {once} a match: {duration(all_s)} for {worst.matches}{then}")
+        then = ", then it is excluded" if worst.matches < most else ""
+        shown.add_row("an agent that hangs", f"may take {once} per match: {duration(all_s)} for {worst.matches}{then}")
         if worst.agents > 1:
-            shown.add_row(f"all {worst.agents} that could", f"{duration(worst.agents * all_s)} with one process")
+            shown.add_row(f"all {worst.agents} such agents", f"{duration(worst.agents * all_s)} with one process")
         once, all_s = duration(worst.slow_s), most * worst.slow_s
-        shown.add_row("a slow agent", f"may take {once} a match: {duration(all_s)} for {most}, no forfeit")
+        shown.add_row("a slow agent", f"may take {once} per match: {duration(all_s)} for {most}, no forfeit")
     return shown
 
 
 def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: int) -> None:
     alone_s = matches * cost.seconds
     shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    leaves = f"; after {max_forfeits} in a row it is out" if max_forfeits else ""
+    leaves = f"; after {max_forfeits} in a row it is excluded" if max_forfeits else ""
     less = bool(cost.forfeits and leaves)  # matches without excluded entrants are shorter
     shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
     shown.add_row("store", f"about {decimal(matches * cost.stored)}")
     if cost.replay:
         shown.add_row("replays", f"about {decimal(matches * cost.replay)}")
-    shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
+    shown.add_row("measured on", f"{cost.tried} matches, which are not kept")
     for name, forfeit in cost.forfeits.items():
         shown.add_row("", f"{name} forfeited there: {forfeit}{leaves}")
 
 
-def _span(least: int, most: int) -> str:
-    return f"{least}" if least == most else f"{least} to {most}"
+def _number_range(low: int, high: int) -> str:
+    return f"{low}" if low == high else f"{low} to {high}"
 
 
 def duration(seconds: float) -> str:

@@ -52,7 +52,7 @@ def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_pat
     assert len(replays) == 2
     verified = catch_arena("verify", *replays)
     assert verified.exit_code == 0
-    assert verified.stdout.count("all of 30 steps play as recorded") == 2
+    assert verified.stdout.count("all 30 steps play as recorded") == 2
 
 
 def test_no_line_of_the_table_is_longer_than_80_columns(catch_arena):
@@ -122,7 +122,7 @@ def test_the_result_of_a_match_names_everybody_by_the_seats(catch_arena):
     """Of hunters, of teams with each one's catches, and of prey."""
     short = ["--set", "time_limit_s=2", "--set", "reach_m=3.0", "--seed", "3", "--force"]
     hunt = catch_arena("match", "nearest", "nearest", "patrol", "corners", "--scenario", "tag", *short).stdout
-    hunters, prey = hunt.split("prey, by how often it was caught:")
+    hunters, prey = hunt.split("prey, by number of times caught:")
     assert sorted(re.findall(r"\S+ \(\w+\)", hunters)) == [
         "nearest (hunter_0)",
         "nearest#2 (hunter_1)",
@@ -173,7 +173,7 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
     result = catch_arena("verify", "bad.replay", "m.replay")
     assert result.exit_code == 2
     assert "bad.replay: should be" in result.stderr
-    assert "m.replay: all of 30 steps" in result.stdout
+    assert "m.replay: all 30 steps" in result.stdout
 
 
 @pytest.mark.parametrize(
@@ -337,19 +337,25 @@ def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
     for most, lines in (
         (
             "3",
-            [r"hangs +may take 30\.1 s a match: 0:02:00 for 4, then it is out", r"all 2 that could +0:04:01 with one"],
+            [
+                r"hangs +may take 30\.1 s per match: 0:02:00 for 4, then it is excluded",
+                r"all 2 such agents +0:04:01 with one",
+            ],
         ),
-        ("0", [r"hangs +may take 30\.1 s a match: 0:10:02 for 20 *$", r"all 2 that could +0:20:05 with one process"]),
+        (
+            "0",
+            [r"hangs +may take 30\.1 s per match: 0:10:02 for 20 *$", r"all 2 such agents +0:20:05 with one process"],
+        ),
     ):
         told = catch_arena(*words, "--max-forfeits", most, "--out", most).stderr
         for line in (
             *lines,
-            r"a slow agent +may take 30\.7 s a match: 0:10:14 for 20, no forfeit",
+            r"a slow agent +may take 30\.7 s per match: 0:10:14 for 20, no forfeit",
             "mine forfeited there: ",
             f"time +{'at most' if most == '3' else 'about'} ",
         ):
             assert re.search(line, told, re.MULTILINE), told
-        assert ("; after 3 in a row it is out" in " ".join(told.split())) == (most == "3")
+        assert ("; after 3 in a row it is excluded" in " ".join(told.split())) == (most == "3")
     assert "hangs" not in catch_arena(*words[:1], "nearest", "idle", *QUICK, "--out", "o").stderr
 
 
@@ -368,7 +374,7 @@ def test_who_was_out_is_told(catch_arena):
         "o",
     ]
     result = catch_arena("tournament", *words, "--trusted")
-    assert "crashes was out: 4 of its 8 matches were played without it" in result.output
+    assert "crashes was excluded: 4 of its 8 matches were played without it" in result.output
     assert catch_arena("report", "o").exit_code == 0
     assert "FORFEIT_OUT" in Path("o/report.html").read_text()
     assert json.loads(Path("o/standings.json").read_text())["standings"][1]["forfeits"] == {

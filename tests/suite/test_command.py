@@ -90,7 +90,7 @@ def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
     assert resumed.exit_code == 0, resumed.output
     one, two = ((tmp_path / name).read_text() for name in ("one.json", "two.json"))
     assert without_times(one) == without_times(two)
-    assert "all of which are kept already" in run("contested", "--resume").stdout
+    assert "all of them played already" in run("contested", "--resume").stdout
 
 
 def without_times(text):
@@ -133,14 +133,14 @@ def test_one_that_cannot_begin_is_told_once(run, tmp_path):
     assert result.exit_code == 0, result.output
     assert result.stderr.count("it imports rclpy, which is not installed here") == 2  # as for every command, and here
     assert "mine cannot play any scenario, and forfeits there: " in result.stderr
-    assert "an interval (? below) needs 4\n" in result.stdout
+    assert "intervals (? below) need 4 blocks\n" in result.stdout
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["nearst"], "unknown agent 'nearst': did you mean nearest"),
-        (["nearest", "--json", "there.json"], "there.json: is there already: give --force"),
+        (["nearest", "--json", "there.json"], "there.json: already exists; use --force"),
         (["nearest", "--out", "there.json"], "there.json: cannot be written: is a file, not a folder"),
     ],
 )
@@ -278,7 +278,7 @@ def test_training_runs_are_one_method(run, tmp_path):
         for agent in told["agents"]
     ]
     assert told["method_iqm"]["training"]["mean"] == pytest.approx(np.mean(sorted(means)[1:3]), abs=1e-5)
-    assert "the method, over 4 training runs:" in result.stdout
+    assert "training method, over 4 runs:" in result.stdout
 
 
 def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch):
