@@ -49,10 +49,10 @@ class SuiteScenario:
 
         Each opponent plays as often as all of them fit in; the remaining parties are a group that changes by block.
         """
-        everybody = range(len(self.opponents))
-        whole, rest = divmod(len(self.parties) - 1, len(everybody))
-        groups = list(combinations(everybody, rest))
-        return (*everybody,) * whole + groups[block % len(groups)]
+        indices = range(len(self.opponents))
+        whole, rest = divmod(len(self.parties) - 1, len(indices))
+        groups = list(combinations(indices, rest))
+        return (*indices,) * whole + groups[block % len(groups)]
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ SUITE: Final = Suite(
         _held_out("strangers", "`standard` against held-out opponents", HELD_OUT_OPPONENTS),
         _held_out(
             "dense",
-            "three targets a second, 20 at the start",
+            "three targets per second, 20 at the start",
             TRAINING_OPPONENTS,
             initial_targets=20,
             max_targets=32,

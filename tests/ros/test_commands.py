@@ -27,7 +27,7 @@ def run(*arguments):
         (("serve", "--seat", "nearest"), "--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got 'nearest'"),
         (("serve", "--seat", "0="), "--seat must be SEAT=DRIVER"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
-        (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must be of characters that can be printed"),
+        (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must have 1 to 100 printable characters"),
         (
             ("serve", "--seat", "9=ros"),
             "--seat 0 must be given too, such as 0=ros: without --scenario and --set hunters=..., there is one hunter",

@@ -83,7 +83,8 @@ def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
     again = run("contested")
     assert again.exit_code == 2
     assert again.stderr == (
-        "error: out/suite/contested: holds matches of contested already: go on with --resume, or give another folder\n"
+        "error: out/suite/contested: already contains matches of contested; continue with --resume, or "
+        "choose another folder\n"
     )
     (tmp_path / "out/suite/contested/four/tournament.sqlite").unlink()
     resumed = run("contested", "--resume", "--json", "two.json")
@@ -113,9 +114,9 @@ def test_who_cannot_read_a_width_is_told_before_any_match_and_one_that_fits_it_p
     result = run("mine.py", "--trusted", "--quick")
     assert result.exit_code == 0, result.output
     warned = [line for line in result.stderr.splitlines() if "cannot play" in line]
-    needed = "act raised ConfigError: observations must have 71 numbers for this network, got"
+    needed = "act raised ConfigError: observations must have 71 columns for this network, got"
     assert warned == [
-        f"mine cannot play duel, and forfeits there: {needed} (57,)",
+        f"mine cannot play duel, and forfeits there: {needed} the shape (57,)",
         f"mine cannot play pairs, and forfeits there: {needed} (74,)",
     ]
     assert "NOT the protocol" in result.stdout

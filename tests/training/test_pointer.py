@@ -116,10 +116,10 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
         assert "\n" not in str(error.value)
         return str(error.value)
 
-    assert "ruleset must be catch_arena_v1, got catch_arena_v9: train it again" in said(
+    assert "ruleset must be catch_arena_v1, got catch_arena_v9; train the network again" in said(
         "rules", ruleset="catch_arena_v9"
     )
-    assert "features must be 1, got 0: train it again" in said("features", features=0)
+    assert "features must be 1, got 0; train the network again" in said("features", features=0)
     assert "it has no ruleset" in said("none", ruleset=None)
     assert "weights logit must have the shape (8,), got nothing" in said("missing", logit=None)
     assert "weights encode must have the shape (45, 8), got (71, 8)" in said("width", encode=np.zeros((71, 8)))
