@@ -57,14 +57,14 @@ isolation, on a machine that did other work too.
 
 | {headings} |
 {rule}"""
-HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "a move")
+HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "per move")
 TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
 """Pattern of the rows of a table, one for each agent."""
 SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
 """Pattern of the beginning of an agent's section."""
 KEY: Final = """
-*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
-second. *First*: the number of scenarios in which the agent is surely first among itself and its opponents, in which
+*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first minus
+the second. *First*: the number of scenarios in which the agent is surely first among itself and its opponents, in which
 that is open, and in which it is surely not first.
 """
 
@@ -207,7 +207,7 @@ def section(one: AgentMeasures) -> Iterator[str]:
     for part in (module.__doc__ or "").strip().split("\n\n"):
         yield f"{' '.join(part.split())}\n"
     yield f"- Control: {one.agent.control}. {'Trained' if trained else 'Scripted'}. Source: digest {one.agent.digest}."
-    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {one.move_ms:.2f} ms a move."
+    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {one.move_ms:.2f} ms per move."
     yield f"- Matches: {sum(of.matches for of in one.scenarios)}, of which it forfeited {one.forfeits}."
     yield f"- Not good at: {weaknesses(one)}."
     for opponents, kind in ((TRAINING_OPPONENTS, "a training opponent"), (HELD_OUT_OPPONENTS, "a held-out opponent")):

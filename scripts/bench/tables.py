@@ -51,7 +51,7 @@ def _alone(rows: Mapping[str, Mapping[str, Any]]) -> str:
     lines = []
     for name, row in rows.items():
         cost = f"{_in_unit(row, statistics.median(row['cpu']))} ({_in_unit(row, min(row['cpu']))})"
-        stepped = row["unit"] in {"ns an agent-step", "us a step"}
+        stepped = row["unit"] in {"ns per agent-step", "us per step"}
         rates = [rounded(row["agents"] / statistics.median(row[clock])) if stepped else "" for clock in ("cpu", "wall")]
         sizes = [row["agents"] if stepped else "", row["floats"] or ""]
         lines.append((name, *sizes, cost, row["unit"], *rates))

@@ -74,8 +74,8 @@ def test_the_table_has_every_row_with_its_sizes_and_its_rate(run):
     for name in ("batch of 1,024", "batch of 16,384, two threads", "one arena, full control", "LearnerBatch, patrol"):
         assert rows[name][0] == "4"
         assert float(rows[name][5].replace(",", "")) > 0
-    assert rows["reset of one arena"][3] == "us a reset"
-    assert rows["memory"][3] == "bytes an arena"
+    assert rows["reset of one arena"][3] == "us per reset"
+    assert rows["memory"][3] == "bytes per arena"
     assert {len(row) for row in rows.values()} == {6}
 
 
@@ -198,7 +198,11 @@ def test_an_older_commit_and_the_current_version_are_measured_in_turn(repository
     assert before.keys() == now.keys()
     assert {len(row["cpu"]) for row in (*before.values(), *now.values())} == {2}
     assert "with changes that are not committed" in done.stdout
-    for what in ("batch of 1,024, ns an agent-step", "one arena, full control, us a step", "memory, bytes an arena"):
+    for what in (
+        "batch of 1,024, ns per agent-step",
+        "one arena, full control, us per step",
+        "memory, bytes per arena",
+    ):
         assert f"| {what}" in done.stdout
     assert repository.left() == []
 
