@@ -167,7 +167,7 @@ def secret_of(seed: str | None) -> Secret:
 
 def say_seed(secret: Secret) -> None:
     """Print the seed, with which others can repeat all random draws."""
-    warning = "" if secret.number is None else f" (from the number {secret.number}, which agents can guess)"
+    warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
     say(f"seed: {secret.digits}{warning}")
 
 

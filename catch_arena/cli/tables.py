@@ -17,11 +17,11 @@ from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 
-_KEY: Final = """grp: agents of one group do not differ significantly
+_KEY: Final = """grp: members of a group do not differ significantly
 rating: points, 0 is the mean; score: catches per match
 wins: matches won, ties shared; cont.: contests won"""
 _MATES_KEY: Final = "\nmates: requests per match lost to a team-mate"
-_PREY_KEY: Final = """grp: agents of one group do not differ significantly
+_PREY_KEY: Final = """grp: members of a group do not differ significantly
 rating: points, 0 is the mean; caught: times per match
 wins: matches won, ties shared"""
 
@@ -86,12 +86,12 @@ def plan_table(
     worst = worst_delay(worker, most, max_forfeits)
     if worst is not None:
         once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s
-        then = ", then it is excluded" if worst.matches < most else ""
-        shown.add_row("an agent that hangs", f"may take {once} per match: {duration(all_s)} for {worst.matches}{then}")
+        then = ", then excluded" if worst.matches < most else ""
+        shown.add_row("an agent that hangs", f"up to {once} per match: {duration(all_s)} for {worst.matches}{then}")
         if worst.agents > 1:
             shown.add_row(f"all {worst.agents} such agents", f"{duration(worst.agents * all_s)} with one process")
         once, all_s = duration(worst.slow_s), most * worst.slow_s
-        shown.add_row("a slow agent", f"may take {once} per match: {duration(all_s)} for {most}, no forfeit")
+        shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {most}, no forfeit")
     return shown
 
 

@@ -185,7 +185,7 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         (["tournament", "nearest", "idle", *QUICK, "--set", "reach=2"], "did you mean reach_m"),
         (["tournament", "nearest", "idle", *QUICK, "--set", "reach_m=-2"], "reach_m must be above 0"),
         (["tournament", "nearest", "idle", *QUICK, "--set", "reach_m"], "--set must be KEY=VALUE"),
-        (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "left to the agents"),
+        (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "each agent declares its own control"),
         (["tournament", "nearest", "idle", *QUICK, "--jobs", "0"], "jobs must be at least 1"),
         (["tournament", "nearest", "idle", *QUICK, "--rounds", "0"], "rounds must be at least 1"),
         (
@@ -219,8 +219,8 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
                 (["--set", "teams=[[0,1],[2]]"], "teams must name each seat from 0 to 3 once, got none for seat 3"),
                 (["--set", "teams=[[0,1],[1,2,3]]"], "each seat from 0 to 3 once, got seat 1 more than once"),
                 (["--set", "teams=[[0,1],[2,4]]"], "teams must name each seat from 0 to 3 once, got 4"),
-                (["--set", "teams=((0,1),(2,3))"], "or a list as [[0, 1], [2, 3]], got '((0,1),(2,3))'"),
-                (["--set", "teams=[[0,1],[2,3]"], "or a list as [[0, 1], [2, 3]], got '[[0,1],[2,3]'"),
+                (["--set", "teams=((0,1),(2,3))"], "or a list such as [[0, 1], [2, 3]], got '((0,1),(2,3))'"),
+                (["--set", "teams=[[0,1],[2,3]"], "or a list such as [[0, 1], [2, 3]], got '[[0,1],[2,3]'"),
                 (["--set", "prey=1", "--set", "target_budget=10"], "target_budget must be None where there is prey"),
                 (
                     ["--set", "prey=9"],
@@ -338,19 +338,19 @@ def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
         (
             "3",
             [
-                r"hangs +may take 30\.1 s per match: 0:02:00 for 4, then it is excluded",
+                r"hangs +up to 30\.1 s per match: 0:02:00 for 4, then excluded",
                 r"all 2 such agents +0:04:01 with one",
             ],
         ),
         (
             "0",
-            [r"hangs +may take 30\.1 s per match: 0:10:02 for 20 *$", r"all 2 such agents +0:20:05 with one process"],
+            [r"hangs +up to 30\.1 s per match: 0:10:02 for 20 *$", r"all 2 such agents +0:20:05 with one process"],
         ),
     ):
         told = catch_arena(*words, "--max-forfeits", most, "--out", most).stderr
         for line in (
             *lines,
-            r"a slow agent +may take 30\.7 s per match: 0:10:14 for 20, no forfeit",
+            r"a slow agent +up to 30\.7 s per match: 0:10:14 for 20, no forfeit",
             "mine forfeited there: ",
             f"time +{'at most' if most == '3' else 'about'} ",
         ):

@@ -128,7 +128,7 @@ def test_a_tournament_fits_forty_columns(tmp_path):
     assert "…" not in text
     assert "2/2" in text
     told = re.sub(r"\s+", " ", text)
-    assert "grp: agents of one group do not differ significantly" in told
+    assert "grp: members of a group do not differ significantly" in told
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,10 @@ def run(*arguments):
         ),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--domain", "300"), "from 0 to 232, got 300"),
         (("spawner", "--domain", "300", "--ros-args"), "from 0 to 232, got 300"),
-        (("serve", "--ros-args", "-r", "pose:=x"), "--ros-args must be -p NAME:=VALUE, as -p spawn_frequency:=2.0,"),
+        (
+            ("serve", "--ros-args", "-r", "pose:=x"),
+            "--ros-args must be -p NAME:=VALUE, such as -p spawn_frequency:=2.0,",
+        ),
         (("serve", "--ros-args", "-p", "spawn_frequency:=nan"), "spawn_frequency_hz must be a finite number"),
         (
             ("serve", "--ros-args", "-p", "catch_closest_turtle_first:=true"),

@@ -117,7 +117,7 @@ def test_who_cannot_read_a_width_is_told_before_any_match_and_one_that_fits_it_p
     needed = "act raised ConfigError: observations must have 71 columns for this network, got"
     assert warned == [
         f"mine cannot play duel, and forfeits there: {needed} the shape (57,)",
-        f"mine cannot play pairs, and forfeits there: {needed} (74,)",
+        f"mine cannot play pairs, and forfeits there: {needed} the shape (74,)",
     ]
     assert "NOT the protocol" in result.stdout
     assert re.search(r"^ +duel +0\.00 .* no +4 *$", result.stdout, re.MULTILINE)  # it forfeits all, and is not first
