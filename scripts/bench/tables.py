@@ -13,7 +13,7 @@ def written(figures: Mapping[str, Any]) -> str:
     versions: Mapping[str, Mapping[str, Any]] = figures["versions"]
     text = [f"{figures['machine']}. {figures['what']}. Command: `{figures['command']}`. {figures['rounds']}."]
     if "before" in versions:
-        text.append(_beside(versions["before"], versions["now"]))
+        text.append(_compared(versions["before"], versions["now"]))
     else:
         text.append(_alone({**versions["now"], **versions.get("peers", {})}))
         if versions.get("peers"):
@@ -27,7 +27,7 @@ def _in_unit(row: Mapping[str, Any], seconds: float) -> str:
     return f"{UNITS[row['unit']] * seconds / agents:,.4g}"
 
 
-def _beside(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+def _compared(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """Return the table of two versions, with the speed of the current one relative to the older one."""
     rows = []
     for name, row in now.items():

@@ -23,7 +23,7 @@ LIMIT_S = 3600
 
 
 class Client(NamedTuple):
-    """Program of one library, and its requirements besides torch and Catch Arena."""
+    """Program of one library, and its requirements in addition to torch and Catch Arena."""
 
     program: str
     requirements: tuple[str, ...]
