@@ -96,13 +96,13 @@ def compare(
             limits=limits,
             max_forfeits=MAX_FORFEITS,
             progress=on_blocks,
-            on_played=lambda played, most: show(played, most, doing),
+            on_played=lambda played, total: show(played, total, doing),
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
-    how = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
-    against_whom = f"{how} against {', '.join(field)}" if field else "against each other"
-    say(f"{found.matches} matches in {found.blocks} blocks, {against_whom}")
+    order = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
+    field_text = f"{order} against {', '.join(field)}" if field else "against each other"
+    say(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
     say(f"share of {first}: {_in_words(found.share)}")
     say(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "

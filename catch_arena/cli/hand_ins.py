@@ -41,14 +41,14 @@ def check_agent(
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     limits = trust.limits()
-    wrong = 0
+    errors = 0
     with sandbox_for(limits) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
                 say_level(limits, [resolve_spec(agent)])
-            wrong += finding.level == "error"
+            errors += finding.level == "error"
             say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
-    if wrong:
+    if errors:
         raise typer.Exit(EXIT_NO)
     say(f"{agent} is fit to play")
 
@@ -90,9 +90,9 @@ def grade(
             raise ConfigError("--seeds must be left out with a service: conformance cases have no seeds")
         name, digest = agent, None
         with service.node(agent) as node:
-            for one in grade_node(exercise, node):
-                grades.append(one)
-                say(str(one))
+            for test_grade in grade_node(exercise, node):
+                grades.append(test_grade)
+                say(str(test_grade))
     else:
         service.refuse()
         for test in exercise.tests:
@@ -101,7 +101,7 @@ def grade(
                     f"{spec}: {test.name}: only a node can play cases; give its service, such as ros:/catch_turtle"
                 )
         name, digest = _grade_agent(exercise, agent, trust.limits(), spec, grades)
-    points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
+    points, possible = sum(grade.points for grade in grades), sum(grade.possible for grade in grades)
     say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
     if junit is not None:
         write_whole(junit, junit_text(exercise, name, grades).encode())
@@ -109,7 +109,7 @@ def grade(
         write_whole(json, json_text(exercise, name, digest, grades).encode())
     if seeds is not None:
         write_whole(seeds, seeds_text(exercise).encode(), private=True)
-    if any(one.failures for one in grades):
+    if any(grade.failures for grade in grades):
         raise typer.Exit(EXIT_NO)
 
 
@@ -127,14 +127,14 @@ def _grade_agent(
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(limits) as sandbox:
-        look = inspector(sandbox)
-        (student,) = enter([agent], look)
+        inspect = inspector(sandbox)
+        (student,) = enter([agent], inspect)
         say_level(limits, [student.spec])
         for test in exercise.tests:
-            opponents = enter(test.opponents, look)
-            for word, opponent in zip(test.opponents, opponents, strict=True):
+            opponents = enter(test.opponents, inspect)
+            for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
-                    raise ConfigError(f"{spec}: {test.name}: opponent {word} cannot play: {opponent.fault}")
+                    raise ConfigError(f"{spec}: {test.name}: opponent {opponent_spec} cannot play: {opponent.fault}")
             with progress_bar(test.name, test.matches) as show:
                 grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
             say(str(grades[-1]))

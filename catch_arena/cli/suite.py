@@ -88,14 +88,14 @@ def suite(
     ]
     prepare_folder(out)
     if not resume:
-        for one in evaluations:
-            one.require_new()
+        for evaluation in evaluations:
+            evaluation.require_new()
     with sandbox_for(limits) as sandbox:
-        for one in evaluations:
-            for scenario, fault in one.cannot_play(sandbox):
-                say(f"{one.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
-    total = sum(one.matches for one in evaluations)
-    seconds = sum(one.estimate_s() for one in evaluations)
+        for evaluation in evaluations:
+            for scenario, fault in evaluation.cannot_play(sandbox):
+                say(f"{evaluation.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
+    total = sum(evaluation.matches for evaluation in evaluations)
+    seconds = sum(evaluation.estimate_s() for evaluation in evaluations)
     processes = f"{workers} processes" if workers > 1 else "one process"
     say(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
@@ -114,19 +114,19 @@ def suite(
     interrupts.also_say(kept)
     try:
         with progress_bar("playing", total) as show:
-            for one in evaluations:
+            for evaluation in evaluations:
 
                 def on_results(played: Sequence[object]) -> None:
                     nonlocal done
                     done += len(played)
                     show(done, total)
 
-                one.play(workers, on_results)
+                evaluation.play(workers, on_results)
     except (NoContest, OutputError, StoreError) as error:
         error.args = (f"{error}; {kept()}",)
         raise
     known = references(SUITE)
-    measured = [measure(one) for one in evaluations]
+    measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:
         _show(measures, known)
     if runs:
@@ -152,17 +152,17 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
             title=f"{measures.agent.name}, {part}",
             padding=(0, 1, 0, 0),
         )
-        for one in measures.scenarios:
-            if one.held_out == held_out:
+        for scenario in measures.scenarios:
+            if scenario.held_out == held_out:
                 shown.add_row(
-                    one.name,
-                    f"{one.score.mean:.2f}",
-                    interval(one.score, ".2f"),
-                    f"{100 * one.win_share.mean:.0f} %",
-                    interval(one.win_share, ".0f", 100),
-                    f"{one.place} of {one.of}",
-                    "?" if one.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[one.first],
-                    str(sum(one.forfeits.values())),
+                    scenario.name,
+                    f"{scenario.score.mean:.2f}",
+                    interval(scenario.score, ".2f"),
+                    f"{100 * scenario.win_share.mean:.0f} %",
+                    interval(scenario.win_share, ".0f", 100),
+                    f"{scenario.place} of {scenario.of}",
+                    "?" if scenario.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[scenario.first],
+                    str(sum(scenario.forfeits.values())),
                 )
         own_console().print(shown)
     say(_KEY)
@@ -196,7 +196,7 @@ def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]
     from catch_arena.suite.contents import SUITE
     from catch_arena.suite.measures import DIGITS, facts_of, over_training_runs
 
-    found: dict[str, Any] = {"agents": [facts_of(SUITE, one, known) for one in measured]}
+    found: dict[str, Any] = {"agents": [facts_of(SUITE, measures, known) for measures in measured]}
     if runs:
         found["method_iqm"] = {
             part: over_training_runs(measured, held_out=held_out).to_dict(DIGITS)

@@ -188,7 +188,7 @@ def _width_and_height(text: str | None) -> tuple[int, int] | None:
         return None
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
-        raise ConfigError(f"size must be WIDTHxHEIGHT as in 1280x720, got {text!r}")
+        raise ConfigError(f"size must be WIDTHxHEIGHT, such as 1280x720, got {text!r}")
     return int(width), int(height)
 
 
