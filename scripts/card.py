@@ -130,8 +130,8 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
 def page(measured: Sequence[AgentMeasures], most: int) -> str:
     """Return the text of docs/reference/card.md; `most` is that of `play`."""
     command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
-    about = {"suite": SUITE.name, "digest": SUITE.digest, "blocks": SUITE.blocks, "machine": machine()}
-    head = HEAD.format(**about, command=command, headings=" | ".join(HEADINGS), rule="|---" * len(HEADINGS) + "|")
+    facts = {"suite": SUITE.name, "digest": SUITE.digest, "blocks": SUITE.blocks, "machine": machine()}
+    head = HEAD.format(**facts, command=command, headings=" | ".join(HEADINGS), rule="|---" * len(HEADINGS) + "|")
     tables = [*of_scenarios(measured, held_out=False), *of_scenarios(measured, held_out=True)]
     sections = [line for one in measured for line in section(one)]
     return "\n".join([head, *map(summary, measured), KEY, *tables, *sections])
@@ -219,13 +219,15 @@ def section(one: AgentMeasures) -> Iterator[str]:
 def weaknesses(one: AgentMeasures) -> str:
     """Return the scenarios in which an agent is weak or forfeits, worst first; if none or all are, only the worst."""
     worst = sorted(one.scenarios, key=lambda of: of.score.mean)
-    about = {of.name: of.about.replace("`", "") for of in SUITE.scenarios}
+    descriptions = {of.name: of.description.replace("`", "") for of in SUITE.scenarios}
     weak = [of for of in worst if of.score.mean < WEAK or of.forfeits]
     if len(weak) == len(worst):
-        return f"any scenario; worst of all `{worst[0].name}` ({about[worst[0].name]}), {worst[0].score.mean:.2f}"
+        return (
+            f"any scenario; worst of all `{worst[0].name}` ({descriptions[worst[0].name]}), {worst[0].score.mean:.2f}"
+        )
     if not weak:
         return f"nothing here in particular; its lowest score is {worst[0].score.mean:.2f}, in `{worst[0].name}`"
-    return "; ".join(f"`{of.name}` ({about[of.name]}), {of.score.mean:.2f}" for of in weak)
+    return "; ".join(f"`{of.name}` ({descriptions[of.name]}), {of.score.mean:.2f}" for of in weak)
 
 
 def figure(estimate: Estimate) -> str:

@@ -75,23 +75,23 @@ def plan_table(
     shown = Table(box=None, show_header=False, pad_edge=False)
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
-    most = plan.size
+    most_matches = plan.size
     if isinstance(plan, FixedPlan):
         played, met = match_counts(plan, len(worker.entrants), progress)
-        most = played[1]
+        most_matches = played[1]
         shown.add_row("an agent plays", f"{_number_range(*played)} matches")
         shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
     if cost is not None:
         _add_cost(shown, plan.size, cost, jobs, max_forfeits)
-    worst = worst_delay(worker, most, max_forfeits)
+    worst = worst_delay(worker, most_matches, max_forfeits)
     if worst is not None:
         once, all_s = duration(worst.hanging_s), worst.matches * worst.hanging_s
-        then = ", then excluded" if worst.matches < most else ""
+        then = ", then excluded" if worst.matches < most_matches else ""
         shown.add_row("an agent that hangs", f"up to {once} per match: {duration(all_s)} for {worst.matches}{then}")
         if worst.agents > 1:
             shown.add_row(f"all {worst.agents} such agents", f"{duration(worst.agents * all_s)} with one process")
-        once, all_s = duration(worst.slow_s), most * worst.slow_s
-        shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {most}, no forfeit")
+        once, all_s = duration(worst.slow_s), most_matches * worst.slow_s
+        shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {most_matches}, no forfeit")
     return shown
 
 

@@ -197,10 +197,10 @@ def _fewer(got: int, requested: int | None, why: str) -> str:
     return f", not {requested}: {why}" if requested is not None and got < requested else ""
 
 
-def _from_replays(folder: Path, read: "Callable[[Replay], _T]", most: int | None = None) -> tuple[dict[Path, _T], int]:
+def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | None = None) -> tuple[dict[Path, _T], int]:
     """Return what `read` makes of a folder's replays, by path, and the number of replays in the folder.
 
-    A replay that cannot be played is reported and left out. At most `most` are read, the first by name.
+    A replay that cannot be played is reported and left out. At most `limit` are read, the first by name.
 
     Raises:
         ReplayError: if the folder has no replay that can be played.
@@ -221,7 +221,7 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", most: int | None
             except ReplayError as error:
                 named = "" if str(error).startswith(str(path)) else f"{path}: "
                 say(f"left out: {named}{error}", err=True)
-            if len(found) == most:
+            if len(found) == limit:
                 break
             show(done, len(paths))
     if not found:

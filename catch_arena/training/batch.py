@@ -123,12 +123,12 @@ class LearnerBatch:
             raise ConfigError(f"control must be one word, for all learners, got {config.control!r}")
         if prey_agent is not None and not config.prey:
             raise ConfigError(f"prey_agent must be None in a scenario without prey, got {prey_agent}")
-        most = config.hunters - (opponents is not None)
-        if not most:
+        max_learners = config.hunters - (opponents is not None)
+        if not max_learners:
             raise ConfigError("hunters must be at least 2 if there are opponents, got 1")
         learning = whole_number(learners)
-        if learning is None or not 1 <= learning <= most:
-            raise ConfigError(f"learners must be a whole number from 1 to {most}, got {learners!r}")
+        if learning is None or not 1 <= learning <= max_learners:
+            raise ConfigError(f"learners must be a whole number from 1 to {max_learners}, got {learners!r}")
         self.learners: Final = config.hunters if opponents is None else learning
         self.arena: Final = VectorArena(
             config, num_envs, num_threads, auto_reset=auto_reset, any_control=opponents is not None

@@ -25,9 +25,9 @@ SHORT = {"time_limit_s": 3.0}
 SMALL = Suite(
     name="small_v1",
     scenarios=(
-        SuiteScenario("duel", scenario("duel", **SHORT), ("nearest", "first"), held_out=False, about="two"),
-        SuiteScenario("four", scenario("standard", **SHORT), ("first", "contested"), held_out=True, about="four"),
-        SuiteScenario("pairs", scenario("pairs", **SHORT), ("nearest",), held_out=True, about="teams"),
+        SuiteScenario("duel", scenario("duel", **SHORT), ("nearest", "first"), held_out=False, description="two"),
+        SuiteScenario("four", scenario("standard", **SHORT), ("first", "contested"), held_out=True, description="four"),
+        SuiteScenario("pairs", scenario("pairs", **SHORT), ("nearest",), held_out=True, description="teams"),
     ),
     blocks=4,
     seed=5,

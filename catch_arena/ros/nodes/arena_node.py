@@ -311,8 +311,8 @@ class ArenaNode:
             self._log_once.warn(f"{graph_names.SPAWN}: {error}", "spawn")
         else:
             if not name:
-                most = self._service.config.max_targets
-                self._log_once.warn(f"{graph_names.SPAWN}: the arena is full, with {most} targets: nothing is spawned")
+                limit = self._service.config.max_targets
+                self._log_once.warn(f"{graph_names.SPAWN}: the arena is full, with {limit} targets: nothing is spawned")
         request.answer(Name(name))
 
     def _on_kill(self, request: Request) -> None:

@@ -123,14 +123,14 @@ class Controller:
 
         A target's age counts from its first list; of two that were new in one list the earlier one is older.
         """
-        side, most = self._engine.config.side_m, self._engine.config.max_targets
+        side, limit = self._engine.config.side_m, self._engine.config.max_targets
         near = [one for one in self._targets if -side <= one.x <= 2 * side and -side <= one.y <= 2 * side]
         if len(near) < len(self._targets):
             self._log_once.warn(
                 "/alive_turtles has targets far outside: is your Turtle.msg of float32? (see `catch-arena docs ros2`)",
                 "places",
             )
-        targets, now = near[:most], time.monotonic()
+        targets, now = near[:limit], time.monotonic()
         self._listed_s = {one.name: self._listed_s.get(one.name, now) for one in targets}
         ages = [now - self._listed_s[one.name] + 1e-3 * (len(targets) - place) for place, one in enumerate(targets)]
         self._engine.place(0, [(pose.x, pose.y, pose.theta)], [(one.x, one.y) for one in targets], ages=ages)
