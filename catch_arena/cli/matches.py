@@ -266,7 +266,7 @@ def match(
     ] = None,
     force: Force = False,
 ) -> None:
-    """Play one match, and record it. The agents take the seats in the given order.
+    """Play and record one match; the agents take the seats in the given order.
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """

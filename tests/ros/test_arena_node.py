@@ -403,7 +403,7 @@ def test_a_request_for_a_person_is_answered_and_not_judged():
 
     assert [answer.response for answer in answers] == [NO, NO]
     assert match.sent("/rulings") == []
-    assert [line for line in match.said if "by itself" in line] == [
+    assert [line for line in match.said if "(R4.4)" in line] == [
         "warning: the arena requests the targets within reach of hunter_0 (R4.4): requests by nodes are refused"
     ]
     assert verify(match.service.replay) == []

@@ -143,7 +143,7 @@ class YesNode:
     def meet(self):
         pass
 
-    def ask(self, *_):
+    def request_catch(self, *_):
         return True
 
 

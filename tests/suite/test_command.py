@@ -198,7 +198,7 @@ def test_what_was_caught_in_a_forfeited_match_does_not_count():
 
 
 def measured(blocks):
-    one = SuiteScenario("three", scenario("standard", hunters=3), ("first", "random"), held_out=False, about="")
+    one = SuiteScenario("three", scenario("standard", hunters=3), ("first", "random"), held_out=False, description="")
     return measure_scenario(one, enter(["nearest", "first", "random"]), [match for block in blocks for match in block])
 
 

@@ -82,7 +82,7 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, beside an opponent"),
+        ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, got 2"),
         ({"learners": 0}, "learners must be a whole number from 1 to 2"),
         ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 if there are opponents, got 1"),
         ({"prey_agent": "flee"}, "prey_agent must be None in a scenario without prey, got flee"),
@@ -103,7 +103,7 @@ def test_bad_actions_of_learners_are_refused_and_nothing_moves():
     """Shape, type and value, with and without opponents; and a step before the first reset."""
     for opponents, rows in ((None, 6), ("nearest", 3)):
         batch = LearnerBatch("duel", 3, opponents=opponents)
-        with pytest.raises(EpisodeError, match="step must follow a reset"):
+        with pytest.raises(EpisodeError, match="was called before the first reset"):
             batch.step(np.zeros(rows, int))
         batch.reset(seed=1)
         before = batch.arena.digest(2)
@@ -544,7 +544,7 @@ def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
     assert "weights of layer 1 must be finite numbers, got nan" in said(tables | {"w_1": np.full((2, 4), np.nan)})
     assert "layers must be weights" in said(tables | {"w_1": np.zeros((2, 5))})
     assert "must be a file from Mlp.save" in said({name: table for name, table in tables.items() if name != "w_1"})
-    with pytest.raises(ConfigError, match=r"none\.npz: must be what Mlp\.save writes"):
+    with pytest.raises(ConfigError, match=r"none\.npz: must be a file from Mlp\.save"):
         Mlp.load(tmp_path / "none.npz")
     for _ in range(200):
         damaged = bytearray(whole)

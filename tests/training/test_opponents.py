@@ -348,7 +348,7 @@ def test_after_an_opponent_that_cannot_begin_an_episode_all_must_be_reset():
     with pytest.raises(AgentError, match="opponent Tires: reset raised ValueError: tired for hunter_1 in arena 1"):
         batch.step(hold(batch))
     for call in (lambda: batch.step(hold(batch)), lambda: batch.reset(arenas=[0]), batch.save):
-        with pytest.raises(EpisodeError, match="must follow a reset"):
+        with pytest.raises(EpisodeError, match="was called before the first reset"):
             call()
     Tires.made = 0
     batch.reset(seed=1)
