@@ -103,7 +103,7 @@ check: $(VENV)/ready-dev ## check format, lint, types and imports
 	$(DENO) lint
 	$(DENO) check
 
-format: $(VENV)/ready-dev ## format the sources, and mend what the linters can
+format: $(VENV)/ready-dev ## format the sources, and fix what the linters can fix
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 	$(DENO) fmt

@@ -26,14 +26,14 @@ class Agent:
 
 def choose(view: View) -> int:
     """Return the rank of the nearest target that no rival is nearer to, else of the least deficit; 0 if none."""
-    choice, least = 0, math.inf
+    choice, lowest_deficit = 0, math.inf
     for place, target in enumerate(view.targets):
         distance = math.hypot(target.forward, target.left)
-        behind = distance - nearest_rival_m(target.forward, target.left, view)
-        if behind <= 0.0:
+        deficit = distance - nearest_rival_m(target.forward, target.left, view)
+        if deficit <= 0.0:
             return place + 1
-        if behind < least:
-            choice, least = place + 1, behind
+        if deficit < lowest_deficit:
+            choice, lowest_deficit = place + 1, deficit
     return choice
 
 

@@ -38,20 +38,20 @@ def best_race(ranks: range, view: View, lost_by_s: float = math.inf) -> int:
     won = lost = 0
     for rank in ranks:
         forward, left = view.targets[rank - 1].forward, view.targets[rank - 1].left
-        mine = arrival_s(forward, left, view.limits, soonest)
-        if mine >= soonest:
+        own_s = arrival_s(forward, left, view.limits, soonest)
+        if own_s >= soonest:
             continue
-        late = mine - rivals_arrival_s(forward, left, view, mine)
+        late = own_s - rivals_arrival_s(forward, left, view, own_s)
         if late <= 0.0:
-            won, soonest = rank, mine
+            won, soonest = rank, own_s
         elif late < closest:
             lost, closest = rank, late
     return won or lost
 
 
-def rivals_arrival_s(forward: float, left: float, view: View, mine: float = math.inf) -> float:
-    """Return the soonest time at which a visible, moving rival could reach a point [s]; `mine` if none is sooner."""
-    soonest = mine
+def rivals_arrival_s(forward: float, left: float, view: View, own_s: float = math.inf) -> float:
+    """Return the soonest time at which a visible, moving rival could reach a point [s]; `own_s` if none is sooner."""
+    soonest = own_s
     for rival in view.rivals:
         if rival.linear_velocity:  # a rival that stands still races for nothing
             soonest = min(soonest, rival_arrival_s(rival, forward, left, view.limits, soonest))

@@ -34,12 +34,12 @@ class Agent:
 
 
 def decide(view: View) -> tuple[float, float]:
-    """Return the command for the target of least cost; without targets, for the middle of its own ground."""
-    best, least = 0, math.inf
+    """Return the command for the target of lowest cost; without targets, for the middle of its own ground."""
+    best, lowest_cost_s = 0, math.inf
     for place, target in enumerate(view.targets):
-        cost = cost_s(target, view, least)
-        if cost < least:
-            best, least = place + 1, cost
+        cost = cost_s(target, view, lowest_cost_s)
+        if cost < lowest_cost_s:
+            best, lowest_cost_s = place + 1, cost
     forward, left = meeting_point(view.targets[best - 1], view) if best else middle_of_own_ground(view)
     return drive(forward, left, view)
 
@@ -56,14 +56,14 @@ def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
     return forward, left
 
 
-def cost_s(target: SeenTarget, view: View, most: float) -> float:
-    """Return the time to meet a target plus twice the delay after a rival [s]; just the time if it is >= `most`."""
+def cost_s(target: SeenTarget, view: View, limit_s: float) -> float:
+    """Return the time to meet a target plus twice the delay after a rival [s]; just the time if it is >= `limit_s`."""
     forward, left = meeting_point(target, view)
-    mine = arrival_s(forward, left, view.limits, most)
-    if mine >= most:
-        return mine
+    own_s = arrival_s(forward, left, view.limits, limit_s)
+    if own_s >= limit_s:
+        return own_s
     nearest = math.inf
     for rival in view.rivals:
         if rival.linear_velocity:
             nearest = min(nearest, math.hypot(forward - rival.forward, left - rival.left))
-    return mine + 2.0 * max(0.0, mine - nearest / view.limits.max_speed_mps)
+    return own_s + 2.0 * max(0.0, own_s - nearest / view.limits.max_speed_mps)

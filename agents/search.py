@@ -132,33 +132,33 @@ class Scene(NamedTuple):
             np.asarray(c, np.float64)[:, None] for c in (own.x, own.y, own.heading_cos, own.heading_sin)
         )
         heading = np.arctan2(sine, cosine)
-        most = max(1, min(TARGETS, int((view.targets.present > 0).sum(axis=1).max(initial=0))))
-        its = {name: np.asarray(c[:, :most], np.float64) for name, c in view.targets._asdict().items()}
-        others = {name: np.asarray(c[:, :RIVALS], np.float64) for name, c in view.rivals._asdict().items()}
-        alive, me = its["present"] > 0, np.ones((len(x), 1), np.bool_)
-        there = others["present"] > 0
+        count = max(1, min(TARGETS, int((view.targets.present > 0).sum(axis=1).max(initial=0))))
+        targets = {name: np.asarray(c[:, :count], np.float64) for name, c in view.targets._asdict().items()}
+        rivals = {name: np.asarray(c[:, :RIVALS], np.float64) for name, c in view.rivals._asdict().items()}
+        alive, itself = targets["present"] > 0, np.ones((len(x), 1), np.bool_)
+        present = rivals["present"] > 0
         target_x, target_y = (
-            x + cosine * its["forward"] - sine * its["left"],
-            y + sine * its["forward"] + cosine * its["left"],
+            x + cosine * targets["forward"] - sine * targets["left"],
+            y + sine * targets["forward"] + cosine * targets["left"],
         )
         vx, vy = np.zeros(alive.shape), np.zeros(alive.shape)
         if limits.targets_move:
-            ahead, aside = (its["linear_velocity"] * its[name] for name in ("heading_cos", "heading_sin"))
+            ahead, aside = (targets["linear_velocity"] * targets[name] for name in ("heading_cos", "heading_sin"))
             vx, vy = cosine * ahead - sine * aside, sine * ahead + cosine * aside
-        hunters_x = np.concatenate((x, x + cosine * others["forward"] - sine * others["left"]), axis=1)
-        hunters_y = np.concatenate((y, y + sine * others["forward"] + cosine * others["left"]), axis=1)
+        hunters_x = np.concatenate((x, x + cosine * rivals["forward"] - sine * rivals["left"]), axis=1)
+        hunters_y = np.concatenate((y, y + sine * rivals["forward"] + cosine * rivals["left"]), axis=1)
         waiting_x, waiting_y = (np.broadcast_to(c, (len(x), c.size)) for c in spawn_area(limits, WAITING))
-        mates = others["mate"] > 0 if limits.teams else np.zeros(there.shape, np.bool_)
+        mates = rivals["mate"] > 0 if limits.teams else np.zeros(present.shape, np.bool_)
         scene = cls(
             limits=limits,
             x=hunters_x,
             y=hunters_y,
             heading=np.concatenate(
-                (heading, heading + np.arctan2(others["heading_sin"], others["heading_cos"])), axis=1
+                (heading, heading + np.arctan2(rivals["heading_sin"], rivals["heading_cos"])), axis=1
             ),
-            here=np.concatenate((me, there), axis=1),
-            races=np.concatenate((me, there & (others["linear_velocity"] != 0)), axis=1),
-            mates=np.concatenate((me, mates), axis=1),
+            here=np.concatenate((itself, present), axis=1),
+            races=np.concatenate((itself, present & (rivals["linear_velocity"] != 0)), axis=1),
+            mates=np.concatenate((itself, mates), axis=1),
             target_x=target_x,
             target_y=target_y,
             target_vx=vx,

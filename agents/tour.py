@@ -72,22 +72,22 @@ def best_tour(stops: list[tuple[Point, float]], limits: Limits) -> list[Point]:
     """
     reachable = [stop for stop in stops if leg_s(0.0, 0.0, 0.0, stop[0], limits) <= stop[1]][:MOST_STOPS]
     best: list[Point] = []
-    most = 0.0
+    best_worth = 0.0
 
     def extend(tour: list[Point], left: list[tuple[Point, float]], now_s: float, heading: float, worth: float) -> None:
         """Try each order of the stops that are left, after a given tour."""
-        nonlocal best, most
-        if worth > most:
-            best, most = tour, worth
+        nonlocal best, best_worth
+        if worth > best_worth:
+            best, best_worth = tour, worth
         ahead, aside = tour[-1] if tour else (0.0, 0.0)
         legs = [(now_s + leg_s(ahead, aside, heading, place, limits), place, until_s) for place, until_s in left]
         legs = sorted(leg for leg in legs if leg[0] <= leg[2])
-        if not legs or worth + len(left) * math.exp(-legs[0][0] / PATIENCE_S) <= most:
+        if not legs or worth + len(left) * math.exp(-legs[0][0] / PATIENCE_S) <= best_worth:
             return  # not better, even if all were caught together with the first
         for then_s, place, _ in legs:
-            others = [stop for stop in left if stop[0] != place]
+            rest = [stop for stop in left if stop[0] != place]
             bearing = math.atan2(place[1] - aside, place[0] - ahead)
-            extend([*tour, place], others, then_s, bearing, worth + math.exp(-then_s / PATIENCE_S))
+            extend([*tour, place], rest, then_s, bearing, worth + math.exp(-then_s / PATIENCE_S))
 
     extend([], reachable, 0.0, 0.0, 0.0)
     return best

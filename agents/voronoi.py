@@ -41,8 +41,8 @@ class Agent:
 
 def is_own(place: Point, view: View) -> bool:
     """Return whether no moving rival reaches a place sooner."""
-    mine = arrival_s(*place, view.limits)
-    return all(rival_arrival_s(rival, *place, view.limits) >= mine for rival in view.rivals if rival.linear_velocity)
+    own_s = arrival_s(*place, view.limits)
+    return all(rival_arrival_s(rival, *place, view.limits) >= own_s for rival in view.rivals if rival.linear_velocity)
 
 
 def cost_s(place: Point, own: list[Point], view: View) -> float:

@@ -67,13 +67,13 @@ def arbitrate(
     out = {_checked_seat("inactive", seat, seats) for seat in inactive}
     if both := sorted(gone & alive.keys()):
         raise ConfigError(
-            f"caught must name targets that are no longer alive, got {both[0]!r}, which stands in targets"
+            f"caught must name targets that are no longer alive, got {both[0]!r}, which is in targets too"
         )
     reaches_um = _checked_reaches(reach_m, seats)
     require_choice("policy", policy, get_args(ArbitrationPolicy))
-    steps = whole_number(step)
-    if steps is None or not 0 <= steps < 2**53:
-        raise ConfigError(f"step must be a whole number from 0, got {step!r}")
+    number_of_step = whole_number(step)
+    if number_of_step is None or not 0 <= number_of_step < 2**53:
+        raise ConfigError(f"step must be a whole number from 0 to 2^53 - 1, got {step!r}")
     numbers = {name: number for number, name in enumerate(alive, start=1)}
     table = np.zeros((len(requests), arbiter.REQUEST_COLUMNS), dtype=np.int64)
     for row, request in zip(table, requests, strict=True):
@@ -92,11 +92,11 @@ def arbitrate(
         table,
         arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),
-        steps,
+        number_of_step,
         bool(match_over),
         bool(kill_service_up),
     )
-    return rulings_of(table, [name for _, name in requests], steps)
+    return rulings_of(table, [name for _, name in requests], number_of_step)
 
 
 def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
@@ -161,15 +161,15 @@ def _checked_names(field: str, names: Collection[str]) -> set[str]:
         raise ConfigError(f"{field} must be a collection of names, got {names!r}")
     for name in names:
         if not isinstance(name, str):
-            raise ConfigError(f"{field} must hold strings, got {name!r}")
+            raise ConfigError(f"{field} must contain only strings, got {name!r}")
     return set(names)
 
 
 def _checked_seat(field: str, seat: object, seats: int) -> int:
     number = whole_number(seat)
     if number is None or not 0 <= number < seats:
-        known = f"a seat from 0 to {seats - 1}" if seats else "a seat, and there is none"
-        raise ActionError(f"{field} must name {known}, got {seat!r}")
+        allowed = f"a seat from 0 to {seats - 1}" if seats else "a seat, but hunters is empty"
+        raise ActionError(f"{field} must be {allowed}, got {seat!r}")
     return number
 
 

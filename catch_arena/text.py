@@ -61,7 +61,7 @@ def name_fault(name: str) -> str | None:
     """Return an error text for an invalid entrant's name; None for a valid one."""
     if name and name.isprintable() and len(name) <= LONGEST_NAME:
         return None
-    return f"its name must be of characters that can be printed, at most {LONGEST_NAME} of them, got {name[:200]!a}"
+    return f"its name must have 1 to {LONGEST_NAME} printable characters, got {name[:200]!a}"
 
 
 def without_folders(text: str) -> str:

@@ -36,13 +36,13 @@ class Threads:
                 work(thread, part)
 
         pool = self._helpers()
-        others = [pool.submit(take_parts, thread) for thread in range(1, helpers + 1)]
+        helping = [pool.submit(take_parts, thread) for thread in range(1, helpers + 1)]
         try:
             take_parts(0)
         finally:
-            wait(others)
-        for other in others:
-            other.result()
+            wait(helping)
+        for future in helping:
+            future.result()
 
     def close(self) -> None:
         """End the threads; the next `run` starts them again."""

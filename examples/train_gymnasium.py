@@ -39,5 +39,5 @@ for auto_reset in (True, False):
                 env.step(torch.as_tensor(actions) if name == "NumpyToTorch" else actions)
         except Exception as error:  # noqa: BLE001 - all failures are named together
             failed[f"{name}, auto_reset={auto_reset}"] = f"{type(error).__name__}: {error}"
-print("\n".join(f"{name}: {what}" for name, what in failed.items()) or "every wrapper plays")
+print("\n".join(f"{name}: {error}" for name, error in failed.items()) or "every wrapper plays")
 assert not failed

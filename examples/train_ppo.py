@@ -357,12 +357,12 @@ class Pool:
     def count_results(self) -> dict[str, float | None]:
         """Count the matches that have ended, and return their mean score and share of wins."""
         scores, wins = [], []
-        for who, own, theirs in self.arenas.results:
-            beaten = np.where(own[:, None] == theirs, 0.5, own[:, None] > theirs)
-            for opponent in np.unique(who):
-                self.beaten[opponent] += 0.05 * (beaten[who == opponent].mean() - self.beaten[opponent])
-            best = theirs.max(axis=1)
-            shared = 1 / (1 + (theirs == best[:, None]).sum(1))
+        for opponents, own, opponent_scores in self.arenas.results:
+            beaten = np.where(own[:, None] == opponent_scores, 0.5, own[:, None] > opponent_scores)
+            for opponent in np.unique(opponents):
+                self.beaten[opponent] += 0.05 * (beaten[opponents == opponent].mean() - self.beaten[opponent])
+            best = opponent_scores.max(axis=1)
+            shared = 1 / (1 + (opponent_scores == best[:, None]).sum(1))
             scores.append(own.mean())
             wins.append(np.where(own > best, 1, np.where(own == best, shared, 0)).mean())
         self.arenas.results.clear()

@@ -68,7 +68,7 @@ for name, wrap in {**WRAPPERS, **{f"{name} (velocity)": wrap for name, wrap in D
 for infos in ("full", "mask", "none"):
     assert play(supersuit.black_death_v3(catch_arena.parallel_env("dropout", max_cycles=12, infos=infos))) >= 4
 assert play(supersuit.frame_skip_v0(supersuit.black_death_v3(catch_arena.parallel_env("dropout", max_cycles=12)), 2))
-print("\n".join(f"{name}: {what}" for name, what in failed.items()) or "every wrapper plays")
+print("\n".join(f"{name}: {error}" for name, error in failed.items()) or "every wrapper plays")
 
 env = supersuit.pettingzoo_env_to_vec_env_v1(catch_arena.parallel_env("standard", max_cycles=60))
 env = supersuit.concat_vec_envs_v1(env, 2, num_cpus=0, base_class="stable_baselines3")

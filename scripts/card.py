@@ -57,14 +57,14 @@ isolation, on a machine that did other work too.
 
 | {headings} |
 {rule}"""
-HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "a move")
+HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "per move")
 TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
 """Pattern of the rows of a table, one for each agent."""
 SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
 """Pattern of the beginning of an agent's section."""
 KEY: Final = """
-*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first less the
-second. *First*: the number of scenarios in which the agent is surely first among itself and its opponents, in which
+*Training*, *held out*: interquartile means of the normalised score, with 95 % intervals; *gap*: the first minus
+the second. *First*: the number of scenarios in which the agent is surely first among itself and its opponents, in which
 that is open, and in which it is surely not first.
 """
 
@@ -130,8 +130,8 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
 def page(measured: Sequence[AgentMeasures], most: int) -> str:
     """Return the text of docs/reference/card.md; `most` is that of `play`."""
     command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
-    about = {"suite": SUITE.name, "digest": SUITE.digest, "blocks": SUITE.blocks, "machine": machine()}
-    head = HEAD.format(**about, command=command, headings=" | ".join(HEADINGS), rule="|---" * len(HEADINGS) + "|")
+    facts = {"suite": SUITE.name, "digest": SUITE.digest, "blocks": SUITE.blocks, "machine": machine()}
+    head = HEAD.format(**facts, command=command, headings=" | ".join(HEADINGS), rule="|---" * len(HEADINGS) + "|")
     tables = [*of_scenarios(measured, held_out=False), *of_scenarios(measured, held_out=True)]
     sections = [line for one in measured for line in section(one)]
     return "\n".join([head, *map(summary, measured), KEY, *tables, *sections])
@@ -207,7 +207,7 @@ def section(one: AgentMeasures) -> Iterator[str]:
     for part in (module.__doc__ or "").strip().split("\n\n"):
         yield f"{' '.join(part.split())}\n"
     yield f"- Control: {one.agent.control}. {'Trained' if trained else 'Scripted'}. Source: digest {one.agent.digest}."
-    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {one.move_ms:.2f} ms a move."
+    yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {one.move_ms:.2f} ms per move."
     yield f"- Matches: {sum(of.matches for of in one.scenarios)}, of which it forfeited {one.forfeits}."
     yield f"- Not good at: {weaknesses(one)}."
     for opponents, kind in ((TRAINING_OPPONENTS, "a training opponent"), (HELD_OUT_OPPONENTS, "a held-out opponent")):
@@ -219,13 +219,15 @@ def section(one: AgentMeasures) -> Iterator[str]:
 def weaknesses(one: AgentMeasures) -> str:
     """Return the scenarios in which an agent is weak or forfeits, worst first; if none or all are, only the worst."""
     worst = sorted(one.scenarios, key=lambda of: of.score.mean)
-    about = {of.name: of.about.replace("`", "") for of in SUITE.scenarios}
+    descriptions = {of.name: of.description.replace("`", "") for of in SUITE.scenarios}
     weak = [of for of in worst if of.score.mean < WEAK or of.forfeits]
     if len(weak) == len(worst):
-        return f"any scenario; worst of all `{worst[0].name}` ({about[worst[0].name]}), {worst[0].score.mean:.2f}"
+        return (
+            f"any scenario; worst of all `{worst[0].name}` ({descriptions[worst[0].name]}), {worst[0].score.mean:.2f}"
+        )
     if not weak:
         return f"nothing here in particular; its lowest score is {worst[0].score.mean:.2f}, in `{worst[0].name}`"
-    return "; ".join(f"`{of.name}` ({about[of.name]}), {of.score.mean:.2f}" for of in weak)
+    return "; ".join(f"`{of.name}` ({descriptions[of.name]}), {of.score.mean:.2f}" for of in weak)
 
 
 def figure(estimate: Estimate) -> str:

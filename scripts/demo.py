@@ -91,14 +91,14 @@ def demo(out: Path) -> dict[str, Path]:
 def main() -> None:
     """Run the demo."""
     parser = argparse.ArgumentParser(description=__doc__)
-    about = "folder to write to; the files of an earlier demo in it are removed"
-    parser.add_argument("--out", type=Path, default=Path("out/demo"), help=about)
-    about = "open the results; the default if there is a desktop"
-    parser.add_argument("--open", action=argparse.BooleanOptionalAction, default=has_desktop(), help=about)
+    help_text = "folder to write to; the files of an earlier demo in it are removed"
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), help=help_text)
+    help_text = "open the results; the default if there is a desktop"
+    parser.add_argument("--open", action=argparse.BooleanOptionalAction, default=has_desktop(), help=help_text)
     args = parser.parse_args()
     began = time.monotonic()
     made = demo(args.out)
-    print(f"\nThe demo took {time.monotonic() - began:.0f} s. Look at:")
+    print(f"\nThe demo took {time.monotonic() - began:.0f} s. Results:")
     for name, path in made.items():
         print(f"  {name + ':':<14}{path}")
         if args.open:

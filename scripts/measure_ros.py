@@ -43,7 +43,7 @@ class Driver:
             bus.subscribe(f"/{hunter}/pose", types.pose, lambda pose, hunter=hunter: self._receive(hunter, pose))
         bus.subscribe("/alive_turtles", types.turtle_array, lambda turtles: setattr(self, "turtles", turtles))
         bus.subscribe("/clock", CLOCK, lambda time: self._tick(time.clock.sec * 1000 + time.clock.nanosec // 10**6))
-        self.ask = bus.client("/hunter_0/catch_turtle", types.catch_turtle)
+        self.catch_turtle = bus.client("/hunter_0/catch_turtle", types.catch_turtle)
 
     def act(self) -> str:
         """Drive every hunter to its nearest turtle; return the name of hunter_0's turtle, or "nothing"."""
@@ -108,7 +108,7 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
     """
     calls: list[float] = []
     call: Call | None = None
-    asked = next_drive = next_call = 0.0
+    called_s = next_drive = next_call = 0.0
     wanted = "nothing"
     begin = used = None
     busy = 0.0
@@ -120,12 +120,12 @@ def round_trips(bus: Bus, driver: Driver, arena: "subprocess.Popen[str]", second
         if begin is not None and begin < now and driver.times[-1] < (seconds - 1) * 1000:
             busy = (processor_time(arena.pid) - used) / (now - begin)
         if call is not None and call.response is not None:
-            calls.append(now - asked)
+            calls.append(now - called_s)
             call, next_call = None, now + uniform(0.05, 0.15)
         if now > next_drive:
             wanted, next_drive = driver.act(), now + 0.1
-        if call is None and begin is not None and now > next_call and driver.ask.ready:
-            call, asked = driver.ask.call(CatchTurtleRequest(wanted)), time.perf_counter()
+        if call is None and begin is not None and now > next_call and driver.catch_turtle.ready:
+            call, called_s = driver.catch_turtle.call(CatchTurtleRequest(wanted)), time.perf_counter()
     return calls, busy
 
 

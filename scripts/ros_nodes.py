@@ -44,7 +44,7 @@ WHEELS = (
     "setuptools",
 )
 PACKAGE_XML = """<package format="3"><name>{name}</name><version>1.0.0</version><description>For a test</description>
-<maintainer email="nobody@example.com">nobody</maintainer><license>MIT</license>
+<maintainer email="test@example.com">test</maintainer><license>MIT</license>
 <buildtool_depend>ament_cmake</buildtool_depend><member_of_group>rosidl_interface_packages</member_of_group></package>
 """
 CMAKE = """cmake_minimum_required(VERSION 3.10)

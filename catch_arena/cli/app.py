@@ -81,7 +81,7 @@ def _in_words(error: OSError) -> str:
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if isinstance(error, FileNotFoundError):  # os.getcwd
-        return "the working folder was deleted: go to another one"
+        return "the working folder was deleted; change to another folder"
     return f"the output cannot be written: {error.strerror or error}"
 
 
@@ -105,16 +105,16 @@ class Program(typer.Typer):
 def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function for typer that has a parameter for each field of the command's dataclasses."""
     taken = signature(command).parameters
-    shared: dict[str, Any] = {name: one.annotation for name, one in taken.items() if is_dataclass(one.annotation)}
+    shared: dict[str, Any] = {name: its.annotation for name, its in taken.items() if is_dataclass(its.annotation)}
     single = []
-    for name, one in taken.items():
+    for name, parameter in taken.items():
         if name in shared:
             single += [
                 Parameter(field.name, Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
                 for field in fields(shared[name])
             ]
         else:
-            single.append(one.replace(kind=Parameter.KEYWORD_ONLY))
+            single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))
 
     def run(**given: Any) -> Any:
         values = {name: _absolute(value) for name, value in given.items()}
@@ -124,14 +124,14 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     run.__name__, run.__doc__ = command.__name__, command.__doc__
     run.__signature__ = Signature(single)  # type: ignore[attr-defined]
-    run.__annotations__ = {one.name: one.annotation for one in single}
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in single}
     return run
 
 
 def _absolute(value: Any) -> Any:
     """Return a path, or each path of a list or tuple, as an absolute path; return any other value unchanged."""
     if isinstance(value, list | tuple):
-        return [_absolute(one) for one in value]
+        return [_absolute(element) for element in value]
     return Path(os.path.expanduser(value)).absolute() if isinstance(value, Path) else value  # noqa: PTH111 - a user without a home is no error
 
 

@@ -26,7 +26,7 @@ RosArgs = Annotated[
     typer.Option(
         _ROS_ARGS,
         metavar="ARGS...",
-        help="The node's parameters, after all other options: -p NAME:=VALUE (`catch-arena docs ros_names`).",
+        help="Parameters of the node, -p NAME:=VALUE, after all other options (see `catch-arena docs ros_names`).",
     ),
 ]
 """Option for a node's parameters; only a NodeCommand may have it."""
@@ -37,8 +37,8 @@ Interface = Annotated[
     typer.Option(
         "--interfaces",
         metavar="PACKAGE",
-        help="Your package with Turtle, TurtleArray and CatchTurtle (`catch-arena docs ros_names`). Over rclpy it is "
-        "found by itself.",
+        help="Your package with Turtle, TurtleArray and CatchTurtle (see `catch-arena docs ros_names`). With rclpy it "
+        "is found automatically.",
     ),
 ]
 BusOption = Annotated[
@@ -46,14 +46,14 @@ BusOption = Annotated[
     typer.Option(
         "--bus",
         metavar="BUS",
-        help="rclpy needs ROS on this machine; cyclonedds needs none; rosbridge needs a rosbridge server where ROS "
-        "runs.",
-        show_default="the first of them that works here",
+        help="rclpy needs ROS on this machine; cyclonedds needs no ROS; rosbridge needs a rosbridge server on a "
+        "machine with ROS.",
+        show_default="the first that works",
     ),
 ]
 Url = Annotated[
     str | None,
-    typer.Option(metavar="URL", help="Where rosbridge's server listens; only with rosbridge.", show_default=BRIDGE_URL),
+    typer.Option(metavar="URL", help="Address of the rosbridge server; only with rosbridge.", show_default=BRIDGE_URL),
 ]
 
 
@@ -64,7 +64,7 @@ class Packages:
     interfaces: Interface = INTERFACES
     turtlesim: Annotated[
         str,
-        typer.Option(metavar="PACKAGE", help="The package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
+        typer.Option(metavar="PACKAGE", help="Package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
     ] = TURTLESIM
 
     def types(self) -> Interfaces:
@@ -86,7 +86,7 @@ class Bus(Packages):
     domain: Annotated[
         int | None,
         typer.Option(
-            help="The DDS domain, from 0 to 232; not with rosbridge, whose server has its own.",
+            help="DDS domain, from 0 to 232; not with rosbridge, whose server has its own.",
             show_default="ROS_DOMAIN_ID, or 0",
         ),
     ] = None
@@ -122,12 +122,12 @@ class NodeCommand(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the name of --ros-args before each of its words, and parse all arguments."""
-        behind, words = False, []
+        in_ros_args, words = False, []
         for word in args:
-            if word == _ROS_ARGS or (behind and word == "--"):
-                behind = word == _ROS_ARGS
+            if word == _ROS_ARGS or (in_ros_args and word == "--"):
+                in_ros_args = word == _ROS_ARGS
             else:
-                words.append(f"{_ROS_ARGS}={word}" if behind else word)
+                words.append(f"{_ROS_ARGS}={word}" if in_ros_args else word)
         return super().parse_args(ctx, words)
 
 
@@ -151,7 +151,7 @@ class NodeUnderTestOptions:
 
         service = word.removeprefix(SERVICE)
         if not is_service(service):
-            raise ConfigError(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}")
+            raise ConfigError(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}")
         bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
         types = bus.types()
         with bus.joined("catch_arena") as joined:
@@ -165,4 +165,4 @@ class NodeUnderTestOptions:
         """
         for field in fields(self):
             if getattr(self, field.name) != field.default:
-                raise ConfigError(f"--{field.name} must come with a service of a node, as ros:/catch_turtle")
+                raise ConfigError(f"--{field.name} must come with the service of a node, such as ros:/catch_turtle")

@@ -28,11 +28,11 @@ def conformance(
     ] = None,
     *,
     arena: Annotated[
-        str | None, typer.Option(metavar="module:Class", help="An arena, for the cases that need one.")
+        str | None, typer.Option(metavar="module:Class", help="Arena for the cases that need one.")
     ] = None,
     only: Annotated[
         list[str] | None,
-        typer.Option(metavar="ID", help="Only this case, or all cases whose ids begin with it; may be repeated."),
+        typer.Option(metavar="ID", help="Play only this case, or all cases whose ids begin with it; may be repeated."),
     ] = None,
     everything: Annotated[
         bool, typer.Option("--all", help="Show every failure in full, instead of one for each kind of mistake.")
@@ -42,14 +42,14 @@ def conformance(
     verdicts_only: Annotated[
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
-    listing: Annotated[bool, typer.Option("--list", help="List the cases and play none.")] = False,
+    listing: Annotated[bool, typer.Option("--list", help="List the cases, and play none.")] = False,
     service: NodeUnderTestOptions,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.
 
-    It takes the arguments of catch_arena.arbitrate and returns its rulings; `catch-arena docs conformance` has an
-    example. A ROS 2 node is asked those cases that a service can be asked (`catch-arena docs grade_ros_node`);
-    --interfaces and the options after it are for nodes only.
+    An arbiter is a function with the arguments and the result of catch_arena.arbitrate; `catch-arena docs conformance`
+    has an example. A ROS 2 node plays only the cases that fit its service (see `catch-arena docs grade_ros_node`).
+    --interfaces, --bus and --url are for nodes only.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.conformance.results import WIDTH, wrapped
@@ -101,8 +101,8 @@ def _function(spec: str) -> Any:
     found = _callable(spec)
     if isinstance(found, type):
         raise AgentError(
-            f"{spec}: is a class, and an arbiter is a function: "
-            "`catch-arena check-agent` tries an agent, and --arena an arena"
+            f"{spec}: is a class, but an arbiter is a function; "
+            "use `catch-arena check-agent` for an agent, and --arena for an arena"
         )
     return found
 
@@ -113,7 +113,7 @@ def _made(spec: str) -> Any:
     try:
         return make()
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-        raise AgentError(f"{spec}: making it raised {reason(error)}") from error
+        raise AgentError(f"{spec}: creating the arena raised {reason(error)}") from error
 
 
 def _callable(spec: str) -> Any:

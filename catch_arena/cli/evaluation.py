@@ -38,27 +38,31 @@ class Duel(Arena):
 
 @main.command()
 def compare(
-    agents: Annotated[list[str], typer.Argument(metavar="A B", help="The new agent, and the one that it should beat.")],
+    agents: Annotated[
+        list[str], typer.Argument(metavar="A B", help="The new agent, and the agent that it should beat.")
+    ],
     *,
     against: Annotated[
         list[str] | None,
-        typer.Option(metavar="AGENT", help="One more agent of the field that both play against; may be repeated."),
+        typer.Option(metavar="AGENT", help="Opponent of both A and B; may be repeated."),
     ] = None,
     arena: Duel,
-    elo0: Annotated[float, typer.Option(help="H0: A is stronger by this many points.")] = 0.0,
-    elo1: Annotated[float, typer.Option(help="H1: A is stronger by this many points.")] = 20.0,
+    elo0: Annotated[float, typer.Option(help="H0: A is stronger by this number of rating points.")] = 0.0,
+    elo1: Annotated[float, typer.Option(help="H1: A is stronger by this number of rating points.")] = 20.0,
     shares: Annotated[
         tuple[float, float] | None,
-        typer.Option(metavar="H0 H1", help="H0 and H1 as A's share instead, 0.5 being equal.", show_default=False),
+        typer.Option(
+            metavar="H0 H1", help="H0 and H1 as A's share instead of points; 0.5 is equal strength.", show_default=False
+        ),
     ] = None,
-    max_blocks: Annotated[int, typer.Option(help="Give up after this many blocks.")] = 2000,
+    max_blocks: Annotated[int, typer.Option(help="Stop undecided after this number of blocks.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
     trust: Trust,
 ) -> None:
     """Play A and B until a sequential test decides which is stronger.
 
-    Exits with 0 if A is stronger (H1), 1 if it is not (H0), 3 if the blocks ran out.
+    The exit code is 0 if A is stronger (H1), 1 if it is not (H0), and 3 if the test is still undecided.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.comparison import compare as play_and_test
@@ -67,7 +71,9 @@ def compare(
 
     config, secret, quotas = arena.config(), secret_of(seed), trust.quotas()
     if len(agents) != 2:
-        raise ConfigError(f"agents must be two, A and B, got {len(agents)}; the field is named by --against")
+        raise ConfigError(
+            f"number of agents must be 2, A and B, got {len(agents)}; give their opponents with --against"
+        )
     test = Sprt(*(shares or (share_of_elo(elo0), share_of_elo(elo1))))
     entrants = enter_agents([*agents, *(against or ())], quotas)
     say_who_needs_prey(entrants, config)
@@ -91,9 +97,9 @@ def compare(
         )
     for name, codes in found.forfeits.items():
         say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
-    how = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
-    against_whom = f"{how} against {', '.join(field)}" if field else "against each other"
-    say(f"{found.matches} matches in {found.blocks} blocks, {against_whom}")
+    order = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
+    field_text = f"{order} against {', '.join(field)}" if field else "against each other"
+    say(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
     say(f"share of {first}: {_in_words(found.share)}")
     say(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "

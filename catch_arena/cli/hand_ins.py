@@ -25,14 +25,12 @@ def check_agent(
     *,
     scenarios: Annotated[
         list[str] | None,
-        typer.Option(
-            "--scenario", "-s", metavar="NAME", help="An arena to play in; may be repeated.", show_default="all"
-        ),
+        typer.Option("--scenario", "-s", metavar="NAME", help="Scenario to play; may be repeated.", show_default="all"),
     ] = None,
     trust: Trust,
     settings: SettingOption = None,
 ) -> None:
-    """Let an agent play against itself, and show its faults.
+    """Check an agent: it plays against itself, and its faults are shown.
 
     The exit code is 1 if it would forfeit, else 0.
     """
@@ -43,14 +41,14 @@ def check_agent(
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     quotas = trust.quotas()
-    wrong = 0
+    errors = 0
     with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
                 say_level(quotas, [resolve_spec(agent)])
-            wrong += finding.level == "error"
+            errors += finding.level == "error"
             say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
-    if wrong:
+    if errors:
         raise typer.Exit(EXIT_NO)
     say(f"{agent} is fit to play")
 
@@ -59,7 +57,7 @@ def check_agent(
 def grade(
     agent: Agent,
     *,
-    spec: Annotated[Path, typer.Option(metavar="FILE", help="The spec for the grade (`catch-arena docs grading`).")],
+    spec: Annotated[Path, typer.Option(metavar="FILE", help="Spec of the tests (see `catch-arena docs grading`).")],
     junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JUnit XML.")] = None,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
     seeds: Annotated[
@@ -72,9 +70,9 @@ def grade(
 ) -> None:
     """Grade an agent by a spec: thresholds, hidden seeds, points, and hints by rule.
 
-    The exit code is 0 if every test passed, else 1. A ROS 2 node can be graded too, instead of an agent: give
-    ros:/catch_turtle, and its service is asked the spec's cases (`catch-arena docs grade_ros_node`). --interfaces and
-    the options after it are for nodes only.
+    The exit code is 0 if every test passed, else 1. To grade a ROS 2 node instead of an agent, give its service as
+    ros:/catch_turtle: the cases of the spec are sent to it (see `catch-arena docs grade_ros_node`). --interfaces,
+    --bus and --url are for nodes only.
     """
     from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text
@@ -89,21 +87,21 @@ def grade(
         from catch_arena.ros.node_tests.grading import grade_node
 
         if seeds is not None:
-            raise ConfigError("--seeds must be left out with a service: its cases have none")
+            raise ConfigError("--seeds must be left out with a service: conformance cases have no seeds")
         name, digest = agent, None
         with service.node(agent) as node:
-            for one in grade_node(exercise, node):
-                grades.append(one)
-                say(str(one))
+            for test_grade in grade_node(exercise, node):
+                grades.append(test_grade)
+                say(str(test_grade))
     else:
         service.refuse()
         for test in exercise.tests:
             if test.cases:
                 raise ConfigError(
-                    f"{spec}: {test.name}: cases are asked of a node, as ros:/catch_turtle, not of agents"
+                    f"{spec}: {test.name}: only a node can play cases; give its service, such as ros:/catch_turtle"
                 )
         name, digest = _grade_agent(exercise, agent, trust.quotas(), spec, grades)
-    points, possible = sum(one.points for one in grades), sum(one.possible for one in grades)
+    points, possible = sum(grade.points for grade in grades), sum(grade.possible for grade in grades)
     say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
     if junit is not None:
         write_whole(junit, junit_text(exercise, name, grades).encode())
@@ -111,7 +109,7 @@ def grade(
         write_whole(json, json_text(exercise, name, digest, grades).encode())
     if seeds is not None:
         write_whole(seeds, seeds_text(exercise).encode(), private=True)
-    if any(one.failures for one in grades):
+    if any(grade.failures for grade in grades):
         raise typer.Exit(EXIT_NO)
 
 
@@ -129,14 +127,14 @@ def _grade_agent(
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(quotas) as sandbox:
-        look = inspector(sandbox)
-        (student,) = enter([agent], look)
+        inspect = inspector(sandbox)
+        (student,) = enter([agent], inspect)
         say_level(quotas, [student.spec])
         for test in exercise.tests:
-            opponents = enter(test.opponents, look)
-            for word, opponent in zip(test.opponents, opponents, strict=True):
+            opponents = enter(test.opponents, inspect)
+            for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
                 if opponent.fault is not None:
-                    raise ConfigError(f"{spec}: {test.name}: opponent {word} must be able to play: {opponent.fault}")
+                    raise ConfigError(f"{spec}: {test.name}: opponent {opponent_spec} cannot play: {opponent.fault}")
             with progress_bar(test.name, test.matches) as show:
                 grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
             say(str(grades[-1]))

@@ -31,10 +31,10 @@ def agents() -> None:
 @main.command()
 def scenarios() -> None:
     """List the scenarios."""
-    listing = plain_table("scenario", "hunters", "side m", "per s", "besides", text="besides")
+    listing = plain_table("scenario", "hunters", "side m", "per s", "other settings", text="other settings")
     for name, config in SCENARIOS.items():
         numbers = (str(config.hunters), f"{config.side_m:.1f}", f"{1000 / config.spawn_period_ms:g}")
-        listing.add_row(name, *numbers, ", ".join(_besides(config)))
+        listing.add_row(name, *numbers, ", ".join(_other_settings(config)))
     own_console().print(listing)
 
 
@@ -62,7 +62,7 @@ def docs(
     say(pages[name].rstrip("\n"))
 
 
-def _besides(config: ArenaConfig) -> Iterator[str]:
+def _other_settings(config: ArenaConfig) -> Iterator[str]:
     """Yield the other settings that differ from the defaults, in the form of `--set`."""
     usual = ArenaConfig().to_dict()
     for name, value in config.to_dict().items():

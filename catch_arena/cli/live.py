@@ -32,7 +32,7 @@ class Window(Trust, Arena):
 def play(
     agents: Annotated[
         list[str] | None,
-        typer.Argument(metavar="AGENT...", help="Rivals too, the same as after --against.", show_default=False),
+        typer.Argument(metavar="AGENT...", help="More rivals, as with --against.", show_default=False),
     ] = None,
     *,
     against: Annotated[
@@ -43,21 +43,21 @@ def play(
             show_default=", ".join(_RIVALS),
         ),
     ] = None,
-    seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0 ...")] = "0",
+    seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0, prey_1, ...")] = "0",
     window: Window,
     record: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Where to save the replay.",
+            help="Save the replay to this file.",
             show_default="with Ctrl-S: match.replay, or match-2.replay ...",
         ),
     ] = None,
     force: Force = False,
 ) -> None:
-    """Take a seat yourself, with turtlesim's keys or a gamepad, against agents.
+    """Play against agents yourself, with turtlesim's keys or a gamepad.
 
-    The keys are shown in the window. A target within reach is requested for you.
+    The window shows the keys. A target within reach is requested for you.
 
     If there are teams, each agent plays all hunters of one team; the first plays your team-mates. If there is prey,
     agents play it too: give them after the hunters' agents.
@@ -84,7 +84,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
     if len(agents) > free:
         seats = "free seat" if config.teams is None else "team and prey" if config.prey else "team"
         raise ConfigError(
-            f"agents must be {free} at most, one for each {seats} of {window.scenario}, got {len(agents)}"
+            f"number of agents must be at most {free}, one for each {seats} of {window.scenario}, got {len(agents)}"
         )
     players = enter_agents([agents[index % len(agents)] for index in range(free)], quotas)
     lineup = line_up(config, players, person)

@@ -53,12 +53,12 @@ def tournament(
         typer.Option(
             "--format",
             metavar="FORMAT",
-            help="round-robin: every group of agents; gauntlet: the first agent against the others. Of more groups "
-            "than --max-matches allows, a sample is played in which pairs meet about equally often.",
+            help="round-robin plays every group of agents; gauntlet plays the first agent against all others. If there "
+            "are more groups than --max-matches allows, a sample is played in which pairs meet about equally often.",
         ),
     ] = "round-robin",
     rounds: Annotated[
-        int | None, typer.Option(help="Number of rounds.", show_default="enough for ten blocks of each agent")
+        int | None, typer.Option(help="Number of rounds.", show_default="enough for ten blocks per agent")
     ] = None,
     until_separated: Annotated[
         float | None,
@@ -70,17 +70,18 @@ def tournament(
     max_matches: Annotated[
         int | None,
         typer.Option(
-            help="The most matches of a round; with --until-separated, of all rounds together.",
+            help="Maximum number of matches in a round; with --until-separated, in all rounds together.",
             show_default="20000; 10000 with --until-separated",
         ),
     ] = None,
     seed: Seed = None,
     jobs: Jobs = None,
     executor: Annotated[
-        Literal["local", "ray"], typer.Option(help="Where they play: on this machine, or by Ray.")
+        Literal["local", "ray"], typer.Option(help="Play on this machine (local) or with Ray (ray).")
     ] = "local",
     address: Annotated[
-        str | None, typer.Option(help="A running Ray cluster; all its cores play.", show_default="Ray starts here")
+        str | None,
+        typer.Option(help="Address of a running Ray cluster; all its cores play.", show_default="a new one here"),
     ] = None,
     trust: Trust,
     max_forfeits: Annotated[
@@ -88,26 +89,22 @@ def tournament(
         typer.Option(
             metavar="N",
             min=0,
-            help="An agent that forfeits N matches in a row is excluded: it forfeits the rest without being started. "
-            "0: never exclude.",
+            help="Exclude an agent that forfeits N matches in a row: it forfeits the rest without being started. "
+            "0 excludes no agent.",
         ),
     ] = MAX_FORFEITS,
     out: Annotated[
-        Path, typer.Option(metavar="DIR", help="The folder for its matches, standings and agents' logs.")
+        Path, typer.Option(metavar="DIR", help="Folder for the matches, the standings and the agents' logs.")
     ] = Path("out/tournament"),
     resume: Resume = False,
     force: Annotated[
         bool,
-        typer.Option(
-            "--force", help="Replace standings, report and replays in DIR that do not belong to a tournament in DIR."
-        ),
+        typer.Option("--force", help="Replace standings, a report and replays in DIR, if no tournament is kept there."),
     ] = False,
-    record: Annotated[bool, typer.Option("--record", help="Also keep a replay of each match, in DIR/replays.")] = False,
-    watch: Annotated[
-        bool, typer.Option("--watch", help="Serve the report on 127.0.0.1 from the first match on, until Ctrl-C.")
-    ] = False,
+    record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
 ) -> None:
-    """Play groups of agents in every seating, and rank them.
+    """Play a tournament: groups of agents play in all rotations of the seats, and are ranked.
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
@@ -254,7 +251,9 @@ def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force
     for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
         require_free(out / name, force=force)
     if recorded and not force and any((out / REPLAYS).glob("*.replay")):
-        raise OutputError(f"{out / REPLAYS}: holds replays already: give --force to replace them, or another folder")
+        raise OutputError(
+            f"{out / REPLAYS}: already contains replays; use --force to replace them, or choose another folder"
+        )
     require_folder(out)
 
 
@@ -268,7 +267,7 @@ def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entran
         lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
         if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
             matches = sum(one.matches for one in lines)
-            say(f"{entrant.name} was out: {without} of its {matches} matches were played without it")
+            say(f"{entrant.name} was excluded: {without} of its {matches} matches were played without it")
 
 
 @contextmanager
@@ -279,7 +278,7 @@ def _watched(folder: Path) -> Iterator[None]:
     with serve(LiveReport(folder)) as address:
         say(f"watch: {address}")
         yield
-        interrupts.wait(lambda: say(f"the report stays at {address} until Ctrl-C"))
+        interrupts.wait(lambda: say(f"the report is served at {address} until Ctrl-C"))
 
 
 @main.command()
@@ -294,15 +293,15 @@ def match(
         typer.Option(
             "--output",
             "-o",
-            help="The replay to write.",
-            show_default="match.replay, or the first free like it",
+            help="Replay file to write.",
+            show_default="match.replay, or match-2.replay ...",
         ),
     ] = None,
     force: Force = False,
 ) -> None:
-    """Play one match, seated in the order given, and record it.
+    """Play and record one match; the agents take the seats in the given order.
 
-    Give an agent for each hunter, or for each team if there are teams, and then one for each prey.
+    Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.seeding import arena_seed
@@ -316,7 +315,9 @@ def match(
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):
-        raise ConfigError(f"agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}")
+        raise ConfigError(
+            f"number of agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}"
+        )
     drawn = arena_seed(seed)
     steps = count()
     with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
@@ -358,7 +359,7 @@ def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]
     for side in parties.sides:
         cut = parties.on(side)
         if side == "prey":
-            say("prey, by how often it was caught:")
+            say("prey, by number of times caught:")
         print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.forfeits[cut])
 
 

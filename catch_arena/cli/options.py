@@ -25,43 +25,46 @@ Agents = Annotated[
     list[str],
     typer.Argument(
         metavar="AGENT...",
-        help="A shipped name (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, a "
-        "folder with such an agent.py, or cmd:COMMAND (`catch-arena docs isolation`).",
+        help="Name of a shipped agent (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, "
+        "a folder that contains agent.py, or cmd:COMMAND (see `catch-arena docs isolation`).",
     ),
 ]
 Agent = Annotated[
     str,
     typer.Argument(
         metavar="AGENT",
-        help="A shipped name, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
+        help="Name of a shipped agent, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
     ),
 ]
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
-Scenario = Annotated[str, typer.Option("--scenario", "-s", help="The arena to play in (see `catch-arena scenarios`).")]
+Scenario = Annotated[str, typer.Option("--scenario", "-s", help="Scenario to play (see `catch-arena scenarios`).")]
 SettingOption = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Change a setting (`catch-arena docs settings`), for example time_limit_s=30 or faults.kill_down=0.2; may "
-        "be repeated.",
+        help="Change a setting (see `catch-arena docs settings`), for example time_limit_s=30 or faults.kill_down=0.2; "
+        "may be repeated.",
     ),
 ]
-Resume = Annotated[bool, typer.Option("--resume", help="Continue what was begun in DIR, if there is anything.")]
-Jobs = Annotated[int | None, typer.Option("--jobs", "-j", help="Processes that play.", show_default="all cores")]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", "-j", help="Number of processes that play.", show_default="number of cores")
+]
 Seed = Annotated[
     str | None,
     typer.Option(
         metavar="SEED",
-        help="All random draws follow from it: 32 hexadecimal digits, as printed in the results, or a number, which "
-        "agents can guess.",
-        show_default="drawn",
+        help="Random seed: 32 hexadecimal digits, as printed with the results, or a number. Agents can guess a number.",
+        show_default="random",
     ),
 ]
 ArenaSeed = Annotated[
     int | None,
     typer.Option(
-        metavar="NUMBER", help="Seed of all random draws; agents can guess a small one.", show_default="drawn"
+        metavar="NUMBER",
+        help="Random seed. Use a large number if agents must not be able to guess it.",
+        show_default="random",
     ),
 ]
 
@@ -90,16 +93,16 @@ class Trust:
         bool,
         typer.Option(
             "--trusted",
-            help="Run all agents inside our own processes: faster, but without limits. Without this option, agents "
-            "that do not come with Catch Arena are isolated (`catch-arena docs isolation`).",
+            help="Run all agents inside Catch Arena's own processes, which is faster but sets no limits. By default, "
+            "agents that do not come with Catch Arena are isolated (see `catch-arena docs isolation`).",
         ),
     ] = False
     limit: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY=VALUE",
-            help="Change a limit of isolated agents, for example step_ms=200, or how they are isolated: "
-            "isolation=namespaces or isolation=processes (`catch-arena docs isolation`); may be repeated.",
+            help="Change a limit of isolated agents, for example step_ms=200, or the level of isolation: "
+            "isolation=namespaces or isolation=processes (see `catch-arena docs isolation`); may be repeated.",
         ),
     ] = None
 
@@ -113,7 +116,7 @@ class Trust:
 
         if self.trusted:
             if self.limit:
-                raise ConfigError(f"--limit must be left out with --trusted, which limits nothing: got {self.limit[0]}")
+                raise ConfigError(f"--limit must be left out with --trusted, which sets no limits, got {self.limit[0]}")
             return None
         quotas = Quotas.of(**dict(_pairs("--limit", self.limit)))
         level_here(quotas.isolation)
@@ -129,14 +132,14 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
     overrides: dict[str, Any] = {}
     for key, value in _pairs("--set", settings):
         if key == "control":
-            raise ConfigError("--set control=... must be left to the agents: each states its own control")
+            raise ConfigError("--set control=... must be left out: each agent declares its own control")
         group, dot, part = key.partition(".")
         if not dot:
             overrides[key] = value
         elif isinstance(parts := overrides.setdefault(group, {}), dict):
             parts[part] = value
         else:
-            raise ConfigError(f"--set {group}=... and --set {key}=... must not both be given")
+            raise ConfigError(f"--set {group}=... and --set {key}=... must not be given together")
     return scenario_of(name, **overrides)
 
 
@@ -157,15 +160,15 @@ def secret_of(seed: str | None) -> Secret:
     """Return the secret of --seed, or a new one.
 
     Raises:
-        ConfigError: for a text that is no seed.
+        ConfigError: for a text that is not a seed.
     """
     return Secret.of(None) if seed is None else Secret.parse(seed)
 
 
 def say_seed(secret: Secret) -> None:
-    """Print the seed in one line, with which others can repeat all draws."""
-    guessed = "" if secret.number is None else f" ({secret.number}, a number, which agents can guess)"
-    say(f"seed: {secret.digits}{guessed}")
+    """Print the seed, with which others can repeat all random draws."""
+    warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
+    say(f"seed: {secret.digits}{warning}")
 
 
 def say_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
@@ -178,7 +181,7 @@ def say_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
 
 
 def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant, ...]":
-    """Return the agents that these specs name, inspected in the process in which they will play.
+    """Return the entrants of these specs. Each agent is loaded in the process in which it will play.
 
     A warning is printed for each agent that cannot play.
 
@@ -194,14 +197,14 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant,
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
-    with sandbox_for(quotas) as sandbox, progress_bar("looking at agents", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("loading agents", late=True) as show:
         inspect, seen = inspector(sandbox), count(1)
 
-        def look(spec: str) -> "Inspection":
+        def inspect_next(spec: str) -> "Inspection":
             show(next(seen), len(specs))
             return inspect(spec)
 
-        entrants = enter(specs, look)
+        entrants = enter(specs, inspect_next)
     say_level(quotas, [entrant.spec for entrant in entrants])
     for entrant in entrants:
         if entrant.fault is not None:
@@ -214,7 +217,7 @@ def say_who_needs_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> No
     from catch_arena.tournament.entrants import SHIPPED_PREY
 
     if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
-        say(f"no Prey of their own, so that {SHIPPED_PREY} plays for them: {', '.join(without)}")
+        say(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
 
 
 def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
@@ -226,6 +229,6 @@ def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:
             yield key, json.loads(text)
         except ValueError:
             if text.startswith(("[", "(", "{")) or text in {"None", "True", "False"}:
-                wanted = "a number, a word, true, false, null, or a list as [[0, 1], [2, 3]]"
+                wanted = "a number, a word, true, false, null, or a list such as [[0, 1], [2, 3]]"
                 raise ConfigError(f"{option} {key} must be {wanted}, got {text!r}") from None
             yield key, text  # a bare word

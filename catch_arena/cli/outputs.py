@@ -38,7 +38,7 @@ def require_free(path: Path, *, force: bool) -> None:
         OutputError: if the file exists and `force` is False, or if the path is not a regular file.
     """
     if regular_file(path).exists() and not force:
-        raise OutputError(f"{path}: is there already: give --force to replace it, or another name")
+        raise OutputError(f"{path}: already exists; use --force to replace it, or choose another name")
 
 
 def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") -> Path:
@@ -58,8 +58,8 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
         return _first_free(Path(usual).absolute(), force=force)
     ending = path.suffix.lower()
     if ending not in endings:
-        *others, last = endings
-        wanted = f"{', '.join(others)} or {last}" if others else last
+        *first, last = endings
+        wanted = f"{', '.join(first)} or {last}" if first else last
         raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
     prepare_folder(path.parent)
     try:

@@ -16,14 +16,14 @@ _LATE_S: Final = 2.0
 
 
 @contextmanager
-def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[..., None]]:
+def progress_bar(description: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[..., None]]:
     """Show the progress of work on stderr, and yield the function that reports it.
 
     The function is called with (done, total), and with a new description of the work if that changes. A terminal shows
     a bar, which disappears at the end; other outputs get a line every few seconds.
 
     Args:
-        what: description of the work.
+        description: the work, in a few words.
         total: total amount of work; None if it is not known before.
         late: True to show no bar on a terminal for work of less than two seconds.
     """
@@ -32,9 +32,9 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     # with redirection, Rich would print stdout's text on stderr even if stdout is a file or a pipe
     bar = Progress(*columns, console=console, transient=True, redirect_stdout=own_console().is_terminal)
-    task = bar.add_task(what, total=total)
+    task = bar.add_task(description, total=total)
 
-    def show(done: int, total: int, doing: str = what) -> None:
+    def show(done: int, total: int, doing: str = description) -> None:
         nonlocal said
         now = time.monotonic()
         if console.is_terminal:
@@ -44,7 +44,7 @@ def progress_bar(what: str, total: int | None = None, *, late: bool = False) -> 
         elif now - said >= _LINE_EVERY_S:
             said = now
             left = (now - began) * (total - done) / max(done, 1)
-            line = f"{doing}: {done} of {total}, {now - began:.0f} s, some {left:.0f} s left"
+            line = f"{doing}: {done} of {total}, {now - began:.0f} s, about {left:.0f} s left"
             console.print(line, soft_wrap=True)
 
     try:

@@ -37,7 +37,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
         if faults:
             codes.append(EXIT_NO)
         else:
-            say(f"{path}: all of {replay.steps} steps play as recorded")
+            say(f"{path}: all {replay.steps} steps play as recorded")
     if codes:
         if len(replays) > 1:
             say(f"{len(codes)} of {len(replays)} replays failed", err=True)
@@ -70,13 +70,13 @@ def explain(
     hunter: Annotated[
         str | None,
         typer.Option(
-            metavar="WHO", help="Only these: a seat (from 0), an agent's or a team's name, or prey as prey_0."
+            metavar="HUNTER", help="Show only this hunter, team or prey: a seat from 0, a name, or prey_0, prey_1, ..."
         ),
     ] = None,
     at: Annotated[
         float | None,
         typer.Option(
-            metavar="SECONDS", help="Explain the step that is judged at this time: the time shown in the explanation."
+            metavar="SECONDS", help="Explain the step that was judged at this time, as shown in the explanation."
         ),
     ] = None,
     step: Annotated[

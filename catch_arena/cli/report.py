@@ -16,14 +16,14 @@ _MOST_MB = 1000
 
 @main.command()
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a tournament, ended or under way.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")],
     *,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The HTML file to write.", show_default="DIR/report.html")
+        Path | None, typer.Option("--output", "-o", help="HTML file to write.", show_default="DIR/report.html")
     ] = None,
     force: Force = False,
     budget: Annotated[
-        float | None, typer.Option(metavar="MB", help="Room for replays in the page.", show_default="1")
+        float | None, typer.Option(metavar="MB", help="Maximum size of the replays in the page.", show_default="1")
     ] = None,
     match: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A recorded match to include in the page; may be repeated.")
@@ -36,12 +36,12 @@ def report(
         ),
     ] = False,
 ) -> None:
-    """Write a report: one file with the standings, further figures, and replays to watch."""
+    """Write a report: one HTML file with the standings, charts, and replays to watch."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if watch:
         if budget is not None or match or output is not None:
-            raise ConfigError("--budget, --match and --output must be left out with --watch, which plays every replay")
+            raise ConfigError("--budget, --match and --output must be left out with --watch, which shows every replay")
         from catch_arena.report.watch import LiveReport, serve
 
         live = LiveReport(folder)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ros = Program(
     name="ros",
-    help="On a ROS 2 bus: the arena for your nodes, and our nodes for turtlesim.",
+    help="Run the arena for ROS 2 nodes, run our nodes for turtlesim, and convert bags.",
     no_args_is_help=True,
 )
 main.add_typer(ros)
@@ -36,7 +36,7 @@ _OWN_SETTINGS = {
     "control_period_ms": "on a bus each step is one tick, 16 ms",
     "observed_targets": "agents see every target on a bus",
 }
-"""Settings that `serve` sets itself, with the reason for which --set cannot change them."""
+"""Settings that --set cannot change in `serve`, each with the reason."""
 NODE, HUMAN = "ros", "human"
 """Words for seats that nodes drive: a node that requests its targets, and a node that only drives."""
 EXERCISE = "exercise"
@@ -49,8 +49,8 @@ def serve(
     seat: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="SEAT=WHO",
-            help="Who drives a hunter: ros (a node), human (a node that only drives, such as turtle_teleop_key), "
+            metavar="SEAT=DRIVER",
+            help="Driver of a hunter: ros (a node), human (a node that only drives, such as turtle_teleop_key), "
             "ros:NAME or human:NAME (the same with a name), or an agent, for example 1=patrol or 2=mine.py. May "
             "be repeated.",
             show_default="ros",
@@ -61,7 +61,7 @@ def serve(
         typer.Option(
             "--scenario",
             "-s",
-            help="The arena to play in (see `catch-arena scenarios`).",
+            help="Scenario to play (see `catch-arena scenarios`).",
             show_default="exercise, with a hunter for each --seat",
         ),
     ] = None,
@@ -73,7 +73,7 @@ def serve(
     trust: Trust,
     record: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Where to save the replay; /spawn, /kill and /reset do nothing then."),
+        typer.Option(metavar="FILE", help="Save the replay to this file; /spawn, /kill and /reset then do nothing."),
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
@@ -95,8 +95,9 @@ def serve(
         ros_args or (), {SPAWN_FREQUENCY: float(config.spawn_frequency_hz), NAME_PREFIX: config.name_prefix}
     )
     config = config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
-    nodes = {number: who.partition(":")[::2] for number, who in seats.items() if who.partition(":")[0] in {NODE, HUMAN}}
-    specs = {number: who for number, who in sorted(seats.items()) if number not in nodes}
+    words = {number: driver.partition(":")[::2] for number, driver in seats.items()}
+    nodes = {number: word_and_name for number, word_and_name in words.items() if word_and_name[0] in {NODE, HUMAN}}
+    specs = {number: driver for number, driver in sorted(seats.items()) if number not in nodes}
     quotas = trust.quotas()
     if record is not None:
         output_file(record, *REPLAY, force=force)
@@ -126,8 +127,8 @@ def serve(
     _print_ranking(served, config)
     for line in served.remarks:
         say(line)
-    late = served.rate
-    say(f"{late.late} of {late.ticks} ticks were late by more than 5 ms, the worst by {late.latest_s * 1e3:.0f} ms")
+    rate = served.rate
+    say(f"{rate.late} of {rate.ticks} ticks were late by more than 5 ms, the worst by {rate.latest_s * 1e3:.0f} ms")
     if record is not None:
         say(f"replay: {record}")
 
@@ -135,16 +136,16 @@ def serve(
 @ros.command(cls=NodeCommand)
 def controller(
     agent: Annotated[
-        str, typer.Argument(help="Who drives: a shipped name or a .py file, as in `catch-arena match`.")
+        str, typer.Argument(help="Agent that drives: a shipped agent's name or a .py file, as in `catch-arena match`.")
     ] = "nearest",
     *,
-    turtle: Annotated[str, typer.Option(metavar="NAME", help="Which turtle it drives.")] = "turtle1",
+    turtle: Annotated[str, typer.Option(metavar="NAME", help="Name of the turtle that it drives.")] = "turtle1",
     service: Annotated[
         str | None,
         typer.Option(
             metavar="NAME",
-            help="The service that answers catch requests.",
-            show_default="/NAME/catch_turtle where it is served, else /catch_turtle",
+            help="Service that answers catch requests.",
+            show_default="/NAME/catch_turtle if a node serves it, else /catch_turtle",
         ),
     ] = None,
     bus: Bus,
@@ -153,8 +154,8 @@ def controller(
 ) -> None:
     """Drive a turtle with an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
-    The agents nearest and first are true and false of the exercise's catch_closest_turtle_first; with one of them this
-    is a parameter of the node.
+    With the agents nearest and first the node has the exercise's parameter catch_closest_turtle_first: true selects
+    nearest, and false selects first.
     """
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
     from catch_arena.ros.nodes.parameters import CLOSEST_FIRST, parameters_from
@@ -168,7 +169,7 @@ def controller(
     config = SCENARIOS["capstone"]
     turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
-        raise ConfigError(f"--service must be a service's name, as /catch_turtle, got {service!r}")
+        raise ConfigError(f"--service must be the name of a service, such as /catch_turtle, got {service!r}")
     types = bus.types()
     entrants = enter_agents([agent], quotas)
     with (
@@ -197,19 +198,17 @@ def spawner(
     *,
     turtle: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="A turtle that hunts; may be repeated.", show_default="turtle1"),
+        typer.Option(metavar="NAME", help="Turtle that hunts; may be repeated.", show_default="turtle1"),
     ] = None,
     spawn_frequency: Annotated[float, typer.Option(help="Targets per second.")] = 0.5,
-    name_prefix: Annotated[
-        str, typer.Option(metavar="TEXT", help="How the names of the targets begin.")
-    ] = "target_turtle_",
+    name_prefix: Annotated[str, typer.Option(metavar="TEXT", help="Prefix of the targets' names.")] = "target_turtle_",
     reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
     bus: Bus,
     ros_args: RosArgs = None,
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
 
-    With several turtles each asks its own service, for example /turtle2/catch_turtle.
+    With several turtles, each calls its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
     from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
@@ -249,9 +248,9 @@ def spawner(
 
 @ros.command()
 def doctor(*, bus: Bus) -> None:
-    """Show what keeps your node from playing: packages, nodes and topics, and for each problem what to type.
+    """Check packages, nodes and topics, and print a command for each problem that keeps your node from playing.
 
-    The exit code is 1 if there is a problem, else 0. Start your node first, and no `ros serve`.
+    The exit code is 1 if there is a problem, else 0. Start your node first, but not `ros serve`.
     """
     from catch_arena.ros.doctor import examine
 
@@ -267,14 +266,14 @@ def doctor(*, bus: Bus) -> None:
     say("no problem found")
 
 
-def checked_turtle(what: str, name: str) -> str:
-    """Return a turtle's name, or its beginning, if it is valid: turtlesim makes topics from it, and a bad name ends it.
+def checked_turtle(setting: str, name: str) -> str:
+    """Return a turtle's name, or its beginning, if it is valid: an invalid name ends turtlesim.
 
     Raises:
         ConfigError: for an invalid name.
     """
     if not _TURTLE.fullmatch(name):
-        raise ConfigError(f"{what} must be letters, digits and underscores, as turtle1, got {in_short(name)}")
+        raise ConfigError(f"{setting} must be letters, digits and underscores, such as turtle1, got {in_short(name)}")
     return name
 
 
@@ -298,35 +297,35 @@ def _seats(options: list[str]) -> dict[int, str]:
     """Return the driver of each hunter, by seat, from the --seat options.
 
     Raises:
-        ConfigError: for an option that is not SEAT=WHO, that repeats a seat, or whose driver is invalid.
+        ConfigError: for an option that is not SEAT=DRIVER, that repeats a seat, or whose driver is invalid.
     """
     seats: dict[int, str] = {}
     for option in options:
-        number, equals, who = option.partition("=")
-        if not equals or not who or not (number.isascii() and number.isdecimal()):
-            raise ConfigError(f"--seat must be SEAT=WHO, as 0=ros or 1=patrol, got {option!r}")
+        number, equals, driver = option.partition("=")
+        if not equals or not driver or not (number.isascii() and number.isdecimal()):
+            raise ConfigError(f"--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got {option!r}")
         if int(number) in seats:
-            raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {who}")
-        fault = name_fault(who) or _seat_fault(who)
+            raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {driver}")
+        fault = name_fault(driver) or _driver_fault(driver)
         if fault is not None:
             raise ConfigError(f"--seat {number}: {fault}")
-        seats[int(number)] = who
+        seats[int(number)] = driver
     return seats
 
 
-def _seat_fault(who: str) -> str | None:
-    """Return the reason for which a word is no valid driver of a hunter; None if it is valid."""
+def _driver_fault(driver: str) -> str | None:
+    """Return an error text for an invalid driver of a hunter; None for a valid one."""
     from catch_arena.tournament.agent_spec import resolve_spec
 
-    word, named, name = who.partition(":")
+    word, named, name = driver.partition(":")
     if word in {NODE, HUMAN}:
-        return f"a name must stand behind the colon, got {who}" if named and not name else None
+        return f"a name must follow the colon, got {driver}" if named and not name else None
     if word.lower() in {NODE, HUMAN}:
-        return f"did you mean {word.lower()}? got {who}"
+        return f"did you mean {word.lower()}? got {driver}"
     try:
-        resolve_spec(who)
+        resolve_spec(driver)
     except AgentError as error:
-        return f"{error}; a node drives with {NODE}, a person with {HUMAN}"
+        return f"{error}; use {NODE} for a node, and {HUMAN} for a person"
     return None
 
 
@@ -342,7 +341,7 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
     if left_out and "hunters" not in keys:
         seat = min(left_out)
         raise ConfigError(
-            f"--seat {seat} must be given too, as {seat}={NODE}: there is a hunter for each --seat, where neither "
-            "--scenario nor --set hunters=... says how many"
+            f"--seat {seat} must be given too, such as {seat}={NODE}: without --scenario and --set hunters=..., "
+            "there is one hunter for each --seat"
         )
     return config

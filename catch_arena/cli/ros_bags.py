@@ -26,15 +26,15 @@ def bag(
             "--output",
             "-o",
             metavar="DIR",
-            help="The folder that becomes the bag.",
-            show_default="beside the replay, with its name",
+            help="Folder of the new bag.",
+            show_default="next to the replay, with its name",
         ),
     ] = None,
-    storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="The file format in the bag.")] = "mcap",
+    storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="File format in the bag.")] = "mcap",
     packages: Packages,
     force: Force = False,
 ) -> None:
-    """Write a recorded match as a bag, for ros2 bag play and Foxglove (`catch-arena docs ros2_bags`)."""
+    """Write a recorded match as a bag, for ros2 bag play and Foxglove (see `catch-arena docs ros2_bags`)."""
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
@@ -44,7 +44,7 @@ def bag(
     recorded = Replay.load(replay)
     folder = output or replay.with_suffix("")
     if folder.suffix.lower() in {".mcap", ".db3", ".replay"}:
-        raise ConfigError(f"{folder}: must name a folder, got {folder.suffix}")
+        raise ConfigError(f"{folder}: --output must be a folder, without the ending {folder.suffix}")
     with progress_bar("writing", late=True) as show:
         messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
     say(f"bag: {folder} ({messages} messages)")
@@ -52,23 +52,23 @@ def bag(
 
 @ros.command(name="import")
 def import_(
-    bag: Annotated[Path, typer.Argument(metavar="BAG", help="A folder made by ros2 bag record, or the file in it.")],
+    bag: Annotated[Path, typer.Argument(metavar="BAG", help="Folder made by ros2 bag record, or the file in it.")],
     *,
     output: Annotated[
         Path | None,
         typer.Option(
             "--output",
             "-o",
-            help="The video, which ends in .mp4, .webm, .gif or .webp.",
-            show_default="an MP4 file beside the bag",
+            help="Video file to write; its name ends in .mp4, .webm, .gif or .webp.",
+            show_default="an MP4 file next to the bag",
         ),
     ] = None,
     force: Force = False,
-    listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and make no video.")] = False,
-    reach: Annotated[float, typer.Option(metavar="M", help="The reach to judge by, in metres.")] = 0.3,
+    listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and write no video.")] = False,
+    reach: Annotated[float, typer.Option(metavar="M", help="Catch distance by which the arbiter judges [m].")] = 0.3,
     film: Film,
 ) -> None:
-    """Make a video of a recording of turtlesim, and show how our arbiter would have judged each catch."""
+    """Make a video of a recording of turtlesim, and show how the arbiter would have judged each catch."""
     _require_rosbags()
     from catch_arena.cli.progress import progress_bar
     from catch_arena.ros.bags.reading import read_bag

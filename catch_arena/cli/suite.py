@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from catch_arena.suite.references import Scores
     from catch_arena.tournament.statistics.intervals import Estimate
 
-_KEY = """score: its catches, of its own and the mean opponent's; 0.5 is level
-wins: ties shared; place: by rating, among it and its opponents
-first: whether it is surely above all of them; open: cannot be told"""
+_KEY = """score: own catches / (own + the mean opponent's catches); 0.5 is level
+wins: matches won, ties shared; place: by rating, among itself and its opponents
+first: significantly better than each opponent; open: not decided yet"""
 
 _FIRST = {True: "yes", None: "open", False: "no"}
 
@@ -28,19 +28,19 @@ def suite(
     agents: Agents,
     *,
     quick: Annotated[
-        bool, typer.Option("--quick", help="A first look with few matches: not the protocol, and not for papers.")
+        bool, typer.Option("--quick", help="Play few matches for a first look; do not publish the figures.")
     ] = False,
     runs: Annotated[
         bool,
-        typer.Option("--runs", help="The agents are training runs of one method, one for each training seed."),
+        typer.Option("--runs", help="Treat the agents as training runs of one method, with one training seed each."),
     ] = False,
-    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write all the numbers as JSON.")] = None,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write all figures as JSON.")] = None,
     force: Force = False,
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="The folder for the matches: in it a folder for each agent and scenario.",
+            help="Folder for the matches, with a folder for each agent and scenario.",
             show_default="out/suite, or out/suite-quick",
         ),
     ] = None,
@@ -86,22 +86,22 @@ def suite(
     ]
     prepare_folder(out)
     if not resume:
-        for one in evaluations:
-            one.require_new()
+        for evaluation in evaluations:
+            evaluation.require_new()
     with sandbox_for(quotas) as sandbox:
-        for one in evaluations:
-            for scenario, why in one.cannot_play(sandbox):
-                say(f"{one.agent.name} cannot play {scenario}, and forfeits there: {why}", err=True)
-    total = sum(one.matches for one in evaluations)
-    seconds = sum(one.estimate_s() for one in evaluations)
+        for evaluation in evaluations:
+            for scenario, fault in evaluation.cannot_play(sandbox):
+                say(f"{evaluation.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
+    total = sum(evaluation.matches for evaluation in evaluations)
+    seconds = sum(evaluation.estimate_s() for evaluation in evaluations)
     processes = f"{workers} processes" if workers > 1 else "one process"
     say(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
         say(
-            f"--quick: a first look, NOT the protocol, which is {SUITE.blocks} blocks; "
-            f"an interval (? below) needs {FEWEST_BLOCKS}"
+            f"--quick: a first look, NOT the protocol, which has {SUITE.blocks} blocks; "
+            f"intervals (? below) need {FEWEST_BLOCKS} blocks"
         )
-    takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of which are kept already"
+    takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of them played already"
     say(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
 
     done = 0
@@ -116,21 +116,21 @@ def suite(
             done += len(played)
             show(done, total)
 
-        for one in evaluations:
-            one.play(workers, on_results)
+        for evaluation in evaluations:
+            evaluation.play(workers, on_results)
     known = references(SUITE)
-    measured = [measure(one) for one in evaluations]
+    measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:
         _show(measures, known)
     if runs:
         _show_runs(measured)
     if not known:
-        say(f"no reference is known for {SUITE.name} {SUITE.digest}: `make card` plays them")
+        say(f"there are no reference scores for {SUITE.name} {SUITE.digest}; `make card` plays the references")
     if quick:
-        say("NOT the protocol: leave out --quick for numbers that others can compare with")
+        say("NOT the protocol: leave out --quick for figures that others can compare with")
     if json is not None:
         write_whole(json, _json_text(measured, known, runs=runs).encode())
-        say(f"numbers: {json}")
+        say(f"figures: {json}")
     say(f"matches: {out}")
 
 
@@ -139,30 +139,30 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     from catch_arena.cli.tables import interval
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
-    for held_out, what in ((False, "training scenarios"), (True, "held-out scenarios")):
+    for held_out, part in ((False, "training scenarios"), (True, "held-out scenarios")):
         shown = plain_table(
             *("scenario", "score", "95 %", "wins", "95 %", "place", "first", "forf."),
-            title=f"{measures.agent.name}, {what}",
+            title=f"{measures.agent.name}, {part}",
             padding=(0, 1, 0, 0),
         )
-        for one in measures.scenarios:
-            if one.held_out == held_out:
+        for scenario in measures.scenarios:
+            if scenario.held_out == held_out:
                 shown.add_row(
-                    one.name,
-                    f"{one.score.mean:.2f}",
-                    interval(one.score, ".2f"),
-                    f"{100 * one.win_share.mean:.0f} %",
-                    interval(one.win_share, ".0f", 100),
-                    f"{one.place} of {one.of}",
-                    "?" if one.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[one.first],
-                    str(sum(one.forfeits.values())),
+                    scenario.name,
+                    f"{scenario.score.mean:.2f}",
+                    interval(scenario.score, ".2f"),
+                    f"{100 * scenario.win_share.mean:.0f} %",
+                    interval(scenario.win_share, ".0f", 100),
+                    f"{scenario.place} of {scenario.of}",
+                    "?" if scenario.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[scenario.first],
+                    str(sum(scenario.forfeits.values())),
                 )
         own_console().print(shown)
     say(_KEY)
     say(f"interquartile mean, training: {_figure(measures.training)}")
     say(f"interquartile mean, held out: {_figure(measures.held_out)}")
-    say(f"gap, training less held out: {_figure(measures.gap)}")
-    say(f"time: {measures.move_ms:.2f} ms a move")
+    say(f"gap, training minus held out: {_figure(measures.gap)}")
+    say(f"time: {measures.move_ms:.2f} ms per move")
     for name, scores in known.items():
         parts = (("training", False), ("held out", True))
         figures = ", ".join(
@@ -176,11 +176,11 @@ def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
     from catch_arena.suite.measures import over_training_runs
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
 
-    say(f"the method, over {len(measured)} training runs:")
+    say(f"training method, over {len(measured)} runs:")
     for part, held_out in (("training", False), ("held out", True)):
         say(f"interquartile mean, {part}: {_figure(over_training_runs(measured, held_out=held_out))}")
     if len(measured) < FEWEST_RUNS:
-        say(f"with fewer than {FEWEST_RUNS} training runs there is no interval")
+        say(f"an interval needs {FEWEST_RUNS} training runs")
 
 
 def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]", *, runs: bool) -> str:
@@ -189,7 +189,7 @@ def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]
     from catch_arena.suite.contents import SUITE
     from catch_arena.suite.measures import DIGITS, facts_of, over_training_runs
 
-    found: dict[str, Any] = {"agents": [facts_of(SUITE, one, known) for one in measured]}
+    found: dict[str, Any] = {"agents": [facts_of(SUITE, measures, known) for measures in measured]}
     if runs:
         found["method_iqm"] = {
             part: over_training_runs(measured, held_out=held_out).to_dict(DIGITS)

@@ -19,13 +19,13 @@ from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 
-_KEY: Final = """grp: who shares a group cannot be told apart
-rating: points, 0 is the mean; score: catches a match
-wins: ties shared; cont.: of its contests, those it won"""
-_MATES_KEY: Final = "\nmates: requests a match that a team-mate won"
-_PREY_KEY: Final = """grp: who shares a group cannot be told apart
-rating: points, 0 is the mean; caught: times a match
-wins: ties shared"""
+_KEY: Final = """grp: members of a group do not differ significantly
+rating: points, 0 is the mean; score: catches per match
+wins: matches won, ties shared; cont.: contests won"""
+_MATES_KEY: Final = "\nmates: requests per match lost to a team-mate"
+_PREY_KEY: Final = """grp: members of a group do not differ significantly
+rating: points, 0 is the mean; caught: times per match
+wins: matches won, ties shared"""
 
 
 def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
@@ -77,15 +77,15 @@ def plan_table(
     shown = Table(box=None, show_header=False, pad_edge=False)
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
-    most = plan.size
+    most_matches = plan.size
     if isinstance(plan, FixedPlan):
         played, met = match_counts(plan, len(worker.entrants), progress)
-        most = played[1]
-        shown.add_row("an agent plays", f"{_span(*played)} matches")
-        shown.add_row("a pair meets in", f"{_span(*met)} matches")
+        most_matches = played[1]
+        shown.add_row("an agent plays", f"{_number_range(*played)} matches")
+        shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
     if cost is not None:
         _add_cost(shown, plan.size, cost, jobs, max_forfeits)
-    _add_delays(shown, worker, most, max_forfeits)
+    _add_delays(shown, worker, most_matches, max_forfeits)
     return shown
 
 
@@ -99,32 +99,32 @@ def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -
     until_out = min(-(-max_forfeits // in_block) * in_block, matches) if max_forfeits else matches
     hanging_s = quotas.init_s + quotas.step_ms / 1000.0 + quotas.bank_s
     all_s = until_out * hanging_s
-    then = ", then it is out" if until_out < matches else ""
+    then = ", then excluded" if until_out < matches else ""
     once = duration(hanging_s)
-    shown.add_row("an agent that hangs", f"may take {once} a match: {duration(all_s)} for {until_out}{then}")
+    shown.add_row("an agent that hangs", f"up to {once} per match: {duration(all_s)} for {until_out}{then}")
     if isolated > 1:
-        shown.add_row(f"all {isolated} that could", f"{duration(isolated * all_s)} with one process")
+        shown.add_row(f"all {isolated} such agents", f"{duration(isolated * all_s)} with one process")
     slow_s = quotas.init_s + worker.config.max_steps * quotas.step_ms / 1000.0 + quotas.bank_s
     once, all_s = duration(slow_s), matches * slow_s
-    shown.add_row("a slow agent", f"may take {once} a match: {duration(all_s)} for {matches}, no forfeit")
+    shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {matches}, no forfeit")
 
 
 def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: int) -> None:
     alone_s = matches * cost.seconds
     shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    leaves = f"; after {max_forfeits} in a row it is out" if max_forfeits else ""
+    leaves = f"; after {max_forfeits} in a row it is excluded" if max_forfeits else ""
     less = bool(cost.forfeits and leaves)  # matches without excluded entrants are shorter
     shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
     shown.add_row("store", f"about {decimal(matches * cost.stored)}")
     if cost.replay:
         shown.add_row("replays", f"about {decimal(matches * cost.replay)}")
-    shown.add_row("measured on", f"{cost.tried} of its matches, which are not kept")
+    shown.add_row("measured on", f"{cost.tried} matches, which are not kept")
     for name, forfeit in cost.forfeits.items():
         shown.add_row("", f"{name} forfeited there: {forfeit}{leaves}")
 
 
-def _span(least: int, most: int) -> str:
-    return f"{least}" if least == most else f"{least} to {most}"
+def _number_range(low: int, high: int) -> str:
+    return f"{low}" if low == high else f"{low} to {high}"
 
 
 def duration(seconds: float) -> str:

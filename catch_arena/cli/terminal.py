@@ -47,7 +47,7 @@ def plain_table(*headings: str, text: str = "", **options: Any) -> Table:
 
     Args:
         headings: headings of the columns.
-        text: heading of a column of texts besides the first.
+        text: heading of a column of texts in addition to the first.
         options: options of `rich.table.Table`.
     """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title_justify="left", caption_justify="left", **options)

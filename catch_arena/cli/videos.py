@@ -21,12 +21,12 @@ _T = TypeVar("_T")
 
 _MOST_IN_ONE = 64
 
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="A folder with replays.")]
-_VIDEO: Final = "The file to write, which ends in .mp4, .webm, .gif or .webp."
-Speed = Annotated[float, typer.Option(help="Below 1 is slow motion, above 1 a time lapse.")]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder with replays.")]
+_VIDEO: Final = "Video file to write; its name ends in .mp4, .webm, .gif or .webp."
+Speed = Annotated[float, typer.Option(help="Playback speed: below 1 is slow motion, above 1 is a time lapse.")]
 ViewOf = Annotated[
     str | None,
-    typer.Option(metavar="HUNTER", help="Show what this hunter sees, by its seat or name.", show_default="no view"),
+    typer.Option(metavar="HUNTER", help="Show the view of this hunter, a seat or a name.", show_default="none"),
 ]
 
 
@@ -37,7 +37,7 @@ class Picture:
     size: Annotated[
         str | None,
         typer.Option(
-            metavar="WIDTHxHEIGHT", help="Size of the picture, in pixels.", show_default="1280x720; GIF, WebP 640x360"
+            metavar="WIDTHxHEIGHT", help="Size of the frames, in pixels.", show_default="1280x720; GIF, WebP 640x360"
         ),
     ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
@@ -55,9 +55,9 @@ class Picture:
 class Film(Picture):
     """Options for the frames of one match's video."""
 
-    layout: Annotated[Literal["broadcast", "arena"], typer.Option(help="With the scores, or the arena alone.")] = (
-        "broadcast"
-    )
+    layout: Annotated[
+        Literal["broadcast", "arena"], typer.Option(help="Show the scores next to the arena, or the arena alone.")
+    ] = "broadcast"
     speed: Speed = 1.0
 
 
@@ -66,13 +66,16 @@ def render(
     replay: Recorded,
     *,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file beside the replay")
+        Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file next to the replay")
     ] = None,
     force: Force = False,
     film: Film,
-    start: Annotated[float, typer.Option("--from", metavar="SECONDS", help="Where to begin in the match.")] = 0.0,
+    start: Annotated[
+        float, typer.Option("--from", metavar="SECONDS", help="Time in the match at which the video begins.")
+    ] = 0.0,
     end: Annotated[
-        float | None, typer.Option("--to", metavar="SECONDS", help="Where to end.", show_default="the match's end")
+        float | None,
+        typer.Option("--to", metavar="SECONDS", help="Time in the match at which it ends.", show_default="the end"),
     ] = None,
     view_of: ViewOf = None,
 ) -> None:
@@ -102,7 +105,7 @@ def mosaic(
             metavar="N",
             min=1,
             max=_MOST_IN_ONE,
-            help="At most this many matches, the first by name.",
+            help="Maximum number of matches; the first by name are shown.",
             show_default=f"{_MOST_IN_ONE}",
         ),
     ] = None,
@@ -127,12 +130,12 @@ def highlights(
     *,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help=_VIDEO, show_default="highlights.mp4, or the first free like it"),
+        typer.Option("--output", "-o", help=_VIDEO, show_default="highlights.mp4, or highlights-2.mp4 ..."),
     ] = None,
     force: Force = False,
-    count: Annotated[int, typer.Option(metavar="N", min=1, help="At most this many moments.")] = 8,
+    count: Annotated[int, typer.Option(metavar="N", min=1, help="Maximum number of moments.")] = 8,
     listing: Annotated[
-        bool, typer.Option("--list", help="List the moments, the best last, and write nothing.")
+        bool, typer.Option("--list", help="List the moments, the best last, and write no video.")
     ] = False,
     picture: Picture,
 ) -> None:
@@ -159,7 +162,9 @@ def highlights(
     found = {str(path): find_highlights(events, win_rates(known, events)) for path, events in matches.items()}
     selected = select_highlights(found, count)
     if not selected:
-        raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
+        raise ReplayError(
+            f"{folder}: no highlights in {len(found)} matches: they have no contest, no change of lead, ..."
+        )
     for path, highlight in selected:
         say(f"{Path(path).name}  {seconds(highlight.decisive_ms)}  {highlight.kind}: {highlight.what}. {highlight.why}")
     if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
@@ -183,19 +188,19 @@ def _width_and_height(text: str | None) -> tuple[int, int] | None:
         return None
     width, cross, height = text.lower().partition("x")
     if not (cross and width.isdecimal() and height.isdecimal()):
-        raise ConfigError(f"size must be WIDTHxHEIGHT as in 1280x720, got {text!r}")
+        raise ConfigError(f"size must be WIDTHxHEIGHT, such as 1280x720, got {text!r}")
     return int(width), int(height)
 
 
-def _fewer(got: int, asked: int | None, why: str) -> str:
+def _fewer(got: int, requested: int | None, why: str) -> str:
     """Return a note if there are fewer than requested; else an empty text."""
-    return f", not {asked}: {why}" if asked is not None and got < asked else ""
+    return f", not {requested}: {why}" if requested is not None and got < requested else ""
 
 
-def _from_replays(folder: Path, read: "Callable[[Replay], _T]", most: int | None = None) -> tuple[dict[Path, _T], int]:
+def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | None = None) -> tuple[dict[Path, _T], int]:
     """Return what `read` makes of a folder's replays, by path, and the number of replays in the folder.
 
-    A replay that cannot be played is reported and left out. At most `most` are read, the first by name.
+    A replay that cannot be played is reported and left out. At most `limit` are read, the first by name.
 
     Raises:
         ReplayError: if the folder has no replay that can be played.
@@ -204,10 +209,10 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", most: int | None
     from catch_arena.replay import Replay
 
     if not folder.is_dir():
-        raise ReplayError(f"{folder}: is no folder")
+        raise ReplayError(f"{folder}: is not a folder")
     paths = sorted(folder.glob("*.replay"))
     if not paths:
-        raise ReplayError(f"{folder}: holds no replays (files that end in .replay)")
+        raise ReplayError(f"{folder}: contains no replays (files that end in .replay)")
     found: dict[Path, _T] = {}
     with progress_bar("reading", late=True) as show:
         for done, path in enumerate(paths, start=1):
@@ -216,7 +221,7 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", most: int | None
             except ReplayError as error:
                 named = "" if str(error).startswith(str(path)) else f"{path}: "
                 say(f"left out: {named}{error}", err=True)
-            if len(found) == most:
+            if len(found) == limit:
                 break
             show(done, len(paths))
     if not found:

@@ -16,7 +16,7 @@ from catch_arena.ros.nodes.neighbours import Neighbours
 LOOK_S: Final = 3.0
 """Time of the search for other nodes [s]: as long as they need to find each other on a busy machine."""
 _VARIABLES: Final = ("ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY")
-_VERBS: Final = {"publisher": "publishes", "subscription": "hears", "service": "answers", "client": "calls"}
+_VERBS: Final = {"publisher": "publishes", "subscription": "subscribes to", "service": "serves", "client": "calls"}
 ARENA: Final = "/catch_arena"
 """Name of the node of `ros serve`, which may run at the same time."""
 _HOUSEKEEPING: Final = ("/rosout", "/parameter_events")
@@ -33,7 +33,7 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
     Returns:
         the facts, and the problems, a line each.
     """
-    facts = [f"Python {sys.version.split()[0]}, {bus.backend}{f' with {bus.about}' if bus.about else ''}"]
+    facts = [f"Python {sys.version.split()[0]}, {bus.backend}{f' with {bus.middleware}' if bus.middleware else ''}"]
     facts += [f"{name}={os.environ[name]}" if name in os.environ else f"{name} is not set" for name in _VARIABLES]
     problems = []
     end = time.monotonic() + look_s
@@ -50,26 +50,26 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
     graph = bus.graph()
     if graph is None:
         problems.append(
-            f"{bus.backend} does not tell which nodes there are: use rclpy, with the Python that ROS was built for, "
-            "after `source /opt/ros/$ROS_DISTRO/setup.bash`"
+            f"{bus.backend} does not report other nodes: use rclpy, with the Python that ROS was built for, after "
+            "`source /opt/ros/$ROS_DISTRO/setup.bash`"
         )
         return facts, problems
     facts += _nodes(graph)
     if all(one.node == ARENA for one in graph):
         problems.append(
-            "no other node is there: start yours; if it runs, give both terminals the same ROS_DOMAIN_ID and "
+            "no other node was found: start yours; if it runs, give both terminals the same ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE"
         )
-    others = [one for one in graph if one.node != ARENA]
-    Neighbours([TURTLE], [TURTLE], types, problems.append).look(others)
+    other_nodes = [endpoint for endpoint in graph if endpoint.node != ARENA]
+    Neighbours([TURTLE], [TURTLE], types, problems.append).look(other_nodes)
     return facts, [line.removeprefix("warning: ") for line in problems]
 
 
 def _nodes(graph: Sequence[Endpoint]) -> Iterator[str]:
     for node in sorted({one.node for one in graph}):
-        does = [
-            f"{_VERBS[one.kind]} {one.name} ({one.type})"
-            for one in graph
-            if one.node == node and one.name not in _HOUSEKEEPING and not one.name.startswith(f"{node}/")
+        uses = [
+            f"{_VERBS[end.kind]} {end.name} ({end.type})"
+            for end in graph
+            if end.node == node and end.name not in _HOUSEKEEPING and not end.name.startswith(f"{node}/")
         ]
-        yield f"node {node}: {', '.join(does) or 'no topics'}"
+        yield f"node {node}: {', '.join(uses) or 'no topics'}"

@@ -36,7 +36,7 @@ class SuiteScenario:
     opponents: tuple[str, ...]
     """Names of shipped agents. In each block other ones of them fill the seats that the agent leaves free."""
     held_out: bool
-    about: str
+    description: str
     """Short description of what differs from other scenarios."""
 
     @property
@@ -49,10 +49,10 @@ class SuiteScenario:
 
         Each opponent plays as often as all of them fit in; the remaining parties are a group that changes by block.
         """
-        everybody = range(len(self.opponents))
-        whole, rest = divmod(len(self.parties) - 1, len(everybody))
-        groups = list(combinations(everybody, rest))
-        return (*everybody,) * whole + groups[block % len(groups)]
+        indices = range(len(self.opponents))
+        whole, rest = divmod(len(self.parties) - 1, len(indices))
+        groups = list(combinations(indices, rest))
+        return (*indices,) * whole + groups[block % len(groups)]
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class Suite:
             return tuple(replace(match, seating=tuple(playing[role] for role in match.seating)) for match in block)
 
         # without the number of blocks, so that the matches of a first look are not played again
-        about = {"format": "suite", "suite": self.name, "scenario": scenario.name}
-        return FixedPlan(about, roles.size, lambda: map(seated, roles.blocks()))
+        parameters = {"format": "suite", "suite": self.name, "scenario": scenario.name}
+        return FixedPlan(parameters, roles.size, lambda: map(seated, roles.blocks()))
 
     @cached_property
     def digest(self) -> str:
@@ -119,13 +119,13 @@ class Suite:
         }
 
 
-def _shipped(name: str, about: str) -> SuiteScenario:
+def _shipped(name: str, description: str) -> SuiteScenario:
     config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own control
-    return SuiteScenario(name, config, TRAINING_OPPONENTS, held_out=False, about=about)
+    return SuiteScenario(name, config, TRAINING_OPPONENTS, held_out=False, description=description)
 
 
-def _held_out(name: str, about: str, opponents: tuple[str, ...], **settings: Any) -> SuiteScenario:
-    return SuiteScenario(name, ArenaConfig().replace(**settings), opponents, held_out=True, about=about)
+def _held_out(name: str, description: str, opponents: tuple[str, ...], **settings: Any) -> SuiteScenario:
+    return SuiteScenario(name, ArenaConfig().replace(**settings), opponents, held_out=True, description=description)
 
 
 SUITE: Final = Suite(
@@ -140,7 +140,7 @@ SUITE: Final = Suite(
         _held_out("strangers", "`standard` against held-out opponents", HELD_OUT_OPPONENTS),
         _held_out(
             "dense",
-            "three targets a second, 20 at the start",
+            "three targets per second, 20 at the start",
             TRAINING_OPPONENTS,
             initial_targets=20,
             max_targets=32,

@@ -56,8 +56,8 @@ class Evaluation:
         for one in self.suite.scenarios:
             if (self._folder(one) / STORE).exists():
                 raise StoreError(
-                    f"{self.folder}: holds matches of {self.agent.name} already: "
-                    "go on with --resume, or give another folder"
+                    f"{self.folder}: already contains matches of {self.agent.name}; "
+                    "continue with --resume, or choose another folder"
                 )
 
     def cannot_play(self, sandbox: Sandbox | None) -> Iterator[tuple[str, str]]:

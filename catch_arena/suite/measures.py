@@ -104,8 +104,8 @@ class AgentMeasures:
             held_out: True for the held-out scenarios, False for those for training.
         """
         names = [one.name for one in self.scenarios if one.held_out == held_out]
-        theirs = np.array([reference[name][: self.blocks] for name in names]).T
-        return probability_of_improvement(self.table(held_out=held_out), theirs)
+        reference_table = np.array([reference[name][: self.blocks] for name in names]).T
+        return probability_of_improvement(self.table(held_out=held_out), reference_table)
 
 
 def measure(evaluation: Evaluation) -> AgentMeasures:
@@ -162,9 +162,9 @@ def comes_first(outcomes: Outcomes, score: Estimate) -> bool | None:
         score: the agent's normalised score, in [0, 1].
     """
     ratings = rate(outcomes)
-    others = np.arange(outcomes.entrants) != AGENT
-    differs = holm(p_values(ratings)[AGENT, others]) < LEVEL
-    above = ratings.points[AGENT] > ratings.points[others]
+    opponents = np.arange(outcomes.entrants) != AGENT
+    differs = holm(p_values(ratings)[AGENT, opponents]) < LEVEL
+    above = ratings.points[AGENT] > ratings.points[opponents]
     if (differs & above).all():
         return True
     return False if (differs & ~above).any() or score.high < 0.5 else None
@@ -176,16 +176,16 @@ def _normalised(block: Sequence[PlayedMatch]) -> float:
     Its catches in a forfeited match do not count. Without any catches the score is 0.5, or 0 if it forfeited all
     matches.
     """
-    own = others = 0
+    own = opponents = 0
     forfeited = True
     for one in block:
         party = one.match.seating.index(AGENT)
         total = sum(one.result.scores)
-        others += total - one.result.scores[party]
+        opponents += total - one.result.scores[party]
         if one.result.forfeits[party] is None:
             own += one.result.scores[party]
             forfeited = False
-    mean = others / (len(block[0].match.seating) - 1)
+    mean = opponents / (len(block[0].match.seating) - 1)
     if own + mean == 0:
         return 0.0 if forfeited else 0.5
     return own / (own + mean)

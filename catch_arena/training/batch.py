@@ -120,15 +120,15 @@ class LearnerBatch:
         self.config: Final = config
         normalise, distinct = require_flag("normalise", normalise), require_flag("distinct", distinct)
         if len(set(config.controls)) > 1:
-            raise ConfigError(f"control must be one word, that of the learners, got {config.control!r}")
+            raise ConfigError(f"control must be one word, for all learners, got {config.control!r}")
         if prey_agent is not None and not config.prey:
-            raise ConfigError(f"prey must be at least 1 for an agent to play it, got 0 and the agent {prey_agent}")
-        most = config.hunters - (opponents is not None)
-        if not most:
-            raise ConfigError("hunters must be at least 2 where there are opponents, got 1")
+            raise ConfigError(f"prey_agent must be None in a scenario without prey, got {prey_agent}")
+        max_learners = config.hunters - (opponents is not None)
+        if not max_learners:
+            raise ConfigError("hunters must be at least 2 if there are opponents, got 1")
         learning = whole_number(learners)
-        if learning is None or not 1 <= learning <= most:
-            raise ConfigError(f"learners must be a whole number from 1 to {most}, beside an opponent, got {learners!r}")
+        if learning is None or not 1 <= learning <= max_learners:
+            raise ConfigError(f"learners must be a whole number from 1 to {max_learners}, got {learners!r}")
         self.learners: Final = config.hunters if opponents is None else learning
         self.arena: Final = VectorArena(
             config, num_envs, num_threads, auto_reset=auto_reset, any_control=opponents is not None
@@ -191,7 +191,7 @@ class LearnerBatch:
             the observations (N, D) and masks (N, K + 1) of all learners.
         """
         if arenas is not None:
-            self._require_begun("reset of single arenas")
+            self._require_begun("reset() of single arenas")
         elif seed is not None or not self._begun:
             seed = fresh_seed() if seed is None else checked_seed(seed)
             self._rng = np.random.default_rng(seed)
@@ -218,7 +218,7 @@ class LearnerBatch:
                 it raised at the start of a new episode, all arenas must be reset.
             EpisodeError: before the first reset.
         """
-        self._require_begun("step")
+        self._require_begun("step()")
         self._place(actions)
         hunters = self.config.hunters
         if self.opponents is not None or self._prey is not None:
@@ -241,10 +241,10 @@ class LearnerBatch:
                 episode = {name: table for name, table in infos["episode"].items() if name != "times_caught"}
                 figures = {name: self._flat(table[places]) for name, table in episode.items()}
                 if self.opponents is not None:
-                    others = self.opponents.seated[over]
-                    theirs = others >= 0
-                    for name, table in (("opponents", others), ("opponent_scores", episode["score"][over])):
-                        figures[name] = np.repeat(table[theirs].reshape(len(over), -1), self.learners, axis=0)
+                    seated = self.opponents.seated[over]
+                    is_opponent = seated >= 0
+                    for name, table in (("opponents", seated), ("opponent_scores", episode["score"][over])):
+                        figures[name] = np.repeat(table[is_opponent].reshape(len(over), -1), self.learners, axis=0)
                 self._begin(over)
             final, final_masks = self._flat(last[places]), self._flat(masks[places])
             if self.scale is not None:
@@ -271,7 +271,7 @@ class LearnerBatch:
             AgentError: if an agent cannot be copied; it names the agent.
             EpisodeError: before the first reset.
         """
-        self._require_begun("save")
+        self._require_begun("save()")
         return SavedLearners(
             arena=self.arena.save(),
             opponents=None if self.opponents is None else self.opponents.save(),
@@ -291,7 +291,7 @@ class LearnerBatch:
             ConfigError: if `saved` is not from a batch with an equal config and as many arenas and learners.
         """
         if not isinstance(saved, SavedLearners):
-            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a SavedLearners from save(), got {in_short(saved)}")
         if saved.seats.shape[1] != self.learners:  # if equal, both or none have opponents
             raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
         observations, infos = self.arena.restore(saved.arena)
@@ -336,17 +336,17 @@ class LearnerBatch:
         hunters = self.config.hunters
         self._rotation[arenas] += 1
         order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
-        own, others = order[:, : self.learners], order[:, self.learners :]
+        own_seats, opponent_seats = order[:, : self.learners], order[:, self.learners :]
         self._seats = self._seats.copy()
-        self._seats[arenas] = own
-        drawn = opponents.draw(arenas, others, self._rng)
+        self._seats[arenas] = own_seats
+        drawn = opponents.draw(arenas, opponent_seats, self._rng)
         controls = np.full((len(arenas), hunters), CONTROLS[self._control], dtype=np.int8)
-        np.put_along_axis(controls, others, opponents.controls[drawn], axis=1)
+        np.put_along_axis(controls, opponent_seats, opponents.controls[drawn], axis=1)
         self.arena.set_controls(controls, arenas)
 
-    def _require_begun(self, what: str) -> None:
+    def _require_begun(self, call: str) -> None:
         if not self._begun:
-            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
+            raise EpisodeError(f"{call} was called before the first reset; call reset() first")
 
     def _place(self, actions: Any) -> None:
         """Write the learners' actions at their seats, and zeros at the other seats; the arena checks them."""

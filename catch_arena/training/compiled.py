@@ -1,6 +1,6 @@
 """A decision for one hunter, compiled for many.
 
-An arena's step takes 0.2 microseconds a hunter, and a decision in Python takes a hundred. So Numba compiles the
+An arena's step takes 0.2 microseconds per hunter, and a decision in Python takes a hundred. So Numba compiles the
 function that decides, with all functions that it calls.
 """
 
@@ -118,12 +118,14 @@ _write: Any = None
 """Placeholders in `_act_all`, which `_compiled` replaces by functions."""
 
 
-def _act_all(seen: Any, shape: Any, targets: Any, rivals: Any, its: Any, theirs: Any, actions: Any) -> None:
-    """Write the actions of all hunters. `its` are `targets` as records, and `theirs` are `rivals`."""
+def _act_all(
+    seen: Any, shape: Any, targets: Any, rivals: Any, target_records: Any, rival_records: Any, actions: Any
+) -> None:
+    """Write the actions of all hunters. The arrays of records share the memory of `targets` and `rivals`."""
     target_columns, first_rival, rival_columns, limits = shape
     for row in range(len(seen)):
-        there = _look(seen, row, len(_OWN), target_columns, _STILL, targets)
-        racing = _look(seen, row, first_rival, rival_columns, _ALONE, rivals)
+        target_count = _look(seen, row, len(_OWN), target_columns, _STILL, targets)
+        rival_count = _look(seen, row, first_rival, rival_columns, _ALONE, rivals)
         view = _Seen(
             np.float64(seen[row, _OWN.x]),
             np.float64(seen[row, _OWN.y]),
@@ -133,8 +135,8 @@ def _act_all(seen: Any, shape: Any, targets: Any, rivals: Any, its: Any, theirs:
             np.float64(seen[row, _OWN.angular_velocity]),
             np.float64(seen[row, _OWN.time_left]),
             np.float64(seen[row, _OWN.score]),
-            its[:there],
-            theirs[:racing],
+            target_records[:target_count],
+            rival_records[:rival_count],
             limits,
         )
         _write(actions, row, _decide(view))

@@ -103,7 +103,7 @@ class _Block:
         caught = self._as_good_as_caught()
         self.alive = (self.targets.present > 0) & ~caught
         self.caught = caught.any(axis=1, keepdims=True)
-        self.mine = self._arrival_s(self.forward, self.left)
+        self.own_arrival = self._arrival_s(self.forward, self.left)
         dx, dy = (
             self.forward[:, None] - self.rivals.forward[..., None],
             self.left[:, None] - self.rivals.left[..., None],
@@ -113,11 +113,11 @@ class _Block:
         self.facing = ahead / (self.far + 1e-3)
         """Cosine of the angle between a rival's heading and the direction of the candidate: (N, R, C).
 
-        `far`, the distance [m], and `theirs`, the arrival time [s], have the same shape.
+        `far`, the distance [m], and `rival_arrivals`, the arrival time [s], have the same shape.
         """
         there = (self.rivals.present > 0)[..., None]
-        self.theirs = np.where(there, self._arrival_s(ahead, cosine * dy - sine * dx), NEVER_S)
-        self.soonest = self.theirs.min(axis=1, initial=NEVER_S)
+        self.rival_arrivals = np.where(there, self._arrival_s(ahead, cosine * dy - sine * dx), NEVER_S)
+        self.first_rival_arrival = self.rival_arrivals.min(axis=1, initial=NEVER_S)
         self.best, self.lost_by = self._best_races()
 
     def _in_own_frame(self, points: int) -> Floats:
@@ -179,13 +179,13 @@ class _Block:
         Both have the shape (N, 1 + R), the hunter first. -1 means that there is no target, or that a rival is absent or
         stands still. The delay is 0 if a race is won.
         """
-        races = np.concatenate((self.mine[:, None], self.theirs), axis=1)[..., self.places :]
+        races = np.concatenate((self.own_arrival[:, None], self.rival_arrivals), axis=1)[..., self.places :]
         moving = (self.rivals.present > 0) & (self.rivals.linear_velocity != 0)
         racing = np.concatenate((np.ones((len(moving), 1), np.bool_), moving), axis=1)
         times = np.where(racing[..., None], races, NEVER_S)
-        first, second = _two_least(times.swapaxes(0, 1), NEVER_S)
-        others = np.where(times == first[:, None], second[:, None], first[:, None])
-        late = np.where(self.alive[:, None], times - others, NEVER_S)
+        first, second = _two_smallest(times.swapaxes(0, 1), NEVER_S)
+        first_others = np.where(times == first[:, None], second[:, None], first[:, None])
+        late = np.where(self.alive[:, None], times - first_others, NEVER_S)
         won = late <= 0.0
         cost = np.where(won, times, NEVER_S + late)
         best, wins = cost.argmin(axis=2), won.any(axis=2)
@@ -198,7 +198,7 @@ class _Block:
         preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])
         legal = np.concatenate((np.ones((len(self.alive), self.places), np.bool_), self.alive), axis=1)
         features = np.zeros((*legal.shape, len(FEATURES)), np.float32)
-        by_name = {**self._candidates(), **self._what_comes_next()}
+        by_name = {**self._candidates(), **self._next_targets()}
         by_name["preferred"] = np.arange(legal.shape[1]) == preferred[:, None]
         for name, values in by_name.items():
             features[..., _OF_CANDIDATE.index(name)] = values
@@ -220,8 +220,8 @@ class _Block:
             "bearing_cos": x / (distance + 1e-3),
             "bearing_sin": y / (distance + 1e-3),
             "bearing": np.abs(np.arctan2(y, x)) / np.pi,
-            "arrival": np.minimum(self.mine, 2.0 * FARTHEST_S),
-            "won": self.mine < self.soonest,
+            "arrival": np.minimum(self.own_arrival, 2.0 * FARTHEST_S),
+            "won": self.own_arrival < self.first_rival_arrival,
             "wall_x": np.abs(east - middle) / middle,
             "wall_y": np.abs(north - middle) / middle,
             "is_place": number < self.places,
@@ -243,7 +243,7 @@ class _Block:
         no_target = np.zeros((len(x), self.places))
         return by_name | {name: np.concatenate((no_target, column), axis=1) for name, column in targets.items()}
 
-    def _what_comes_next(self) -> dict[str, Any]:
+    def _next_targets(self) -> dict[str, Any]:
         """Return the features of the targets after a candidate, by name.
 
         These are the time to the next target, the times to the next two that no rival reaches earlier, and the density
@@ -259,8 +259,8 @@ class _Block:
         arrival = self._arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx)
         another = self.alive.T[..., None] & (np.arange(self.places, x.shape[1])[:, None, None] != np.arange(x.shape[1]))
         arrival[~another] = NEVER_S
-        wins = self.mine + arrival < self.soonest.T[self.places :, :, None]
-        next_won, second_won = _two_least(np.where(wins, arrival, NEVER_S), FARTHEST_S)
+        wins = self.own_arrival + arrival < self.first_rival_arrival.T[self.places :, :, None]
+        next_won, second_won = _two_smallest(np.where(wins, arrival, NEVER_S), FARTHEST_S)
         return {
             "next": arrival.min(axis=0, initial=FARTHEST_S),
             "next_won": next_won,
@@ -274,8 +274,8 @@ class _Block:
         Rivals are in the order of their arrival; equal arrivals are in the order of their ranks.
         """
         features = (
-            np.clip(self.theirs - self.mine[:, None], -2.0, 2.0),
-            self.best[:, 1:, None] == np.arange(self.mine.shape[1]) - self.places,
+            np.clip(self.rival_arrivals - self.own_arrival[:, None], -2.0, 2.0),
+            self.best[:, 1:, None] == np.arange(self.own_arrival.shape[1]) - self.places,
             self.facing,
             self.far / LENGTH_M,
             self.rivals.linear_velocity[..., None] / 2.0,
@@ -283,16 +283,16 @@ class _Block:
         )
         table = np.stack(np.broadcast_arrays(*features), axis=3)
         no_rival = FARTHEST_S, 0.0, 0.0, 0.0, 0.0, 0.0
-        table[self.theirs >= NEVER_S] = no_rival
-        order = np.argsort(self.theirs, axis=1, kind="stable")[:, :RIVALS]
+        table[self.rival_arrivals >= NEVER_S] = no_rival
+        order = np.argsort(self.rival_arrivals, axis=1, kind="stable")[:, :RIVALS]
         first = np.full((len(table), RIVALS, *table.shape[2:]), no_rival)
         first[:, : order.shape[1]] = table[np.arange(len(table))[:, None, None], order, np.arange(table.shape[2])]
         return first.swapaxes(1, 2).reshape(len(table), -1, RIVALS * len(_OF_RIVAL))
 
 
-def _two_least(tables: Floats, most: float) -> tuple[Floats, Floats]:
-    """Return the smallest and the second smallest number at each place of some tables, both at most `most`."""
-    first = second = np.full(tables.shape[1:], most)
+def _two_smallest(tables: Floats, limit: float) -> tuple[Floats, Floats]:
+    """Return the smallest and the second smallest number at each place of some tables, both at most `limit`."""
+    first = second = np.full(tables.shape[1:], limit)
     for table in tables:
         second = np.minimum(second, np.maximum(first, table))
         first = np.minimum(first, table)

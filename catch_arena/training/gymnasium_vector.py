@@ -71,11 +71,13 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         if options is not None and "reset_mask" in options:
             rows = np.asarray(options["reset_mask"])
             if rows.shape != (self.num_envs,) or rows.dtype != np.bool_:
-                raise ConfigError(f"reset_mask must be {self.num_envs} of True or False, got the shape {rows.shape}")
+                raise ConfigError(
+                    f"reset_mask must be {self.num_envs} booleans, got {rows.dtype} of the shape {rows.shape}"
+                )
             together = rows.reshape(-1, self.batch.learners)
             arenas = together.any(axis=1)
             if (together.all(axis=1) != arenas).any():
-                raise ConfigError("reset_mask must name all learners of an arena or none, got some of them")
+                raise ConfigError("reset_mask must be equal for all learners of an arena, got True for some of them")
         observations, masks = self.batch.reset(first, arenas)
         return observations, self._with_rows(_masks(masks), np.ones(self.num_envs, np.bool_))
 

@@ -65,7 +65,7 @@ class Mlp:
             else:
                 raise ConfigError(f"modules must be Linear, Tanh and ReLU, got {kind}")
         if len(used) > 1:
-            raise ConfigError(f"modules must have one kind of activation, got {', '.join(sorted(used))}")
+            raise ConfigError(f"modules must all have the same activation, got {', '.join(sorted(used))}")
         if scale is not None and layers:
             weights, biases = layers[0]
             layers[0] = np.asarray(weights) / np.asarray(scale), biases
@@ -84,7 +84,7 @@ class Mlp:
         """
         x = np.asarray(observations, np.float32)
         if x.shape[-1:] != (self.inputs,):
-            raise ConfigError(f"observations must have {self.inputs} numbers for this network, got {x.shape[-1:]}")
+            raise ConfigError(f"observations must have {self.inputs} columns for this network, got the shape {x.shape}")
         *hidden, (weights, biases) = self.layers
         activate: Any = ACTIVATIONS[self.activation]
         for inner, offset in hidden:
@@ -117,7 +117,7 @@ class Mlp:
             layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range(count)]
             return cls(layers, tables["activation"].item())
         except (ConfigError, ValueError, TypeError, KeyError) as error:
-            raise ConfigError(f"{path}: must be what Mlp.save writes: {reason(error)}") from None
+            raise ConfigError(f"{path}: must be a file from Mlp.save: {reason(error)}") from None
 
 
 def read_tables(
@@ -137,12 +137,12 @@ def read_tables(
         with Path(path).open("rb") as raw, np.load(raw) as file:
             tables = {name: file[name] for name in file.files}
     except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise errors of any type for a damaged file
-        raise ConfigError(f"{path}: must be what {written_by} writes: {reason(error)}") from None
+        raise ConfigError(f"{path}: must be a file from {written_by}: {reason(error)}") from None
     for name, value in known.items():
         if name not in tables or tables[name].shape != ():
-            raise ConfigError(f"{path}: must be what {written_by} writes: it has no {name}")
+            raise ConfigError(f"{path}: must be a file from {written_by}: it has no {name}")
         if value is not None and tables[name].item() != value:
-            raise ConfigError(f"{path}: {name} must be {value}, got {tables[name].item()}: train it again")
+            raise ConfigError(f"{path}: {name} must be {value}, got {tables[name].item()}; train the network again")
     return tables
 
 

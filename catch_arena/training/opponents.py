@@ -38,7 +38,8 @@ class SavedOpponents(NamedTuple):
     pool: tuple[_Opponent, ...]
     instances: dict[Place, Player]
     weights: NDArray[np.float64] | None
-    who: NDArray[np.int64]
+    seated: NDArray[np.int64]
+    """Agents in the seats, as `Opponents.seated`."""
 
 
 class Opponents:
@@ -68,7 +69,7 @@ class Opponents:
         limits = [Limits.of(config, seat) for seat in range(config.hunters)]
         self._limits = {word: [dataclasses.replace(its, control=word) for its in limits] for word in get_args(Control)}
         self._seats_differ = any(dataclasses.replace(its, control=limits[0].control) != limits[0] for its in limits)
-        self._who = np.full((num_envs, config.hunters), -1)
+        self._seated = np.full((num_envs, config.hunters), -1)
         self._instances: dict[Place, Player] = {}
 
     @property
@@ -84,7 +85,7 @@ class Opponents:
     @property
     def seated(self) -> NDArray[np.int64]:
         """Agents in the seats of the running episodes, as indices in the pool, -1 for learners: (B, H)."""
-        return self._who.copy()
+        return self._seated.copy()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -139,8 +140,8 @@ class Opponents:
             chosen = np.argsort(-keys, axis=1, kind="stable")[:, : seats.shape[1]]
         else:
             chosen = rng.choice(len(self._pool), p=self._weights, size=seats.shape)
-        self._who[arenas] = -1
-        self._who[arenas[:, None], seats] = chosen
+        self._seated[arenas] = -1
+        self._seated[arenas[:, None], seats] = chosen
         if not all(opponent.in_batches for opponent in self._pool):
             begun = set(arenas.tolist())
             self._instances = {place: one for place, one in self._instances.items() if place[0] not in begun}
@@ -150,7 +151,7 @@ class Opponents:
             for row, place in np.argwhere(chosen == number).tolist():
                 arena, seat = int(arenas[row]), int(seats[row, place])
                 player = copy.deepcopy(opponent.player)
-                player.where = _where(arena, seat)
+                player.place = _place(arena, seat)
                 self._instances[arena, seat] = player
                 player.call("reset", int(rng.integers(_SEED_LIMIT)))
         return chosen
@@ -161,11 +162,11 @@ class Opponents:
         Raises:
             AgentError: if an agent cannot be copied; it names the agent.
         """
-        return copy.deepcopy(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._who))
+        return copy.deepcopy(SavedOpponents(tuple(self._pool), self._instances, self._weights, self._seated))
 
     def restore(self, saved: SavedOpponents) -> None:
         """Continue from a saved state of these opponents, or of others with an equal config and number of arenas."""
-        pool, self._instances, self._weights, self._who = copy.deepcopy(saved)
+        pool, self._instances, self._weights, self._seated = copy.deepcopy(saved)
         self._pool = list(pool)
 
     def act(
@@ -181,7 +182,7 @@ class Opponents:
             AgentError: for an agent that fails; it names the agent, and the hunter if that is known.
         """
         for number, opponent in enumerate(self._pool):
-            arenas, seats = np.nonzero(self._who == number)
+            arenas, seats = np.nonzero(self._seated == number)
             if not len(arenas):
                 continue
             limits = self._limits[opponent.control]
@@ -194,31 +195,31 @@ class Opponents:
             for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
                 some, own_seats = arenas[group], seats[group]
                 batch = BatchView(observations[some, own_seats], masks[some, own_seats], limits[int(own_seats[0])])
-                answer = opponent.player.call("act_batch", batch)
-                self._write(opponent, answer, some, own_seats, choices, commands)
+                actions = opponent.player.call("act_batch", batch)
+                self._write(opponent, actions, some, own_seats, choices, commands)
 
     def _write(
         self,
         opponent: _Opponent,
-        answer: Any,
+        actions: Any,
         arenas: NDArray[np.int64],
         seats: NDArray[np.int64],
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Check an answer for many hunters against the legal actions, and write it to their places."""
-        what, most = f"{opponent.player.name}: actions", self._config.targets_seen
+        """Check the actions of many hunters, and write them to their places."""
+        name, last_rank = f"{opponent.player.name}: actions", self._config.targets_seen
         try:
-            ranks, velocities = action_arrays(what, answer, len(arenas), opponent.control)
+            ranks, velocities = action_arrays(name, actions, len(arenas), opponent.control)
         except ActionError as error:
             raise AgentError(str(error)) from None
         if ranks is not None:
-            legal = (ranks >= 0) & (ranks <= most)
-            _require(f"{what} must be whole numbers from 0 to {most}", ranks, legal, arenas, seats)
+            legal = (ranks >= 0) & (ranks <= last_rank)
+            _require(f"{name} must be whole numbers from 0 to {last_rank}", ranks, legal, arenas, seats)
             choices[arenas, seats] = ranks
         if velocities is not None:
             within = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
-            _require(f"{what} must be numbers in [-1, 1]", velocities, within, arenas, seats)
+            _require(f"{name} must be numbers in [-1, 1]", velocities, within, arenas, seats)
             commands[arenas, seats] = velocities
 
 
@@ -232,7 +233,7 @@ def _require(
     """Raise an AgentError for the first hunter whose action is not legal."""
     if not legal.all():
         row = int(np.argmin(legal))
-        raise AgentError(f"{requirement}, got {given[row].tolist()}{_where(int(arenas[row]), int(seats[row]))}")
+        raise AgentError(f"{requirement}, got {given[row].tolist()}{_place(int(arenas[row]), int(seats[row]))}")
 
 
 def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
@@ -240,7 +241,7 @@ def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] |
         return [pool], None
     agents = list(pool)
     if not agents:
-        raise ConfigError(f"opponents must be at least one agent, got {pool!r}")
+        raise ConfigError(f"opponents must name at least one agent, got {pool!r}")
     if not isinstance(pool, Mapping):
         return agents, None
     try:
@@ -252,7 +253,7 @@ def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] |
 
 def _shares(weights: NDArray[np.float64], given: str) -> NDArray[np.float64]:
     if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.sum() > 0):
-        raise ConfigError(f"opponents must have weights of at least 0, and one above it, got {given}")
+        raise ConfigError(f"weights of opponents must be at least 0, and at least one must be positive, got {given}")
     shares: NDArray[np.float64] = weights / weights.sum()
     return shares
 
@@ -272,9 +273,11 @@ def _opponent(agent: object) -> _Opponent:
     in_batches = callable(getattr(policy, "act_batch", None))
     for method in ("reset", "act_batch" if in_batches else "act"):
         if not callable(getattr(policy, method, None)):
-            raise AgentError(f"opponent {name}: must have reset and act_batch, or reset and act, got no {method}")
+            raise AgentError(
+                f"opponent {name}: must have the methods reset and act_batch, or reset and act, but has no {method}"
+            )
     return _Opponent(name, Player(f"opponent {name}", policy), control_of(policy), in_batches)
 
 
-def _where(arena: int, seat: int) -> str:
+def _place(arena: int, seat: int) -> str:
     return f" for hunter_{seat} in arena {arena}"

@@ -28,7 +28,7 @@ class Player:
     name: str
     """Name of the agent in errors."""
     policy: Any
-    where: str = ""
+    place: str = ""
     """End of errors, which names the hunter or prey that the instance plays."""
 
     def call(self, method: str, argument: object) -> Any:
@@ -40,7 +40,7 @@ class Player:
         try:
             return getattr(self.policy, method)(argument)
         except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-            raise AgentError(f"{self.name}: {method} raised {reason(error)}{self.where}") from error
+            raise AgentError(f"{self.name}: {method} raised {reason(error)}{self.place}") from error
 
     def act(self, view: Any, control: Control, ranks: int) -> tuple[int, tuple[float, float]]:
         """Return the rank and the two velocities of the agent's action, checked as in an env of one arena.
@@ -48,11 +48,11 @@ class Player:
         Raises:
             AgentError: if the agent raises anything, or for an action that is not legal.
         """
-        answer = self.call("act", view)
+        action = self.call("act", view)
         try:
-            return checked_action(control, self.name, answer, ranks)
+            return checked_action(control, self.name, action, ranks)
         except ActionError as error:
-            raise AgentError(f"{error}{self.where}") from None
+            raise AgentError(f"{error}{self.place}") from None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Player":
         """Return a copy with everything that the agent stores.
@@ -61,9 +61,9 @@ class Player:
             AgentError: if the agent cannot be copied.
         """
         try:
-            return Player(self.name, copy.deepcopy(self.policy, memo), self.where)
+            return Player(self.name, copy.deepcopy(self.policy, memo), self.place)
         except Exception as error:  # a stranger's code may raise anything
-            raise AgentError(f"{self.name}: copying it raised {reason(error)}") from error
+            raise AgentError(f"{self.name}: copying the agent raised {reason(error)}") from error
 
 
 class PreyPlayers:
@@ -120,12 +120,12 @@ class PreyPlayers:
 
 
 def action_arrays(
-    what: str, actions: Any, count: int, control: Control
+    name: str, actions: Any, count: int, control: Control
 ) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
     """Return the ranks, (N,), and the velocities, (N, 2), of N actions; None for a part that the control does not have.
 
     Args:
-        what: name of the actions in errors.
+        name: name of the actions in errors.
         actions: an array, a tensor or lists; under full control {"cmd_vel": (N, 2), "catch": (N,)}.
         count: N.
         control: control of the hunters.
@@ -136,9 +136,9 @@ def action_arrays(
     ranks, velocities = actions, actions
     if control == "full":
         if not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
-            raise ActionError(f"{what} must be a mapping with cmd_vel and catch, got {in_short(actions)}")
+            raise ActionError(f"{name} must be a mapping with cmd_vel and catch, got {in_short(actions)}")
         ranks, velocities = actions["catch"], actions["cmd_vel"]
     return (
-        None if control == "velocity" else action_array(what, ranks, (count,), whole=True),
-        None if control == "target" else action_array(what, velocities, (count, 2)),
+        None if control == "velocity" else action_array(name, ranks, (count,), whole=True),
+        None if control == "target" else action_array(name, velocities, (count, 2)),
     )

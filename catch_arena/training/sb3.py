@@ -94,15 +94,15 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missi
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
         """Call a method once and return its result for each row; sb3-contrib calls `action_masks` in this way."""
-        answer = getattr(self, method_name)(*args, **kwargs)
+        result = getattr(self, method_name)(*args, **kwargs)
         if method_name == "action_masks":
-            return [answer[row] for row in self._get_indices(indices)]
-        return [answer for _ in self._get_indices(indices)]
+            return [result[row] for row in self._get_indices(indices)]
+        return [result for _ in self._get_indices(indices)]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Return an attribute, which all rows share, once for each row."""
         if attr_name == "action_masks" and not self._has_masks:
-            raise AttributeError("there are no masks under velocity control")
+            raise AttributeError("velocity control has no action masks")
         value = getattr(self, attr_name)
         return [value for _ in self._get_indices(indices)]
 
@@ -113,7 +113,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missi
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Set an attribute, which all rows share."""
         if indices is not None:
-            raise ConfigError(f"indices must be None, since rows share their attributes, got {indices!r}")
+            raise ConfigError(f"indices must be None, because all rows share their attributes, got {indices!r}")
         setattr(self, attr_name, value)
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> Sequence[bool]:

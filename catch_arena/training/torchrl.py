@@ -23,7 +23,9 @@ class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl may be mis
 
     def __call__(cls, *arguments: Any, auto_reset: bool = False, **settings: Any) -> Any:
         if auto_reset is not False:
-            raise ConfigError(f"auto_reset must be False for TorchRL, which asks for resets, got {auto_reset!r}")
+            raise ConfigError(
+                f"auto_reset must be False, because TorchRL resets ended arenas itself, got {auto_reset!r}"
+            )
         return super().__call__(*arguments, **settings)
 
 

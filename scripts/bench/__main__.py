@@ -45,7 +45,7 @@ def parse() -> argparse.Namespace:
     add("--only", nargs="+", choices=groups, metavar="ROWS", help=f"some of {', '.join(groups)}; without it, all")
     add("--rounds", type=int, default=10, help="turns of each row (%(default)s)")
     add("--seconds", type=float, default=0.25, help="CPU-seconds of a turn (%(default)s)")
-    add("--quick", action="store_true", help="use tiny sizes, to check that it runs; the figures mean nothing")
+    add("--quick", action="store_true", help="use tiny sizes, only to check that the benchmark runs")
     add("--against", metavar="REF", help="measure that commit and the current version in turn, and no peers")
     add("--pufferlib", type=Path, metavar="FOLDER", help="PufferLib's unpacked source package, a peer")
     add("--json", type=Path, metavar="FILE", help="write the figures to this file")
@@ -92,12 +92,12 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
                 stack.callback(side.end)
                 sides[name] = side, rows
 
-            what = measured_version()
+            versions = measured_version()
             if args.against:
                 commit = commit_of(args.against)
                 stack.enter_context(checked_out(commit, work / "older"))
                 start("before", f"{args.against} ({commit[:12]})", work / "older", own)
-                what = f"Before: the commit {commit[:12]}. Now: {what}"
+                versions = f"Before: the commit {commit[:12]}. Now: {versions}"
             start("now", "the current version", ROOT, own)
             if "peers" in args.only:
                 start("peers", "it", None, peers.rows(quick=args.quick, pufferlib=args.pufferlib))
@@ -109,7 +109,7 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
         raise UnmeasurableError(next(iter(skipped.values())))
     return {
         "machine": machine(),
-        "what": what,
+        "what": versions,
         "command": COMMAND,
         "rounds": f"Medians of {args.rounds} rounds, in turn",
         "skipped": skipped,
@@ -126,7 +126,7 @@ def play(chosen: Sequence[tuple[Side, Mapping[str, Row]]], rounds: int, seconds:
         for done, name in enumerate(names):
             sides = [(side, rows[name]) for side, rows in chosen if name in rows]
             for side, _ in sides:  # at the same time, since compiling takes long
-                side.ask("make", name, seconds)
+                side.send("make", name, seconds)
             for side, row in sides:
                 try:
                     side.rows[name] = {"unit": row.unit, **side.answer(), "cpu": [], "wall": []}

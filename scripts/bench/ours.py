@@ -45,7 +45,7 @@ _AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
 def rows(*, quick: bool) -> dict[str, Row]:
     """Return all rows by name; `quick` has tiny sizes."""
     few, small, large, at_once = (2, 3, 33, 128) if quick else (32, 1024, 16384, 65536)
-    step, arena = "ns an agent-step", "us a step"
+    step, arena = "ns per agent-step", "us per step"
     return {
         "batch of 32": Row("batch", step, partial(batch, few)),
         BATCH: Row("batch", step, partial(batch, small)),
@@ -61,9 +61,9 @@ def rows(*, quick: bool) -> dict[str, Row]:
         "one arena, full control": Row("one-arena", arena, partial(one_arena, "full")),
         "LearnerBatch, nearest": Row("learners", step, partial(learners, few if quick else 256, "nearest")),
         "LearnerBatch, patrol": Row("learners", step, partial(learners, few if quick else 256, "patrol")),
-        "reset of one arena": Row("resets", "us a reset", reset),
-        "reset of a batch of 16,384": Row("resets", "us a reset", partial(reset, large)),
-        "env.render()": Row("render", "ms a frame", render),
+        "reset of one arena": Row("resets", "us per reset", reset),
+        "reset of a batch of 16,384": Row("resets", "us per reset", partial(reset, large)),
+        "env.render()": Row("render", "ms per frame", render),
         "video of 10 s, 1280 x 720": Row("render", "CPU-s", video),
         "tournament, trusted": Row("isolation", "s", partial(tournament, "--trusted")),
         **{
@@ -72,7 +72,7 @@ def rows(*, quick: bool) -> dict[str, Row]:
         },
         "first step, warm": Row("warm", "CPU-s", first_step),
         "first step, cold": Row("cold", "CPU-s", partial(first_step, cold=True)),
-        "memory": Row("memory", "bytes an arena", partial(memory, large)),
+        "memory": Row("memory", "bytes per arena", partial(memory, large)),
     }
 
 

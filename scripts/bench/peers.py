@@ -36,7 +36,7 @@ def rows(*, quick: bool, pufferlib: Path | None) -> dict[str, Row]:
         "PufferLib target, 14 goals, 1,024 at once": partial(pufferlib_target, pufferlib, small, 14, scan),
         "PufferLib target, 30 goals, 1,024 at once": partial(pufferlib_target, pufferlib, small, 30, scan),
     }
-    return {name: Row("peers", "ns an agent-step", make) for name, make in made.items()}
+    return {name: Row("peers", "ns per agent-step", make) for name, make in made.items()}
 
 
 def mpe2_simple_tag() -> Subject:
@@ -99,7 +99,7 @@ def jaxmarl_simple_tag(envs: int, steps: int) -> Subject:
 def pufferlib_target(source: Path | None, envs: int, goals: int, steps: int) -> Subject:
     """Make puffers that eat stars, in C and without Python; 30 stars are as many floats as our standard arena's."""
     if source is None:
-        raise ValueError("its source package is not named: --pufferlib")
+        raise ValueError("PufferLib's source package is missing; give it with --pufferlib")
     library = compiled(source)
     made = library.make_batch(envs, 4, goals)
     if not made:

@@ -41,7 +41,7 @@ class Side:
         self._process.start()
         end.close()
 
-    def ask(self, verb: str, name: str, seconds: float) -> None:
+    def send(self, verb: str, name: str, seconds: float) -> None:
         """Send a request, "make" or "turn", without waiting for the answer."""
         self._pipe.send((verb, name, seconds))
 
@@ -61,7 +61,7 @@ class Side:
 
     def play(self, name: str, seconds: float) -> None:
         """Play one turn of a row, and keep its times."""
-        self.ask("turn", name, seconds)
+        self.send("turn", name, seconds)
         for clock, time_s in zip(("cpu", "wall"), self.answer(), strict=True):
             self.rows[name][clock].append(time_s)
 

@@ -57,12 +57,12 @@ class Row(NamedTuple):
 
 
 UNITS = {
-    "ns an agent-step": 1e9,
-    "us a step": 1e6,
-    "us a reset": 1e6,
-    "ms a frame": 1e3,
+    "ns per agent-step": 1e9,
+    "us per step": 1e6,
+    "us per reset": 1e6,
+    "ms per frame": 1e3,
     "CPU-s": 1.0,
     "s": 1.0,
-    "bytes an arena": 1.0,
+    "bytes per arena": 1.0,
 }
 """Factor from seconds, or bytes, to each unit."""

@@ -13,7 +13,7 @@ def written(figures: Mapping[str, Any]) -> str:
     versions: Mapping[str, Mapping[str, Any]] = figures["versions"]
     text = [f"{figures['machine']}. {figures['what']}. Command: `{figures['command']}`. {figures['rounds']}."]
     if "before" in versions:
-        text.append(_beside(versions["before"], versions["now"]))
+        text.append(_compared(versions["before"], versions["now"]))
     else:
         text.append(_alone({**versions["now"], **versions.get("peers", {})}))
         if versions.get("peers"):
@@ -27,7 +27,7 @@ def _in_unit(row: Mapping[str, Any], seconds: float) -> str:
     return f"{UNITS[row['unit']] * seconds / agents:,.4g}"
 
 
-def _beside(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+def _compared(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """Return the table of two versions, with the speed of the current one relative to the older one."""
     rows = []
     for name, row in now.items():
@@ -51,7 +51,7 @@ def _alone(rows: Mapping[str, Mapping[str, Any]]) -> str:
     lines = []
     for name, row in rows.items():
         cost = f"{_in_unit(row, statistics.median(row['cpu']))} ({_in_unit(row, min(row['cpu']))})"
-        stepped = row["unit"] in {"ns an agent-step", "us a step"}
+        stepped = row["unit"] in {"ns per agent-step", "us per step"}
         rates = [rounded(row["agents"] / statistics.median(row[clock])) if stepped else "" for clock in ("cpu", "wall")]
         sizes = [row["agents"] if stepped else "", row["floats"] or ""]
         lines.append((name, *sizes, cost, row["unit"], *rates))

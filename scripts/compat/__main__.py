@@ -23,7 +23,7 @@ LIMIT_S = 3600
 
 
 class Client(NamedTuple):
-    """Program of one library, and its requirements besides torch and Catch Arena."""
+    """Program of one library, and its requirements in addition to torch and Catch Arena."""
 
     program: str
     requirements: tuple[str, ...]
@@ -118,8 +118,8 @@ def page_with(page: str, results: dict[str, tuple[str, str]], common: str) -> st
 def main() -> int:
     """Try the clients; return 0 if all of them train, else 1."""
     parser = argparse.ArgumentParser(prog="python scripts/compat", description=__doc__)
-    about = f"clients to try, of {', '.join(CLIENTS)}; without names, all"
-    parser.add_argument("clients", nargs="*", metavar="CLIENT", help=about)
+    help_text = f"clients to try, of {', '.join(CLIENTS)}; without names, all"
+    parser.add_argument("clients", nargs="*", metavar="CLIENT", help=help_text)
     wanted = parser.parse_args().clients or list(CLIENTS)
     if unknown := set(wanted) - set(CLIENTS):
         parser.error(f"unknown client {', '.join(sorted(unknown))}; the clients are {', '.join(CLIENTS)}")

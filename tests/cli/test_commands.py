@@ -47,7 +47,7 @@ def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_pat
     assert len(replays) == 2
     verified = catch_arena("verify", *replays)
     assert verified.exit_code == 0
-    assert verified.stdout.count("all of 30 steps play as recorded") == 2
+    assert verified.stdout.count("all 30 steps play as recorded") == 2
 
 
 SPOKEN = (
@@ -87,7 +87,7 @@ def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
 def test_the_result_of_a_match_names_everybody_by_the_seats(catch_arena):
     short = ["--set", "time_limit_s=2", "--set", "reach_m=3.0", "--seed", "3", "--force"]
     hunt = catch_arena("match", "nearest", "nearest", "patrol", "corners", "--scenario", "tag", *short).stdout
-    hunters, prey = hunt.split("prey, by how often it was caught:")
+    hunters, prey = hunt.split("prey, by number of times caught:")
     assert sorted(re.findall(r"\S+ \(\w+\)", hunters)) == [
         "nearest (hunter_0)",
         "nearest#2 (hunter_1)",
@@ -135,7 +135,7 @@ def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
         (["tournament", "nearest", "idle", *QUICK, "--set", "reach=2"], "did you mean reach_m"),
         (["tournament", "nearest", "idle", *QUICK, "--set", "reach_m=-2"], "reach_m must be above 0"),
         (["tournament", "nearest", "idle", *QUICK, "--set", "reach_m"], "--set must be KEY=VALUE"),
-        (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "left to the agents"),
+        (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "each agent declares its own control"),
         (
             ["tournament", "nearest", "idle", *QUICK, "--out", "file/o"],
             "file: cannot be written: is a file, not a folder",
@@ -157,7 +157,7 @@ def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
         (["match", "nearest", "idle", *QUICK, "--limit", "step_ms=9", "--trusted"], "--limit must be left out with"),
         (["match", "cmd:true", "idle", *QUICK, "--trusted"], "must not be trusted"),
         (["export", "missing", "-o", "e"], "missing: holds no tournament"),
-        (["match", "nearest", "idle", "--set", "teams=((0,1),(2,3))"], "or a list as [[0, 1], [2, 3]], got '((0,"),
+        (["match", "nearest", "idle", "--set", "teams=((0,1),(2,3))"], "or a list such as [[0, 1], [2, 3]], got '((0,"),
         (["match", "nearest", "idle", "--set", "prey_returns_s=None"], "must be a number, a word, true, false, null"),
         (["match", "nearest", "idle", "-s", "tag"], "at least 4 to play the 3 hunters and the 1 prey of tag, got 2"),
         (["tournament", "nearest", "idle", "-s", "tag"], "the 1 prey of tag in a tournament, where whoever is alone"),
@@ -252,9 +252,9 @@ def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
     words += ["--limit", "init_s=30", "--limit", "step_ms=20", "--limit", "bank_s=0.1", "--max-forfeits", "3"]
     told = catch_arena(*words).stderr
     for line in (
-        r"hangs +may take 30\.1 s a match: 0:02:00 for 4, then it is out",
-        r"all 2 that could +0:04:01 with one",
-        r"a slow agent +may take 30\.7 s a match: 0:10:14 for 20, no forfeit",
+        r"hangs +up to 30\.1 s per match: 0:02:00 for 4, then excluded",
+        r"all 2 such agents +0:04:01 with one",
+        r"a slow agent +up to 30\.7 s per match: 0:10:14 for 20, no forfeit",
         "mine forfeited there: ",
     ):
         assert re.search(line, told, re.MULTILINE), told
@@ -276,7 +276,7 @@ def test_who_was_out_is_told(catch_arena):
         "o",
     ]
     result = catch_arena("tournament", *words, "--trusted")
-    assert "crashes was out: 4 of its 8 matches were played without it" in result.output
+    assert "crashes was excluded: 4 of its 8 matches were played without it" in result.output
     assert catch_arena("report", "o").exit_code == 0
     assert "FORFEIT_OUT" in Path("o/report.html").read_text()
     assert json.loads(Path("o/standings.json").read_text())["standings"][1]["forfeits"] == {
@@ -351,7 +351,7 @@ def test_names_of_any_script_play_and_are_written_whatever_the_terminal_can_show
     ("name", "message"),
     [
         (b"caf\xe9.py", r"must be text in this system's encoding, utf-8: "),
-        (b"a\nb.py", r"its name must be of characters"),
+        (b"a\nb.py", r"its name must have 1 to"),
     ],
 )
 def test_a_name_that_is_no_text_is_one_line(catch_arena, tmp_path, name, message):

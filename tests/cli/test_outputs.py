@@ -59,7 +59,7 @@ def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, name
     Path(name).write_text("mine")
     refused = CliRunner().invoke(main, words)
     assert refused.exit_code == 2
-    assert refused.stderr == f"error: {name}: is there already: give --force to replace it, or another name\n"
+    assert refused.stderr == f"error: {name}: already exists; use --force to replace it, or choose another name\n"
     assert not refused.stdout
     assert Path(name).read_text() == "mine"
     CliRunner().invoke(main, [*words, "--force"])
@@ -110,7 +110,7 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given()
         for more in ([], ["--resume"]):
             refused = CliRunner().invoke(main, [*words, *more])
             assert refused.exit_code == 2
-            assert re.fullmatch(r"error: other/\S+: .* already: give --force to replace .*\n", refused.stderr)
+            assert re.fullmatch(r"error: other/\S+: already .*; use --force to replace .*\n", refused.stderr)
             assert Path("other", name).read_text() == "mine"
             assert not Path("other/tournament.sqlite").exists()
         Path("other", name).unlink()
@@ -143,7 +143,9 @@ def test_an_export_has_the_format_that_its_name_says(played, words, start):
 def test_an_export_whose_name_and_format_contradict_is_refused(played):
     refused = CliRunner().invoke(main, ["export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl"])
     assert refused.exit_code == 2
-    assert refused.stderr == ("error: --format must be as the file's name ends or be left out, got jsonl for hh.csv\n")
+    assert refused.stderr == (
+        "error: --format must match the ending of the file's name, or be left out, got jsonl for hh.csv\n"
+    )
     assert not Path("hh.csv").exists()
 
 
@@ -171,7 +173,7 @@ def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_th
     first = CliRunner().invoke(main, words)
     assert first.exit_code in {0, 1}
     assert [second.exit_code for second in seconds] == [2]
-    assert seconds[0].stderr == f"error: {name}: is there already: give --force to replace it, or another name\n"
+    assert seconds[0].stderr == f"error: {name}: already exists; use --force to replace it, or choose another name\n"
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert Path(name).stat().st_size
 

@@ -15,7 +15,7 @@ DUEL = ["--scenario", "duel", *QUICK]
     ("words", "what", "lines"),
     [
         (["match", "nearest", "idle", *DUEL], "playing", range(11)),
-        (["match", "nearest", "idle", *DUEL], "looking at agents", [1, 2]),
+        (["match", "nearest", "idle", *DUEL], "loading agents", [1, 2]),
         (["check-agent", "nearest", "-s", "duel", "-s", "standard", *QUICK], "playing", range(5)),
         (["conformance", "catch_arena:arbitrate", "--only", "basics"], "cases", None),
         (["compare", "nearest", "idle", *QUICK, "--jobs", "1", "--max-blocks", "1"], r"H0 \S+ < .+ H1", [2]),
@@ -27,7 +27,7 @@ def test_how_far_it_is_stands_on_stderr(tmp_path, monkeypatch, words, what, line
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
     result = CliRunner().invoke(main, words)
-    found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s, some \d+ s left$", result.stderr, re.MULTILINE)
+    found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s, about \d+ s left$", result.stderr, re.MULTILINE)
     assert found, result.output
     every = range(1, int(found[-1][1]) + 1)
     assert [int(done) for done, _ in found] == list(every if lines is None else lines)

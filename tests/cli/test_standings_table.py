@@ -18,6 +18,6 @@ def test_requests_that_team_mates_won_have_a_column_where_there_are_any(capsys, 
     Console(width=80, force_terminal=False).print(table)
     shown = capsys.readouterr().out
     head, *lines = (line.split() for line in shown.strip().splitlines())
-    assert ("mates" in head) == ("mates: requests a match that a team-mate won" in shown) == bool(to_mates)
+    assert ("mates" in head) == ("mates: requests per match lost to a team-mate" in shown) == bool(to_mates)
     if to_mates:
         assert [line[-1] for line in lines if line[:1] in (["1"], ["2"])] == ["5.0", "0.0"]

@@ -35,7 +35,9 @@ matches = 1
 SMALL_SUITE = Suite(
     "small",
     tuple(
-        SuiteScenario(name, scenario("duel", time_limit_s=1.0), ("nearest",), held_out=name == "unknown", about="")
+        SuiteScenario(
+            name, scenario("duel", time_limit_s=1.0), ("nearest",), held_out=name == "unknown", description=""
+        )
         for name in ("known", "unknown")
     ),
     blocks=4,

@@ -122,7 +122,7 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
         [sys.executable, "-c", script, *words], cwd=tmp_path / "gone", capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "error: the working folder was deleted: go to another one\n"
+    assert done.stderr == "error: the working folder was deleted; change to another folder\n"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
         (["match", "idle", "idle", "-o", "loop.replay"], "loop.replay: cannot be written: Too many levels of "),
         (["tournament", "idle", "idle", "--out", "loop"], "loop: cannot be written: is a link that leads to itself"),
         (["report", "loop"], "loop: is a link that leads to itself"),
-        (["mosaic", "loop", "-o", "x.mp4"], "loop: is no folder"),
+        (["mosaic", "loop", "-o", "x.mp4"], "loop: is not a folder"),
         (["match", "idle", "idle", "-o", 300 * "x" + ".replay"], "x.replay: cannot be written: File name too long"),
         (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),
     ],

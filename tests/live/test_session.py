@@ -124,7 +124,7 @@ def test_a_person_plays_prey(session, tmp_path):
     assert set(replay.config.controls) == {"target"}
     assert {float(commands[0][0]) for commands in replay.prey_commands} == {1.0}
     assert list(verify(replay)) == []
-    assert "prey, by how often it was caught:\n  1    0  you" in result.output
+    assert "prey, by number of times caught:\n  1    0  you" in result.output
 
 
 def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(session, tmp_path):
@@ -301,7 +301,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
         (["play", "--seat", "prey_0"], "--seat must be from 0 to 3 in standard, got prey_0"),
         (["play", "--scenario", "tag", "--seat", "3"], "--seat must be from 0 to 2, or prey_0 in tag, got 3"),
         (["play", "--against", "nearst"], "did you mean nearest"),
-        (["play", "nearest", "patrol", "idle", "first"], "agents must be 3 at most"),
+        (["play", "nearest", "patrol", "idle", "first"], "number of agents must be at most 3"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),
         (["play", "nearest", "--record", "."], "the name must end in .replay, got no ending"),
     ],

@@ -77,7 +77,7 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     quiet.mkdir()
     play("duel", time_limit_s=0.2).save(quiet / "q.replay")
     (folder.parent / "best.mp4").write_bytes(b"as it was")
-    for where, said in (("empty", "holds no replays"), ("nowhere", "is no folder"), ("quiet", "nothing worth seeing")):
+    for where, said in (("empty", "contains no replays"), ("nowhere", "is not a folder"), ("quiet", "no highlights")):
         result = call("highlights", where, "-o", "best.mp4", "--force")
         assert result.exit_code == 2
         assert said in result.output

@@ -138,7 +138,7 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
     result = CliRunner().invoke(main, ["verify", "played.replay", "cut.replay", "good.replay", "none.replay"])
 
     assert result.exit_code == 2
-    assert result.stdout == "good.replay: all of 80 steps play as recorded\n"
+    assert result.stdout == "good.replay: all 80 steps play as recorded\n"
     lines = result.stderr.splitlines()
     assert lines[0] == "played.replay: step 23 is the first that differs"
     assert {line.split(":")[0] for line in lines[:-1]} == {"played.replay", "error"}

@@ -77,7 +77,7 @@ def test_a_tournament_that_was_watched_is_served_until_ctrl_c(tmp_path):
     command = Command(tmp_path, [*words, "--watch"])
     lines = iter(command.process.stdout.readline, "")
     address = next(line for line in lines if line.startswith("watch: ")).split()[1]
-    assert f"the report stays at {address} until Ctrl-C\n" in lines
+    assert f"the report is served at {address} until Ctrl-C\n" in lines
     assert (tmp_path / "o" / "report.html").is_file()
     assert "of 2 matches" in fetched(address)
     assert fetched(f"{address}state") == "2 ended"

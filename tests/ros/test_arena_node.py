@@ -50,7 +50,7 @@ def test_a_node_that_was_not_remapped_is_told_how_in_one_line(twists):
     match.tick(20)
     (line,) = [line for line in match.said if "turtle1" in line]
     assert line == (
-        "warning: a node drives turtle1, which is no hunter where several seats are for nodes: start it with "
+        "warning: a node drives turtle1, but no hunter has that name if several seats are for nodes: start it with "
         "--ros-args -r /turtle1/cmd_vel:=/hunter_1/cmd_vel -r /turtle1/pose:=/hunter_1/pose "
         "-r /catch_turtle:=/hunter_1/catch_turtle to drive hunter_1 (p1)"
     )
@@ -142,7 +142,7 @@ def test_a_node_that_asks_for_what_is_gone_is_told_after_ten_times():
         match.ask(match.a, name)
         match.tick()
     (line,) = match.said
-    assert line.startswith("anna has asked 10 times for targets that are gone, as target_turtle_1: choose another")
+    assert line.startswith("anna has requested targets that are gone 10 times, such as target_turtle_1: choose another")
 
 
 def test_a_node_without_targets_may_be_silent_and_one_with_targets_may_not():
@@ -157,7 +157,7 @@ def test_a_node_without_targets_may_be_silent_and_one_with_targets_may_not():
     match.drive(match.a, 0.0)
     match.tick()
     assert match.said[1:] == [
-        "hunter_0: its node is silent; the hunter stands still until one drives it again",
+        "hunter_0: its node is silent; the hunter stands still until a node drives it again",
         "hunter_0: its node is back",
     ]
 
@@ -178,7 +178,7 @@ def test_a_node_that_drove_and_goes_is_told_once(targets, silent_ticks):
     how = "is silent" if targets and silent_ticks > 63 else "has gone"
     assert match.said == [
         "hunter_0: its node is there",
-        f"hunter_0: its node {how}; the hunter stands still until one drives it again",
+        f"hunter_0: its node {how}; the hunter stands still until a node drives it again",
     ]
 
 
@@ -199,7 +199,7 @@ def test_one_node_may_use_other_names_for_the_list_and_the_service(seats):
         assert "-r /turtles:=/alive_turtles -r /catch_it:=/hunter_0/catch_turtle" in match.said[0]
         return
     assert match.said == [
-        f"a node uses {name}: it is served as {usual} (or start it with --ros-args -r {name}:={usual})"
+        f"a node uses {name}, so it is served like {usual} (or start it with --ros-args -r {name}:={usual})"
         for name, usual in (("/turtles", "/alive_turtles"), ("/catch_it", "/catch_turtle"))
     ]
     answer = match.ask(match.a, match.service.spawn(2.1, 2.0), "/catch_it")
@@ -223,7 +223,7 @@ def test_nobody_is_robbed_by_a_kill_from_afar(seats):
         match.tick()
         assert match.sent("/rulings")[-1].verdict == "GRANTED"
     else:
-        assert match.said == ["warning: /kill of a target is refused: ask /catch_turtle for it"]
+        assert match.said == ["warning: /kill of a target is refused: call /catch_turtle instead"]
     assert alive == [near, far]
     assert match.hunter().score == 2 - seats
 
@@ -346,7 +346,7 @@ def test_fields_that_turtles_do_not_obey_are_not_read():
         match.tick()
 
     assert match.hunter().linear_velocity == 1.0
-    assert match.said[0] == "warning: hunter_0: its node sends linear.y, which is not obeyed: turn instead"
+    assert match.said[0] == "warning: hunter_0: its node sends linear.y, which turtles ignore: turn instead"
     assert sum("linear.y" in line for line in match.said) == 1
 
 
@@ -490,7 +490,7 @@ def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
 
     assert match.hunter(1).withdrawn
     assert match.hunter(0).linear_velocity == 1.0
-    assert any(line.startswith("hunter_1 is out: ") for line in match.said)
+    assert any(line.startswith("hunter_1 forfeits and is withdrawn: ") for line in match.said)
     assert match.node.standings() == ((1, 2), (0, 0))
     while not match.service.over:
         match.tick()

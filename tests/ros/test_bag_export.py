@@ -148,7 +148,7 @@ def test_a_bag_is_replaced_with_force_alone_and_what_is_no_bag_never(replays, tm
     refused = run(*words, folder)
     assert (refused.exit_code, refused.stderr) == (
         2,
-        f"error: {folder}: is there already: give --force to replace it, or another name\n",
+        f"error: {folder}: already exists; use --force to replace it, or choose another name\n",
     )
     assert run(*words, folder, "--force", "--storage", "sqlite3").exit_code == 0
     assert sorted(path.name for path in folder.iterdir()) == ["b.db3", "metadata.yaml"]
@@ -156,7 +156,7 @@ def test_a_bag_is_replaced_with_force_alone_and_what_is_no_bag_never(replays, tm
     mine.mkdir()
     (mine / "thesis.txt").write_text("all of it")
     refused = run(*words, mine, "--force")
-    assert refused.stderr == f"error: {mine}: is there already, and is no bag: give another name\n"
+    assert refused.stderr == f"error: {mine}: already exists and is not a bag; choose another name\n"
     assert (mine / "thesis.txt").read_text() == "all of it"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["b", "mine"]
 
@@ -168,7 +168,7 @@ def test_a_package_that_cannot_be_is_one_line(replays, tmp_path, option, name):
     refused = run("ros", "bag", replays / "one.replay", "-o", tmp_path / "b", option, name)
     assert refused.exit_code == 2
     assert refused.stderr == (
-        f"error: {option} must be the name of a ROS package, as my_robot_interfaces, got {name!r}\n"
+        f"error: {option} must be the name of a ROS package, such as my_robot_interfaces, got {name!r}\n"
     )
 
 

@@ -22,21 +22,21 @@ def run(*arguments):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("serve", "--seat", "nearest"), "--seat must be SEAT=WHO, as 0=ros or 1=patrol, got 'nearest'"),
+        (("serve", "--seat", "nearest"), "--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got 'nearest'"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
-        (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must be of characters that can be printed"),
+        (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must have 1 to 100 printable characters"),
         (
             ("serve", "--seat", "9=ros"),
-            "--seat 0 must be given too, as 0=ros: there is a hunter for each --seat, where neither --scenario nor",
+            "--seat 0 must be given too, such as 0=ros: without --scenario and --set hunters=..., there is one hunter",
         ),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
         (("serve", "--domain", "233"), "the domain id must be a whole number from 0 to 232, got 233"),
         (("serve", "--interfaces", "my-robot"), "--interfaces must be the name of a ROS package"),
-        (("controller", "--turtle", "bad name!"), "--turtle must be letters, digits and underscores, as turtle1"),
+        (("controller", "--turtle", "bad name!"), "--turtle must be letters, digits and underscores, such as turtle1"),
         (("spawner", "--spawn-frequency", "nan"), "spawn_frequency_hz must"),
         (
             ("spawner", "--name-prefix", "2nd"),
-            "turtle_name_prefix must be letters, digits and underscores, as turtle1, got '2nd'",
+            "turtle_name_prefix must be letters, digits and underscores, such as turtle1, got '2nd'",
         ),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--domain", "300"), "from 0 to 232, got 300"),
         (
@@ -54,7 +54,7 @@ def run(*arguments):
         ),
         (
             ("serve", "--bus", "cyclonedds", "--url", "ws://x"),
-            "--url ws://x must come with --bus rosbridge, whose server listens there, got --bus cyclonedds",
+            "--url ws://x must come with --bus rosbridge, got --bus cyclonedds",
         ),
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
         (("serve", "--seat", "0=Ros"), "--seat 0: did you mean ros? got Ros"),
@@ -92,7 +92,7 @@ def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypa
 @pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
 @pytest.mark.parametrize(
     ("variables", "hint"),
-    [({}, " ROS_LOCALHOST_ONLY=1 keeps to this machine"), ({"ROS_LOCALHOST_ONLY": "1"}, "")],
+    [({}, " ROS_LOCALHOST_ONLY=1 limits ROS to this machine"), ({"ROS_LOCALHOST_ONLY": "1"}, "")],
 )
 def test_without_a_network_interface_it_is_one_line(variables, hint):
     """In a network of its own, whose only interface is down, the loopback interface."""

@@ -120,8 +120,8 @@ def test_a_message_that_cannot_be_sent_is_left_out_with_a_line(ours, domain):
 
 
 FAST_DDS = (
-    "a node with Fast DDS, ROS's default middleware, {}, and its services cannot be spoken to over cyclonedds: start "
-    "it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus rclpy or --bus rosbridge"
+    "a node with Fast DDS, ROS's default middleware, {}, and services of such nodes do not work over cyclonedds: start "
+    "it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use --bus rclpy or --bus rosbridge"
 )
 
 
@@ -173,7 +173,7 @@ def test_a_node_with_fast_dds_is_named_once_if_it_calls_or_hears_the_list(ours, 
     until(lambda: made.spin(0.01) or said)
     for _ in range(20):
         made.spin(0.01)
-    assert said == [f"warning: {FAST_DDS.format(f'has to do with {topic}')}"]
+    assert said == [f"warning: {FAST_DDS.format(f'uses {topic}')}"]
     del ends
 
 

@@ -79,7 +79,7 @@ def test_names_that_are_taken_are_passed_over_at_once_and_told_once(node, turtle
     node.play(2 * A_SECOND + 30)
     assert node.listed == ["t_23", "t_24"]
     (line,) = node.said
-    assert line.startswith("warning: t_1 is not spawned, as turtlesim has one of that name")
+    assert line.startswith("warning: t_1 is not spawned, because turtlesim has a turtle of that name")
 
 
 @pytest.fixture
@@ -129,13 +129,13 @@ def test_a_controller_asks_its_own_service_where_there_is_one(hub, drives, servi
     for bus, _ in hub.served.values():
         bus.spin()
     assert [service for service in services if asked[service]] == [heard]
-    assert not any("nobody" in line for line in said)
+    assert not any("no node serves" in line for line in said)
 
 
 def test_where_nobody_judges_a_controller_says_so_once(drives):
     said, period = drives()
     for _ in range(3):
         period()
-    assert [line for line in said if "nobody" in line] == [
-        "warning: tom is within reach, and nobody serves /turtle2/catch_turtle or /catch_turtle"
+    assert [line for line in said if "no node serves" in line] == [
+        "warning: tom is within reach, but no node serves /turtle2/catch_turtle or /catch_turtle"
     ]

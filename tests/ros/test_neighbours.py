@@ -37,10 +37,10 @@ def test_a_node_of_the_exercise_is_no_news():
     ("endpoint", "does", "what"),
     [
         (("publisher", "/alive_turtles", LIST), "publishes /alive_turtles", "a spawner"),
-        (("service", "/catch_turtle", CATCH), "answers /catch_turtle", "a spawner"),
+        (("service", "/catch_turtle", CATCH), "serves /catch_turtle", "a spawner"),
         (("publisher", "/turtle1/pose", POSE), "publishes /turtle1/pose", "turtlesim or a second arena"),
         (("publisher", "/hunter_1/pose", POSE), "publishes /hunter_1/pose", "turtlesim or a second arena"),
-        (("service", "/spawn", "turtlesim/srv/Spawn"), "answers /spawn", "turtlesim or a second arena"),
+        (("service", "/spawn", "turtlesim/srv/Spawn"), "serves /spawn", "turtlesim or a second arena"),
     ],
 )
 def test_a_second_referee_is_named_with_the_command_for_the_controller_alone(endpoint, does, what):
@@ -60,7 +60,7 @@ def test_other_names_get_the_remapping_to_type():
     ]
     (line,) = lines(graph, ("hunter_0", "hunter_1"))
     assert line == (
-        "warning: /bot uses /autobot/cmd_vel and /autobot/pose and /turtles and /catch_turtles, which nobody answers "
+        "warning: /bot uses /autobot/cmd_vel and /autobot/pose and /turtles and /catch_turtles, which no node serves "
         "here: start it with --ros-args -r /autobot/cmd_vel:=/hunter_0/cmd_vel -r /autobot/pose:=/hunter_0/pose "
         "-r /turtles:=/alive_turtles -r /catch_turtles:=/hunter_0/catch_turtle"
     )
@@ -83,7 +83,7 @@ def test_a_node_with_another_package_is_told_which_one_to_give():
 
 class Bus(LocalBus):
     backend = "rclpy"
-    about = "rmw_fastrtps_cpp"
+    middleware = "rmw_fastrtps_cpp"
 
     def __init__(self, graph, fault=None):
         super().__init__(Hub(), "doctor")
@@ -107,14 +107,16 @@ def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypat
     assert "ROS_DOMAIN_ID=7" in facts
     assert "ROS_AUTOMATIC_DISCOVERY_RANGE is not set" in facts
     assert "interfaces: my_robot_interfaces/srv/CatchTurtle: string name -> bool success" in facts
-    assert facts[-1].startswith("node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), hears ")
+    assert facts[-1].startswith(
+        "node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), subscribes to "
+    )
 
     said = examine(Bus(PLAYER, ("my package is not built", "build it")), TYPES, 0.0)[1]
     assert said == ["my package is not built: build it"]
-    assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node is there: start yours; ")
+    assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node was found: start yours; ")
     spawner = Endpoint("/turtle_spawner", "service", "/catch_turtle", CATCH)
-    assert examine(Bus([*PLAYER, spawner]), TYPES, 0.0)[1][0].startswith("/turtle_spawner answers /catch_turtle, as ")
+    assert examine(Bus([*PLAYER, spawner]), TYPES, 0.0)[1][0].startswith("/turtle_spawner serves /catch_turtle, as ")
     arena = Endpoint("/catch_arena", "publisher", "/turtle1/pose", POSE)
     assert examine(Bus([*PLAYER, arena]), TYPES, 0.0)[1] == []
-    assert examine(Bus([arena]), TYPES, 0.0)[1][0].startswith("no other node is there: ")
-    assert examine(Bus(None), TYPES, 0.0)[1][0].startswith("rclpy does not tell which nodes there are: ")
+    assert examine(Bus([arena]), TYPES, 0.0)[1][0].startswith("no other node was found: ")
+    assert examine(Bus(None), TYPES, 0.0)[1][0].startswith("rclpy does not report other nodes: ")

@@ -128,7 +128,7 @@ def test_a_node_that_never_answers_is_one_line(outcomes):
 def test_where_nobody_serves_it_one_line_says_so(outcomes):
     code, _, stderr = outcomes["nobody"]
     assert code == 2
-    error = "error: nobody serves /catch_turtle on this bus: does the node run, in the same domain?"
+    error = "error: no node serves /catch_turtle on this bus: does the node run, in the same domain?"
     assert stderr.splitlines()[1:] == [error]
 
 
@@ -196,7 +196,7 @@ def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words):
 
 @pytest.mark.parametrize("word", ["ros:", "ros:catch_turtle", "ros:/catch turtle", "ros:/", "ros:/1a"])
 def test_what_no_service_is_called_is_one_line(word):
-    refused(f"a service must be given as ros:/NAME, as ros:/catch_turtle, got {word!r}", "conformance", word)
+    refused(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}", "conformance", word)
 
 
 def test_an_arena_is_refused_with_a_service():
@@ -210,7 +210,7 @@ def test_an_arena_is_refused_with_a_service():
 )
 def test_options_for_a_bus_are_refused_without_a_service(words, option, spec):
     spec.write_text('title = "t"\n[[test]]\nname = "a"\nscenario = "capstone"\nmin_mean_score = 1\n')
-    refused(f"{option[0]} must come with a service of a node, as ros:/catch_turtle", *words, *option)
+    refused(f"{option[0]} must come with the service of a node, such as ros:/catch_turtle", *words, *option)
 
 
 @pytest.mark.parametrize(

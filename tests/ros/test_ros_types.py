@@ -100,24 +100,24 @@ def test_what_a_node_uses_decides_between_types_of_one_package(package):
         (
             USUAL["msg"],
             {"CatchTurtle": ({"one": "string", "two": "string"}, {"success": "boolean"})},
-            "mine/srv/CatchTurtle_Request holds string one, string two: it needs one text named name, or only one text",
+            "mine/srv/CatchTurtle_Request has string one, string two: it needs one text named name, or only one text",
         ),
         (
             USUAL["msg"],
             {"CatchTurtle": ({"name": "string"}, {"success": "string"})},
-            "mine/srv/CatchTurtle_Response holds string success: it needs one bool named success, or only one bool",
+            "mine/srv/CatchTurtle_Response has string success: it needs one bool named success, or only one bool",
         ),
         (
             {**USUAL["msg"], "Turtle": {"name": "string", "coordinates": "sequence<double>"}},
             USUAL["srv"],
-            "mine/msg/Turtle holds string name, sequence<double> coordinates: it needs one real number named x",
+            "mine/msg/Turtle has string name, sequence<double> coordinates: it needs one real number named x",
         ),
         (
             USUAL["msg"],
             {"Catch": USUAL["srv"]["CatchTurtle"], "KillTurtle": USUAL["srv"]["CatchTurtle"]},
             "mine: CatchTurtle could be mine/srv/Catch and mine/srv/KillTurtle",
         ),
-        (USUAL["msg"], {}, "mine/srv holds nothing in the place of CatchTurtle"),
+        (USUAL["msg"], {}, "mine/srv has no type that fits CatchTurtle"),
     ],
 )
 def test_what_is_missing_or_ambiguous_is_told_with_what_the_file_holds(package, msg, srv, why):
@@ -125,7 +125,7 @@ def test_what_is_missing_or_ambiguous_is_told_with_what_the_file_holds(package, 
     with pytest.raises(BusError) as error:
         package_types("mine", Interfaces())
     assert str(error.value).startswith(why)
-    assert f"build {'the package' if 'holds' in why else 'mine'} again" in error.value.hint
+    assert f"build {'the package' if ' has ' in why else 'mine'} again" in error.value.hint
 
 
 def test_a_package_that_is_not_built_is_one_line():
@@ -159,7 +159,7 @@ def test_where_none_fits_the_nearest_are_told_with_what_they_hold(package, monke
     with pytest.raises(BusError) as error:
         fitting_packages(Interfaces())
     assert str(error.value) == (
-        "mine/srv/CatchTurtle_Request holds int64 id: it needs one text named name, or only one text"
+        "mine/srv/CatchTurtle_Request has int64 id: it needs one text named name, or only one text"
     )
     monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds"]))
     with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import$"):
@@ -178,7 +178,7 @@ def test_the_types_that_a_node_uses_come_before_those_of_packages(package, monke
     used = [Endpoint("/mine", "client", "/catch_turtle", "b/srv/CatchTurtle")]
     assert found_types(Interfaces(), lambda: used).package == "b"
     assert found_types(Interfaces("a"), lambda: used).package == "a"
-    with pytest.raises(BusError, match=r"^a and b have a catch service each$") as error:
+    with pytest.raises(BusError, match=r"^each of the packages a and b has a catch service$") as error:
         found_types(Interfaces(), list)
     assert error.value.hint == "give --interfaces a, or another"
 

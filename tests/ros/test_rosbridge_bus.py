@@ -143,8 +143,8 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
     assert sorted(line.partition(" must")[0] for line in said) == [
         "warning: rosbridge: a message on /catch_turtle cannot be read: name",
         "warning: rosbridge: a message on /t cannot be read: geometry_msgs/msg/Twist",
+        f"warning: rosbridge: the server at {bridge[1]} does not speak rosbridge's protocol",
         "warning: rosbridge: unknown \\x1b[31m type",
-        f"warning: rosbridge: what listens at {bridge[1]} does not speak rosbridge's protocol",
     ]
 
 

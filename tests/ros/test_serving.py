@@ -17,8 +17,8 @@ from catch_arena.ros.nodes.serving import Served, serve_match
 from catch_arena.scenarios import SCENARIOS, scenario
 
 REFUSED = {
-    "tag": "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 1",
-    "herd": "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 4",
+    "tag": "prey must be 0 on a bus, because no node can play it (--set prey=0), got 1",
+    "herd": "prey must be 0 on a bus, because no node can play it (--set prey=0), got 4",
     "capstone": "a recorded match must be of another policy than capstone, whose grants need no target",
 }
 LAST_TICK = 63
@@ -98,7 +98,7 @@ def test_an_interrupt_in_the_match_ends_it_with_a_ranking(tmp_path):
     found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20), said.append)
     assert found.ranks == (1, 1)
     assert Replay.load(record).steps == LAST_TICK - 21
-    assert said == ["ended after 1 s, before its time: the ranking until then"]
+    assert said == ["the match was stopped after 1 s; this is the ranking until then"]
 
 
 def test_teams_are_ranked_as_teams(capsys):

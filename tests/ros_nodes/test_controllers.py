@@ -64,7 +64,7 @@ def test_a_spawner_next_to_the_arena_is_named(course):
     arena = course.serve(*ANNA)
     course.node("referee")
     line = arena.wait_for("^warning: /turtle_spawner ").string
-    assert "answers /catch_turtle" in line
+    assert "serves /catch_turtle" in line
     assert "publishes /alive_turtles" in line
     assert "ros2 run" in line
 

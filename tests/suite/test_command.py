@@ -24,9 +24,9 @@ SHORT = {"time_limit_s": 3.0}
 SMALL = Suite(
     name="small_v1",
     scenarios=(
-        SuiteScenario("duel", scenario("duel", **SHORT), ("nearest", "first"), held_out=False, about="two"),
-        SuiteScenario("four", scenario("standard", **SHORT), ("first", "contested"), held_out=True, about="four"),
-        SuiteScenario("pairs", scenario("pairs", **SHORT), ("nearest",), held_out=True, about="teams"),
+        SuiteScenario("duel", scenario("duel", **SHORT), ("nearest", "first"), held_out=False, description="two"),
+        SuiteScenario("four", scenario("standard", **SHORT), ("first", "contested"), held_out=True, description="four"),
+        SuiteScenario("pairs", scenario("pairs", **SHORT), ("nearest",), held_out=True, description="teams"),
     ),
     blocks=4,
     seed=5,
@@ -82,14 +82,15 @@ def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
     again = run("contested")
     assert again.exit_code == 2
     assert again.stderr == (
-        "error: out/suite/contested: holds matches of contested already: go on with --resume, or give another folder\n"
+        "error: out/suite/contested: already contains matches of contested; continue with --resume, or "
+        "choose another folder\n"
     )
     (tmp_path / "out/suite/contested/four/tournament.sqlite").unlink()
     resumed = run("contested", "--resume", "--json", "two.json")
     assert resumed.exit_code == 0, resumed.output
     one, two = ((tmp_path / name).read_text() for name in ("one.json", "two.json"))
     assert without_times(one) == without_times(two)
-    assert "all of which are kept already" in run("contested", "--resume").stdout
+    assert "all of them played already" in run("contested", "--resume").stdout
 
 
 def without_times(text):
@@ -103,10 +104,10 @@ def test_who_cannot_read_a_width_is_told_before_any_match_and_one_that_fits_it_p
     result = run("mine.py", "--trusted", "--quick")
     assert result.exit_code == 0, result.output
     warned = [line for line in result.stderr.splitlines() if "cannot play" in line]
-    needed = "act raised ConfigError: observations must have 71 numbers for this network, got"
+    needed = "act raised ConfigError: observations must have 71 columns for this network, got"
     assert warned == [
-        f"mine cannot play duel, and forfeits there: {needed} (57,)",
-        f"mine cannot play pairs, and forfeits there: {needed} (74,)",
+        f"mine cannot play duel, and forfeits there: {needed} the shape (57,)",
+        f"mine cannot play pairs, and forfeits there: {needed} the shape (74,)",
     ]
     assert "NOT the protocol" in result.stdout
     assert re.search(r"^ +duel +0\.00 .* no +4 *$", result.stdout, re.MULTILINE)  # it forfeits all, and is not first
@@ -123,14 +124,14 @@ def test_one_that_cannot_begin_is_told_once(run, tmp_path):
     assert result.exit_code == 0, result.output
     assert result.stderr.count("it imports rclpy, which is not installed here") == 2  # as for every command, and here
     assert "mine cannot play any scenario, and forfeits there: " in result.stderr
-    assert "an interval (? below) needs 4\n" in result.stdout
+    assert "intervals (? below) need 4 blocks\n" in result.stdout
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["nearst"], "unknown agent 'nearst': did you mean nearest"),
-        (["nearest", "--json", "there.json"], "there.json: is there already: give --force"),
+        (["nearest", "--json", "there.json"], "there.json: already exists; use --force"),
         (["nearest", "--out", "there.json"], "there.json: cannot be written: is a file, not a folder"),
     ],
 )
@@ -176,7 +177,7 @@ def test_what_was_caught_in_a_forfeited_match_does_not_count():
 
 
 def measured(blocks):
-    one = SuiteScenario("three", scenario("standard", hunters=3), ("first", "random"), held_out=False, about="")
+    one = SuiteScenario("three", scenario("standard", hunters=3), ("first", "random"), held_out=False, description="")
     return measure_scenario(one, enter(["nearest", "first", "random"]), [match for block in blocks for match in block])
 
 

@@ -89,8 +89,8 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["nearest"], "agents must be two, A and B, got 1"),
-        (["nearest", "idle", "first"], "the field is named by --against"),
+        (["nearest"], "number of agents must be 2, A and B, got 1"),
+        (["nearest", "idle", "first"], "give their opponents with --against"),
         (["nearest", "idle", "--elo0", "30"], "share0 < share1"),
         (["nearest", "idle", "--shares", "0.5", "1.5"], "got 0.5 and 1.5"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),

@@ -80,12 +80,12 @@ def test_arenas_that_do_not_reset_by_themselves_give_their_last_observations():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, beside an opponent"),
+        ({"learners": 2, "opponents": "nearest"}, "learners must be a whole number from 1 to 1, got 2"),
         ({"learners": 0}, "learners must be a whole number from 1 to 2"),
-        ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 where there are opponents, got 1"),
-        ({"prey_agent": "flee"}, "prey must be at least 1 for an agent to play it, got 0 and the agent flee"),
+        ({"hunters": 1, "opponents": "nearest"}, "hunters must be at least 2 if there are opponents, got 1"),
+        ({"prey_agent": "flee"}, "prey_agent must be None in a scenario without prey, got flee"),
         ({"normalise": 1}, "normalise must be true or false, got 1"),
-        ({"control": ("target", "full")}, "control must be one word, that of the learners"),
+        ({"control": ("target", "full")}, "control must be one word, for all learners"),
         ({"num_envs": 10**8}, "num_envs must fit into this machine's memory, got 100000000"),
         ({"num_envs": 0}, "num_envs must be a whole number from 1"),
     ],
@@ -101,7 +101,7 @@ def test_bad_actions_of_learners_are_refused_and_nothing_moves():
     """Shape, type and value, with and without opponents; and a step before the first reset."""
     for opponents, rows in ((None, 6), ("nearest", 3)):
         batch = LearnerBatch("duel", 3, opponents=opponents)
-        with pytest.raises(EpisodeError, match="step must follow a reset"):
+        with pytest.raises(EpisodeError, match="was called before the first reset"):
             batch.step(np.zeros(rows, int))
         batch.reset(seed=1)
         before = batch.arena.digest(2)
@@ -252,15 +252,17 @@ def test_an_opponent_that_cannot_be_copied_is_named():
     batch = LearnerBatch("duel", 2, opponents=["nearest", Locked])
     batch.reset(seed=1)
     for keep in (batch.save, batch.clone):
-        with pytest.raises(AgentError, match=r"opponent Locked: copying it raised TypeError: cannot pickle '_thread"):
+        with pytest.raises(
+            AgentError, match=r"opponent Locked: copying the agent raised TypeError: cannot pickle '_thread"
+        ):
             keep()
-    with pytest.raises(AgentError, match="opponent LockedAlone: copying it raised TypeError"):
+    with pytest.raises(AgentError, match="opponent LockedAlone: copying the agent raised TypeError"):
         LearnerBatch("duel", 2, opponents=LockedAlone).reset(seed=1)
 
 
 def test_what_a_batch_cannot_go_on_from_is_refused():
     batch = LearnerBatch("standard", 2, opponents="random", learners=2)
-    with pytest.raises(EpisodeError, match="save must follow a reset: no episode has begun"):
+    with pytest.raises(EpisodeError, match=r"save\(\) was called before the first reset"):
         batch.save()
     batch.reset(seed=1)
     before = played(batch.clone(), 1)
@@ -274,7 +276,7 @@ def test_what_a_batch_cannot_go_on_from_is_refused():
         other.reset(seed=1)
         with pytest.raises(ConfigError, match=message):
             batch.restore(other.save())
-    with pytest.raises(ConfigError, match="saved must be what save gives, got 'state'"):
+    with pytest.raises(ConfigError, match="saved must be a SavedLearners from save"):
         batch.restore("state")
     assert played(batch, 1) == before
 
@@ -318,9 +320,9 @@ def test_gymnasiums_wrappers_of_observations_fit_where_ended_arenas_wait():
     env.reset(options={"reset_mask": np.array([True, True, False, False, False, False])})
     batch = env.unwrapped.batch
     assert [batch.arena.world(row).step for row in range(3)] == [0, 5, 5]
-    with pytest.raises(ConfigError, match="reset_mask must name all learners of an arena or none"):
+    with pytest.raises(ConfigError, match="reset_mask must be equal for all learners of an arena"):
         env.reset(options={"reset_mask": np.array([True, False, False, False, False, False])})
-    with pytest.raises(ConfigError, match=r"reset_mask must be 6 of True or False, got the shape \(2,\)"):
+    with pytest.raises(ConfigError, match=r"reset_mask must be 6 booleans, got bool of the shape \(2,\)"):
         env.reset(options={"reset_mask": np.array([True, False])})
 
 
@@ -389,7 +391,7 @@ def test_a_network_that_cannot_be_is_refused():
     layer = torch_like("Linear", np.zeros((2, 3)), np.zeros(2))
     with pytest.raises(ConfigError, match="modules must be Linear, Tanh and ReLU, got Conv2d"):
         Mlp.of_torch(layer, torch_like("Conv2d"))
-    with pytest.raises(ConfigError, match="modules must have one kind of activation, got relu, tanh"):
+    with pytest.raises(ConfigError, match="modules must all have the same activation, got relu, tanh"):
         Mlp.of_torch(layer, torch_like("Tanh"), torch_like("ReLU"))
     with pytest.raises(ConfigError, match="layers must be weights"):
         Mlp.of_torch(layer, layer)
@@ -397,7 +399,9 @@ def test_a_network_that_cannot_be_is_refused():
         Mlp([])
     with pytest.raises(ConfigError, match="activation must be one of tanh, relu, got 'gelu'"):
         Mlp([(np.zeros((2, 3)), np.zeros(2))], "gelu")
-    with pytest.raises(ConfigError, match=re.escape("observations must have 3 numbers for this network, got (57,)")):
+    with pytest.raises(
+        ConfigError, match=re.escape("observations must have 3 columns for this network, got the shape (57,)")
+    ):
         Mlp.of_torch(layer)(np.zeros(57))
     with pytest.raises(ConfigError, match="biases of layer 0 must be finite numbers, got inf"):
         Mlp([(np.zeros((2, 3)), np.array([1.0, np.inf]))])
@@ -422,13 +426,13 @@ def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
     lone = io.BytesIO()
     np.save(lone, np.zeros(3))
     for content in (b"text", b"", whole[:10], whole[: len(whole) // 2], lone.getvalue()):
-        assert "must be what Mlp.save writes" in said(content)
-    assert "ruleset must be catch_arena_v1, got catch_arena_v0: train it again" in said(
+        assert "must be a file from Mlp.save" in said(content)
+    assert "ruleset must be catch_arena_v1, got catch_arena_v0; train the network again" in said(
         tables | {"ruleset": "catch_arena_v0"}
     )
     assert "it has no ruleset" in said({name: table for name, table in tables.items() if name != "ruleset"})
     assert "weights of layer 1 must be finite numbers, got nan" in said(tables | {"w_1": np.full((2, 4), np.nan)})
     assert "layers must be weights" in said(tables | {"w_1": np.zeros((2, 5))})
-    assert "must be what Mlp.save writes" in said({name: table for name, table in tables.items() if name != "w_1"})
-    with pytest.raises(ConfigError, match=r"none\.npz: must be what Mlp\.save writes"):
+    assert "must be a file from Mlp.save" in said({name: table for name, table in tables.items() if name != "w_1"})
+    with pytest.raises(ConfigError, match=r"none\.npz: must be a file from Mlp\.save"):
         Mlp.load(tmp_path / "none.npz")

@@ -150,7 +150,7 @@ def test_learners_move_on_by_a_seat_and_opponents_are_drawn_anew_in_each_episode
     for _ in range(200):
         batch.step(hold(batch))
         seats.append(batch.seats)
-        met.update(batch.opponents._who[batch.opponents._who >= 0].tolist())
+        met.update(batch.opponents._seated[batch.opponents._seated >= 0].tolist())
 
     assert seats[0].tolist() == [[0, 1], [1, 2], [2, 3], [3, 0]]
     assert seats[1].tolist() == [[1, 2], [2, 3], [3, 0], [0, 1]]
@@ -250,7 +250,7 @@ def test_after_an_opponent_that_cannot_begin_an_episode_all_must_be_reset():
     with pytest.raises(AgentError, match="opponent Tires: reset raised ValueError: tired for hunter_1 in arena 1"):
         batch.step(hold(batch))
     for call in (lambda: batch.step(hold(batch)), lambda: batch.reset(arenas=[0]), batch.save):
-        with pytest.raises(EpisodeError, match="must follow a reset"):
+        with pytest.raises(EpisodeError, match="was called before the first reset"):
             call()
     Tires.made = 0
     batch.reset(seed=1)
@@ -260,11 +260,11 @@ def test_after_an_opponent_that_cannot_begin_an_episode_all_must_be_reset():
 @pytest.mark.parametrize(
     ("pool", "message"),
     [
-        ([], r"opponents must be at least one agent, got \[\]"),
-        ({}, "opponents must be at least one agent"),
-        ({"nearest": 0.0}, "opponents must have weights of at least 0, and one above it"),
-        ({"nearest": -1, "patrol": 2}, "opponents must have weights of at least 0"),
-        ({"nearest": "often"}, "opponents must have weights"),
+        ([], r"opponents must name at least one agent, got \[\]"),
+        ({}, "opponents must name at least one agent"),
+        ({"nearest": 0.0}, "weights of opponents must be at least 0, and at least one must be positive"),
+        ({"nearest": -1, "patrol": 2}, "weights of opponents must be at least 0"),
+        ({"nearest": "often"}, "weights of opponents must be"),
     ],
 )
 def test_a_pool_that_is_empty_or_has_bad_weights_is_refused(pool, message):
@@ -277,7 +277,7 @@ def test_a_pool_that_is_empty_or_has_bad_weights_is_refused(pool, message):
     ("opponent", "message"),
     [
         ("nearst", "nearst"),
-        (3, "opponent int: must have reset and act_batch, or reset and act, got no reset"),
+        (3, "opponent int: must have the methods reset and act_batch, or reset and act, but has no reset"),
         (Unmade, r"opponent Unmade: Unmade\(\) raised ValueError: not today"),
     ],
 )

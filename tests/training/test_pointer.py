@@ -69,10 +69,10 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
         assert "\n" not in str(error.value)
         return str(error.value)
 
-    assert "ruleset must be catch_arena_v1, got catch_arena_v9: train it again" in said(
+    assert "ruleset must be catch_arena_v1, got catch_arena_v9; train the network again" in said(
         "rules", ruleset="catch_arena_v9"
     )
-    assert "features must be 1, got 0: train it again" in said("features", features=0)
+    assert "features must be 1, got 0; train the network again" in said("features", features=0)
     assert "it has no ruleset" in said("none", ruleset=None)
     assert "weights logit must have the shape (8,), got nothing" in said("missing", logit=None)
     assert "weights encode must have the shape (45, 8), got (71, 8)" in said("width", encode=np.zeros((71, 8)))
@@ -83,7 +83,7 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
     whole = good.read_bytes()
     for cut in (0, 10, len(whole) // 2, len(whole) - 5):
         (tmp_path / "cut.npz").write_bytes(whole[:cut])
-        with pytest.raises(ConfigError, match=r"cut\.npz: must be what PointerNetwork\.save writes"):
+        with pytest.raises(ConfigError, match=r"cut\.npz: must be a file from PointerNetwork\.save"):
             PointerNetwork.load(tmp_path / "cut.npz")
     with pytest.raises(ConfigError, match=r"gone\.npz"):
         PointerNetwork.load(tmp_path / "gone.npz")

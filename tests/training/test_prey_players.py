@@ -104,8 +104,8 @@ class Prey:
             lambda batch: batch.step(np.zeros((6, 2))),
             "an action must be two numbers .* for prey_0 in arena 0",
         ),
-        ("copy", LearnerBatch.save, "copying it raised ValueError: no"),
-        ("copy", LearnerBatch.clone, "copying it raised ValueError: no"),
+        ("copy", LearnerBatch.save, "copying the agent raised ValueError: no"),
+        ("copy", LearnerBatch.clone, "copying the agent raised ValueError: no"),
     ],
 )
 def test_prey_that_fails_is_named_in_one_line(tmp_path, monkeypatch, fault, play, message):

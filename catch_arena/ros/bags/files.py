@@ -86,6 +86,6 @@ def _require_free(folder: Path, target: Path, *, force: bool) -> None:
     if not target.exists() or (target.is_dir() and not any(target.iterdir())):
         return
     if not (target / _METADATA).is_file():
-        raise OutputError(f"{folder}: is there already, and is no bag: give another name")
+        raise OutputError(f"{folder}: already exists and is not a bag; choose another name")
     if not force:
-        raise OutputError(f"{folder}: is there already: give --force to replace it, or another name")
+        raise OutputError(f"{folder}: already exists; use --force to replace it, or choose another name")

@@ -74,7 +74,7 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
         progress: called with (messages read, messages in all).
 
     Raises:
-        ReplayError: for a file that is no such bag, or has no hunter in it; one line.
+        ReplayError: for a file that is not a bag of turtlesim, or a bag without a hunter.
     """
     recording = _Recording()
     faults: dict[str, str] = {}
@@ -89,7 +89,7 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
             first = time_ns if first is None else first
             time_ms = (time_ns - first) / 1e6
             if not 0.0 <= time_ms <= _LONGEST_MS:
-                raise ReplayError(f"{path}: must last 24 hours at most, and its time must not go backwards")
+                raise ReplayError(f"{path}: must last at most 24 hours, and its times must not decrease")
             try:
                 handlers[connection.topic](time_ms, store.deserialize_cdr(data, connection.msgtype))
                 end_ms = time_ms
@@ -101,15 +101,15 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
     for topic, fault in faults.items():
         if topic.endswith(ALIVE_TURTLES) and not recording.lists:
             raise ReplayError(
-                f"{path}: {topic}: none of its messages can be read as TurtleArray with string name, float64 x, y, "
-                f"theta: {fault}"
+                f"{path}: {topic}: its messages must be TurtleArray with string name, float64 x, y, theta; none can "
+                f"be read: {fault}"
             )
     if not recording.tracks:
         fault = next((f": {one}" for one in faults.values()), "")
-        raise ReplayError(f"{path}: holds no pose that can be read{fault}")
+        raise ReplayError(f"{path}: has no pose that can be read{fault}")
     hunters = _hunters(recording)
     if not hunters:
-        raise ReplayError(f"{path}: holds poses of targets alone: record {pose_of(TURTLE)} too")
+        raise ReplayError(f"{path}: has no poses of hunters; record {pose_of(TURTLE)} too")
     return BagContents(hunters, recording.lists, recording.catches, end_ms, left_out)
 
 
@@ -134,12 +134,12 @@ def _opened(path: Path) -> Iterator[Reader]:
     except ReplayError:
         raise
     except FileNotFoundError as error:
-        missing = "no such file" if not path.exists() else "is no bag: it holds no metadata.yaml"
-        raise ReplayError(f"{path}: {missing}") from error
+        fault = "no such file" if not path.exists() else "is not a bag: it has no metadata.yaml"
+        raise ReplayError(f"{path}: {fault}") from error
     except OSError as error:
         raise ReplayError(f"{path}: cannot be read: {reason(error)}") from error
     except Exception as error:
-        raise ReplayError(f"{path}: is no bag, or a damaged one: {one_line(reason(error))}") from error
+        raise ReplayError(f"{path}: is not a bag, or is damaged: {one_line(reason(error))}") from error
 
 
 def _handlers(
@@ -147,25 +147,26 @@ def _handlers(
 ) -> dict[str, _Handler]:
     """Return a handler for each topic of the game, and register the types of their messages."""
     handlers: dict[str, _Handler] = {}
-    lists = {one.topic for one in connections if one.msgtype.endswith("/msg/TurtleArray")}
+    lists = {connection.topic for connection in connections if connection.msgtype.endswith("/msg/TurtleArray")}
     has_poses = False
-    for one in connections:
-        package, _, kind = one.msgtype.partition("/")
-        if kind == "msg/Pose" and package in {"turtlesim", "turtlesim_msgs"} and one.topic.endswith(POSE):
+    for connection in connections:
+        package, _, kind = connection.msgtype.partition("/")
+        topic = connection.topic
+        if kind == "msg/Pose" and package in {"turtlesim", "turtlesim_msgs"} and topic.endswith(POSE):
             register(store, Interfaces(turtlesim=package).pose)
-            handlers[one.topic] = partial(recording.on_pose, one.topic.strip("/").removesuffix(POSE))
+            handlers[topic] = partial(recording.on_pose, topic.strip("/").removesuffix(POSE))
             has_poses = True
-        elif one.topic in lists and (one.topic.endswith(ALIVE_TURTLES) or len(lists) == 1):
-            _register_list(one, store)
-            handlers[one.topic] = recording.on_list
+        elif topic in lists and (topic.endswith(ALIVE_TURTLES) or len(lists) == 1):
+            _register_list(connection, store)
+            handlers[topic] = recording.on_list
     if not has_poses:
-        raise ReplayError(f"{path}: has no poses of turtlesim: record with ros2 bag record -a")
+        raise ReplayError(f"{path}: has no poses of turtlesim; record with ros2 bag record -a")
     return handlers
 
 
-def _register_list(one: Connection, store: Typestore) -> None:
+def _register_list(connection: Connection, store: Typestore) -> None:
     """Register a list's type by the bag's own definition, which may have float32; Humble's SQLite files have none."""
-    if one.msgdef.format == MessageDefinitionFormat.NONE:
-        register(store, Interfaces(one.msgtype.partition("/")[0]).turtle_array)
+    if connection.msgdef.format == MessageDefinitionFormat.NONE:
+        register(store, Interfaces(connection.msgtype.partition("/")[0]).turtle_array)
     else:
-        store.register(get_types_from_msg(one.msgdef.data, one.msgtype))
+        store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))

@@ -28,10 +28,10 @@ class JudgedCatch:
         """One line: time, hunter, target, distance, and the ruling with its clause."""
         name = printable(self.catch.name[:_LONGEST_NAME]) or "a target without a name"
         distance = "" if self.ruling.distance_um is None else f" from {metres(self.ruling.distance_um)}"
-        but = "" if self.ruling.success else "but "
+        contrast = "" if self.ruling.success else "but "
         return (
             f"{self.catch.time_ms / 1000.0:9.3f} s  {self.hunter} caught {name}{distance}: "
-            f"{but}{self.ruling.verdict.name}, {self.ruling.reason}"
+            f"{contrast}{self.ruling.verdict.name}, {self.ruling.reason}"
         )
 
 

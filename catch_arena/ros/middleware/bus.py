@@ -24,21 +24,21 @@ Log = Callable[[str], object]
 
 
 class OnceLog:
-    """A log that leaves out a line if it, or another line about the same, was logged before."""
+    """A log that leaves out a line if it, or another line with the same subject, was logged before."""
 
     def __init__(self, log: Log) -> None:
         self._log = log
         self._logged: set[str] = set()
 
-    def __call__(self, line: str, about: str = "") -> None:
-        """Log a line; lines that differ and have the same `about` count as one."""
-        if (about or line) not in self._logged:
-            self._logged.add(about or line)
+    def __call__(self, line: str, subject: str = "") -> None:
+        """Log a line; lines with the same subject count as one, even if they differ."""
+        if (subject or line) not in self._logged:
+            self._logged.add(subject or line)
             self._log(line)
 
-    def warn(self, line: str, about: str = "") -> None:
+    def warn(self, line: str, subject: str = "") -> None:
         """Log a line as a warning, once."""
-        self(f"warning: {line}", about or line)
+        self(f"warning: {line}", subject or line)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,7 @@ class Bus(ABC):
     """
 
     backend: ClassVar[Backend]
-    about: str = ""
+    middleware: str = ""
     """Name of the middleware below the back-end; empty if there is only one."""
 
     def interfaces(self, given: Interfaces) -> Interfaces:

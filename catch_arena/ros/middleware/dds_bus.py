@@ -117,21 +117,22 @@ class DdsBus(Bus):
         self._late.clear()
         del self._waiting, self._participant
 
-    def _hand_out(self, one: "_Reader") -> int:
+    def _hand_out(self, reader: "_Reader") -> int:
         """Handle the oldest sample of a reader, and return the number of taken samples: 0 or 1."""
-        taken = ddspy_take(one.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's own take cannot skip a bad sample
+        taken = ddspy_take(reader.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's take cannot skip a bad sample
+        topic = reader.reader.topic
         if isinstance(taken, int):
-            raise DDSException(taken, f"on {ros_name(one.reader.topic.name)}")
+            raise DDSException(taken, f"on {ros_name(topic.name)}")
         for data, info in taken:
             if not info.valid_data:
                 continue
             try:
-                sample = one.reader.topic.data_type.deserialize(data)
+                sample = topic.data_type.deserialize(data)
             except Exception as error:  # noqa: BLE001 - messages of other nodes may fail anywhere in the decoder
-                what = f"a message on {ros_name(one.reader.topic.name)} cannot be read"
-                self._log.warn(f"{what} ({type(error).__name__})", what)
+                problem = f"a message on {ros_name(topic.name)} cannot be read"
+                self._log.warn(f"{problem} ({type(error).__name__})", problem)
             else:
-                one.on_sample(sample)
+                reader.on_sample(sample)
         return len(taken)
 
     def _reply(self, reply: "_Reply") -> None:
@@ -147,9 +148,9 @@ class DdsBus(Bus):
         try:
             writer.write(sample)
         except Exception as error:  # noqa: BLE001 - the package raises nothing narrower for a value that is too long
-            why = code_of(error) if isinstance(error, DDSException) else one_line(str(error.__cause__ or error))
-            what = f"a message on {ros_name(writer.topic.name)} cannot be sent"
-            self._log.warn(f"{what} ({why})", what)
+            cause = code_of(error) if isinstance(error, DDSException) else one_line(str(error.__cause__ or error))
+            problem = f"a message on {ros_name(writer.topic.name)} cannot be sent"
+            self._log.warn(f"{problem} ({cause})", problem)
 
     def _next_id(self) -> str:
         """Return a new id by which other nodes match the reader and the writer of a service or a client."""
@@ -224,7 +225,7 @@ class _DdsClient:
             server = self._writer.get_matched_subscription_data(handle)
             if server is not None and is_fast_dds(str(server.participant_key)):
                 # Such a server never answers, and may run out of memory over the request.
-                raise BusError(FAST_DDS.format(what=f"serves {self._service}"))
+                raise BusError(FAST_DDS.format(use=f"serves {self._service}"))
         return True
 
     def call(self, request: Any) -> Call:

@@ -33,13 +33,15 @@ def join(domain: int, qos: Qos) -> DomainParticipant:
             _domains[domain] = Domain(domain, configuration(os.environ))
         return DomainParticipant(domain, qos=qos)
     except UnicodeEncodeError:
-        raise BusError("CYCLONEDDS_URI must be ASCII, which is all that the package cyclonedds takes") from None
+        raise BusError(
+            "CYCLONEDDS_URI must be ASCII, because the package cyclonedds takes no other characters"
+        ) from None
     except DDSException as error:
         advice = "is there a network interface?"
         if os.environ.get("CYCLONEDDS_URI"):
             advice = "is CYCLONEDDS_URI right? The lines of cyclonedds above are about it, or about a network interface"
         elif not is_localhost_only(os.environ):
-            advice += " ROS_LOCALHOST_ONLY=1 keeps to this machine"
+            advice += " ROS_LOCALHOST_ONLY=1 limits ROS to this machine"
         raise BusError(f"DDS domain {domain} cannot be joined ({code_of(error)}): {advice}") from None
 
 

@@ -9,8 +9,8 @@ from catch_arena.ros.middleware.bus import Log
 from catch_arena.ros.middleware.dds_types import ros_name
 
 FAST_DDS: Final = (
-    "a node with Fast DDS, ROS's default middleware, {what}, and its services cannot be spoken to over cyclonedds: "
-    "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or give --bus rclpy or --bus rosbridge"
+    "a node with Fast DDS, ROS's default middleware, {use}, and services of such nodes do not work over cyclonedds: "
+    "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use --bus rclpy or --bus rosbridge"
 )
 """The warning about a node with Fast DDS, with the ways to use it."""
 _VENDOR: Final = "010f"
@@ -45,7 +45,7 @@ class FastDdsWatch:
         found = [one for reader in self._appeared for one in reader.take(_IN_ONE_SPIN) if one.sample_info.valid_data]
         for one in found:
             if one.topic_name in self.topics and is_fast_dds(str(one.participant_key)):
-                self._log(f"warning: {FAST_DDS.format(what=f'has to do with {ros_name(one.topic_name)}')}")
+                self._log(f"warning: {FAST_DDS.format(use=f'uses {ros_name(one.topic_name)}')}")
                 self.close()
                 return
 

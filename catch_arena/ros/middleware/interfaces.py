@@ -210,8 +210,8 @@ def service_type(
     name: str, request: Callable[..., Any], response: Callable[..., Any], floats: str = "float64"
 ) -> ServiceType:
     """Return the service that two NamedTuples stand for."""
-    asked = message_type(f"{name}_Request", request, floats=floats)
-    return ServiceType(name, asked, message_type(f"{name}_Response", response, floats=floats))
+    request_type = message_type(f"{name}_Request", request, floats=floats)
+    return ServiceType(name, request_type, message_type(f"{name}_Response", response, floats=floats))
 
 
 def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageType, Any], Any]) -> dict[str, Any]:

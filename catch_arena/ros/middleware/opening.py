@@ -53,9 +53,7 @@ def open_bus(
             f"--domain {domain} must be left out with --bus rosbridge: the server has a domain of its own"
         )
     if backend != "rosbridge" and url is not None:
-        raise ConfigError(
-            f"--url {url} must come with --bus rosbridge, whose server listens there, got --bus {backend}"
-        )
+        raise ConfigError(f"--url {url} must come with --bus rosbridge, got --bus {backend}")
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
 
@@ -72,9 +70,9 @@ def open_bus(
 def described(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
     """Return one line on how nodes reach this bus, and with which types."""
     where = "" if bus.backend == "rosbridge" else f", domain {_checked_domain(domain)}"
-    below = f", {bus.about}" if bus.about else ""
+    middleware = f", {bus.middleware}" if bus.middleware else ""
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
-    return f"bus: {bus.backend}{where}{below}, {python}, interfaces of {interfaces.package}"
+    return f"bus: {bus.backend}{where}{middleware}, {python}, interfaces of {interfaces.package}"
 
 
 def is_service(name: str) -> bool:
@@ -89,7 +87,7 @@ def checked_package(option: str, name: str) -> str:
         ConfigError: for anything else.
     """
     if not _NAME.fullmatch(name):
-        raise ConfigError(f"{option} must be the name of a ROS package, as {INTERFACES}, got {name!r}")
+        raise ConfigError(f"{option} must be the name of a ROS package, such as {INTERFACES}, got {name!r}")
     return name
 
 
@@ -128,8 +126,6 @@ def _import_fault(backend: Backend) -> str:
 
 def _missing(backend: Backend) -> str:
     if backend == "rclpy":
-        return (
-            "rclpy is not there: source ROS first (source /opt/ros/jazzy/setup.bash), with the Python it was built for"
-        )
+        return "rclpy cannot be imported: source ROS first (source /opt/ros/jazzy/setup.bash), and use ROS's own Python"
     where = "" if backend == "rosbridge" else " (no wheels for Linux on ARM: use --bus rosbridge)"
     return f"{backend} needs {_MODULES[backend]}, which is not installed: {_INSTALL}{where}"

@@ -26,7 +26,7 @@ class RclpyBus(Bus):
         rclpy = import_module("rclpy")
         groups, executors = import_module("rclpy.callback_groups"), import_module("rclpy.executors")
         self._future = import_module("rclpy.task").Future
-        self.about = str(rclpy.get_rmw_implementation_identifier())
+        self.middleware = str(rclpy.get_rmw_implementation_identifier())
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = rclpy.create_node(node, context=self._context)
@@ -35,8 +35,9 @@ class RclpyBus(Bus):
         self._executor = executors.SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._types: Interfaces | None = None
-        self._heard = 0
-        self._owed = 0
+        self._handled = 0
+        """Number of callbacks that have begun or ended."""
+        self._unanswered = 0
         self._spinning = False
         self._answered = 0
         """Number of answers that were given and have not left yet."""
@@ -58,17 +59,17 @@ class RclpyBus(Bus):
         if own in nodes:
             nodes.remove(own)  # another node of that name stays: a second arena, with the same endpoints
         found = [end for topic, _ in node.get_topic_names_and_types() for end in self._ends_of(topic)]
-        asked: tuple[tuple[EndpointKind, Any], ...] = (
+        queries: tuple[tuple[EndpointKind, Any], ...] = (
             ("service", node.get_service_names_and_types_by_node),
             ("client", node.get_client_names_and_types_by_node),
         )
         for name, space in nodes:
             full = _full_name(space, name)
-            for kind, ask in asked:
+            for kind, query in queries:
                 with suppress(RuntimeError):  # the node has just gone
-                    found += [Endpoint(full, kind, one, kept) for one, types in ask(name, space) for kept in types]
-        there = {_full_name(space, name) for name, space in nodes}
-        return [end for end in found if end.node in there]
+                    found += [Endpoint(full, kind, end, word) for end, types in query(name, space) for word in types]
+        present = {_full_name(space, name) for name, space in nodes}
+        return [end for end in found if end.node in present]
 
     def _ends_of(self, topic: str) -> Iterator[Endpoint]:
         """Yield the publishers and subscriptions of a topic, and whether their fields are those of ours."""
@@ -99,11 +100,11 @@ class RclpyBus(Bus):
     def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
         """Subscribe to a topic."""
 
-        def hear(message: Any) -> None:
-            self._heard += 1
+        def on_ros_message(message: Any) -> None:
+            self._handled += 1
             on_message(from_attributes(kind, message))
 
-        self._node.create_subscription(ros_class(kind.name), topic, hear, DEPTH, callback_group=self._group)
+        self._node.create_subscription(ros_class(kind.name), topic, on_ros_message, DEPTH, callback_group=self._group)
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service. Its callback is a coroutine, which the executor resumes when there is an answer.
@@ -112,8 +113,8 @@ class RclpyBus(Bus):
         """
 
         async def handle(request: Any, response: Any) -> Any:
-            self._heard += 1
-            self._owed += 1
+            self._handled += 1
+            self._unanswered += 1
             answered = self._future(executor=self._executor)
 
             def answer(value: Any) -> None:
@@ -122,9 +123,9 @@ class RclpyBus(Bus):
 
             on_request(Request(from_attributes(kind.request, request), answer))
             value = await answered
-            self._owed -= 1
+            self._unanswered -= 1
             self._answered -= 1
-            self._heard += 1
+            self._handled += 1
             return to_ros(kind.response, value, response)
 
         self._node.create_service(ros_class(kind.name), service, handle, callback_group=self._group)
@@ -145,11 +146,11 @@ class RclpyBus(Bus):
         """
         self._spinning = True
         idle, end = 0, None
-        while end is None or (idle <= self._owed + 1 and time.monotonic() < end):
-            heard = self._heard
+        while end is None or (idle <= self._unanswered + 1 and time.monotonic() < end):
+            handled_before = self._handled
             self._executor.spin_once(timeout_sec=timeout_s if end is None else 0.0)
             end = end or time.monotonic() + SPIN_S
-            idle = 0 if self._heard > heard else idle + 1
+            idle = 0 if self._handled > handled_before else idle + 1
         self._spinning = False
 
     def _send_answers(self) -> None:

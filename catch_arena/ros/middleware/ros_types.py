@@ -78,7 +78,10 @@ def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> I
             return next(iter(found.values()))
         if time.monotonic() >= end:
             names = " and ".join(found)
-            raise BusError(f"{names} have a catch service each", f"give --interfaces {next(iter(found))}, or another")
+            raise BusError(
+                f"each of the packages {names} has a catch service",
+                f"give --interfaces {next(iter(found))}, or another",
+            )
         time.sleep(0.1)
 
 
@@ -103,9 +106,9 @@ def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: 
     def message(name: str) -> MessageType:
         return _matched(name, ros_class(name), given.turtle_array)
 
-    asked = service(catch) if catch else _only(package, "srv", "CatchTurtle", service)
-    listed = message(turtles) if turtles else _only(package, "msg", "TurtleArray", message)
-    return given.with_types(turtle_array=listed, catch_turtle=asked)
+    catch_turtle = service(catch) if catch else _only(package, "srv", "CatchTurtle", service)
+    turtle_array = message(turtles) if turtles else _only(package, "msg", "TurtleArray", message)
+    return given.with_types(turtle_array=turtle_array, catch_turtle=catch_turtle)
 
 
 def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
@@ -174,7 +177,7 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
         several = " and ".join(one.name for one in likely)
         raise BusError(f"{package}: {usual} could be {several}", f"name one of them {usual}, and build {package} again")
     near = [fault for fault in faults.values() if _is_near(fault, package)]
-    raise BusError("; ".join(near) or f"{package}/{folder} holds nothing in the place of {usual}", _CORRECT)
+    raise BusError("; ".join(near) or f"{package}/{folder} has no type that fits {usual}", _CORRECT)
 
 
 def _tried(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str, Any], dict[str, str]]:
@@ -205,24 +208,24 @@ def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
 
     theta may be missing, and an answer may have no fields.
     """
-    there = dict(_flat(own))
+    own_fields = dict(_flat(own))
     fields = []
     for field in wanted.fields:
         kind = "list of messages" if field.is_sequence else _KINDS[_ros_word(field)]
-        found = _field(there, field.name, kind)
-        if found is None and (field.name == "theta" or (field.name == "success" and not there)):
+        found = _field(own_fields, field.name, kind)
+        if found is None and (field.name == "theta" or (field.name == "success" and not own_fields)):
             fields.append(Field("", field.type, is_sequence=False))
             continue
         if found is None:
-            holds = ", ".join(f"{word} {one}" for one, word in there.items() if "." not in one) or "no field"
-            other = f", or only one {kind}" if kind in _BY_KIND else ""
-            raise BusError(f"{name} holds {holds}: it needs one {kind} named {field.name}{other}", _CORRECT)
+            has = ", ".join(f"{word} {own_name}" for own_name, word in own_fields.items() if "." not in own_name)
+            choice = f", or only one {kind}" if kind in _BY_KIND else ""
+            raise BusError(f"{name} has {has or 'no field'}: it needs one {kind} named {field.name}{choice}", _CORRECT)
         if isinstance(field.type, MessageType):
-            package, _, word = there[found].removeprefix("sequence<").rstrip(">").partition("/")
+            package, _, word = own_fields[found].removeprefix("sequence<").rstrip(">").partition("/")
             element = f"{package}/msg/{word}"
             fields.append(Field(found, _matched(element, ros_class(element), field.type), is_sequence=True))
         else:
-            fields.append(Field(found, there[found], is_sequence=False))
+            fields.append(Field(found, own_fields[found], is_sequence=False))
     return MessageType(name, wanted.make, tuple(fields))
 
 
@@ -239,13 +242,13 @@ def _ros_word(field: Field) -> str:
     return {"float64": "double", "bool": "boolean"}.get(str(field.type), str(field.type))
 
 
-def _field(there: Mapping[str, str], wanted: str, kind: str) -> str | None:
+def _field(fields: Mapping[str, str], wanted: str, kind: str) -> str | None:
     """Return the name of the field in the place of a wanted one; None if there is none, or more than one.
 
     A message's own fields come before those of the messages in it.
     """
     for depth in (0, 1):
-        fitting = [name for name, word in there.items() if name.count(".") == depth and _kind_of(word) == kind]
+        fitting = [name for name, word in fields.items() if name.count(".") == depth and _kind_of(word) == kind]
         for usual in _NAMES.get(wanted, (wanted,)):
             if found := [name for name in fitting if name.rpartition(".")[2] == usual]:
                 return found[0] if len(found) == 1 else None

@@ -167,16 +167,16 @@ class RosbridgeBus(Bus):
             return
         try:
             frame = json.loads(text)
-            does = frame["op"]
+            operation = frame["op"]
         except (KeyError, TypeError, ValueError):
-            self._warn_once(f"what listens at {self._url} does not speak rosbridge's protocol")
+            self._warn_once(f"the server at {self._url} does not speak rosbridge's protocol")
             return
-        if does == "status":
+        if operation == "status":
             self._warn_once(str(frame.get("msg")))
-        elif does == "service_response":
+        elif operation == "service_response":
             self._on_response(frame)
         else:
-            inbox = self._inboxes.get((does, frame.get("service", frame.get("topic"))))
+            inbox = self._inboxes.get((operation, frame.get("service", frame.get("topic"))))
             if inbox is not None:
                 inbox.frames.append(frame)
 
@@ -217,12 +217,12 @@ class RosbridgeBus(Bus):
         except ValueError as error:
             self._warn_once(f"a message on {answered.service} cannot be read: {error}", answered.service)
 
-    def _warn_once(self, what: str, about: str = "") -> None:
-        self._log.warn(f"rosbridge: {one_line(what)}", about or what)
+    def _warn_once(self, problem: str, subject: str = "") -> None:
+        self._log.warn(f"rosbridge: {one_line(problem)}", subject or problem)
 
     def _end_services(self) -> None:
-        """End the services, and wait until rosbridge has read that: it forgets unread frames when a connection ends."""
-        served = [name for does, name in self._inboxes if does == "call_service"]
+        """End the services, and wait until rosbridge has read that: it drops unread frames when a connection ends."""
+        served = [name for operation, name in self._inboxes if operation == "call_service"]
         if not served:
             return
         for service in served:

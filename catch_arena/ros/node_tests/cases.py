@@ -84,7 +84,7 @@ def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | 
     for arguments, expected in _questions_of_own(node, case) if node.keeps_the_list else _questions(case):
         name = str(expected.target)
         targets = {_sent(token, one): place for one, place in arguments["targets"].items()}
-        success = node.ask(arguments["hunters"][0], targets, _sent(token, name), settle_s)
+        success = node.request_catch(arguments["hunters"][0], targets, _sent(token, name), settle_s)
         if success is None:
             silence = UnreadableAnswer(
                 request_in_words(1, expected),
@@ -133,7 +133,7 @@ def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Quest
         BusError: if the node lists no target that fits for long.
     """
     given, (expected,), (only,) = case.arguments(), case.expected, case.targets
-    asked = str(expected.target)
+    requested = str(expected.target)
     caught: dict[str, str] = {}
     for name in given["caught"]:
         node.wait_for_target()
@@ -146,19 +146,19 @@ def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Quest
         listed = node.listed
         gone = [name for name in caught.values() if name not in listed]
         for target, place in listed.items():
-            name = {**caught, only: target}.get(asked, asked)
+            name = {**caught, only: target}.get(requested, requested)
             for hunter in _places(case, place):
                 position = {"hunters": [hunter], "targets": listed, "requests": [(0, name)], "caught": gone}
                 if arbitrate(**given | position)[0].verdict is expected.verdict:
                     yield given | position, replace(expected, target=name)
                     return
-    raise BusError(f"for {_FITS_S:g} s no target that the node lists was where {case.id} could be asked")
+    raise BusError(f"the node listed no target that fits the case {case.id} for {_FITS_S:g} s")
 
 
 def _places(case: ArbiterCase, target: Place) -> Iterator[Place]:
     """Yield places at the case's distance from a target [m]: on the same side, mirrored or turned."""
-    (hunter,), (there,) = case.hunters, case.targets.values()
-    dx, dy = hunter[0] - there[0], hunter[1] - there[1]
+    (hunter,), (case_target,) = case.hunters, case.targets.values()
+    dx, dy = hunter[0] - case_target[0], hunter[1] - case_target[1]
     for along, across in ((dx, dy), (dy, dx)):
         for x, y in itertools.product((along, -along), (across, -across)):
             place = _float32((target[0] + x, target[1] + y))

@@ -34,7 +34,9 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
     except ConfigError as error:
         raise ConfigError(f"{test.name}: {error}") from None
     if not found:
-        raise ConfigError(f"{test.name}: none of its cases can be asked of a service: it knows one hunter, and names")
+        raise ConfigError(
+            f"{test.name}: none of its cases can be asked of a service, which has one hunter and names only"
+        )
     return found
 
 
@@ -46,7 +48,7 @@ def _grade(test: GradingTest, report: Report) -> TestGrade:
     """
     played = sum(result.played for result in report.results)
     if not played:
-        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that keeps the list itself")
+        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that publishes the list itself")
     by_clauses: dict[str, list[str]] = {}
     for failure in report.failures:
         by_clauses.setdefault(", ".join(failure.case.clauses), []).append(failure.case.id)

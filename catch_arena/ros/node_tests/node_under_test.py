@@ -60,10 +60,10 @@ class NodeUnderTest:
         end = time.monotonic() + _THERE_S
         while not self._client.ready:
             if time.monotonic() > end:
-                raise BusError(f"nobody serves {self._service} on this bus: does the node run, in the same domain?")
+                raise BusError(f"no node serves {self._service} on this bus: does the node run, in the same domain?")
             self._bus.spin(0.05)
-        knows = self._bus.publishers_of(ALIVE_TURTLES) is not None
-        self._spin_until(time.monotonic() + (_LOOK_S if knows else _LISTEN_S))
+        reports_publishers = self._bus.publishers_of(ALIVE_TURTLES) is not None
+        self._spin_until(time.monotonic() + (_LOOK_S if reports_publishers else _LISTEN_S))
         self.keeps_the_list = self.keeps_the_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
         if self.keeps_the_list:
             self._log(f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets")
@@ -83,11 +83,11 @@ class NodeUnderTest:
                 raise BusError(f"the node lists no target on {ALIVE_TURTLES} for {_THERE_S:g} s: does it call {SPAWN}?")
             self._bus.spin(DT)
 
-    def ask(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
+    def request_catch(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
         """Publish a position for a while, then request a target; return the answer, or None without one in time.
 
         Raises:
-            BusError: if no request was ever answered: over rosbridge `meet` cannot see that no node serves it.
+            BusError: if no request was ever answered: over rosbridge `meet` cannot check that a node serves it.
         """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)

@@ -20,7 +20,7 @@ class Advice:
     Args:
         config: the arena's settings.
         names: the players' names, by seat.
-        log: takes one line when there is news.
+        log: takes one line for each new advice.
     """
 
     def __init__(self, config: ArenaConfig, names: Sequence[str], log: Log) -> None:
@@ -28,39 +28,39 @@ class Advice:
         self._names = dict(zip(config.hunter_names, names, strict=True))
         self._log, self._log_once = log, OnceLog(log)
         self._too_far: dict[str, list[int]] = {hunter: [] for hunter in config.hunter_names}
-        """Distances from which a hunter asked in vain [um]."""
+        """Distances of a hunter's requests that were out of reach [um]."""
         self._too_late = dict.fromkeys(config.hunter_names, 0)
         """Number of a hunter's requests for targets that were gone."""
 
-    def note(self, hunter: str, ruling: Ruling, asked: Collection[str]) -> None:
+    def note(self, hunter: str, ruling: Ruling, requested: Collection[str]) -> None:
         """Note the ruling on a node's request.
 
         Args:
-            hunter: the hunter that asked.
+            hunter: the hunter of the request.
             ruling: the ruling.
-            asked: the targets that this hunter requested in this step.
+            requested: the targets that this hunter requested in this step.
         """
         if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
             self._too_far[hunter].append(ruling.distance_um)
-        elif ruling.verdict is Verdict.DUPLICATE and len(asked) > 1:
-            hint = "only the first request of a step can be granted (R5.2): ask for one that is in reach"
-            self._log_once(f"{hunter} asked for several targets at once; {hint}", f"{hunter} several")
+        elif ruling.verdict is Verdict.DUPLICATE and len(requested) > 1:
+            hint = "only the first request of a step can be granted (R5.2): request one target within reach"
+            self._log_once(f"{hunter} requested several targets in one step; {hint}", f"{hunter} several")
         elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
             self._too_late[hunter] += 1
             if self._too_late[hunter] == _AGAIN:
                 target = one_line(str(ruling.target)[:40])
                 self._log(
-                    f"{self._names[hunter]} has asked {_AGAIN} times for targets that are gone, as {target}: "
-                    f"choose another when yours leaves {graph_names.ALIVE_TURTLES}"
+                    f"{self._names[hunter]} has requested targets that are gone {_AGAIN} times, such as {target}: "
+                    f"choose another target when yours leaves {graph_names.ALIVE_TURTLES}"
                 )
 
     def explain_remapping(self, free: Sequence[str]) -> None:
         """Log how a node that drives turtle1 becomes one of the hunters that no node drives."""
-        hunter, *others = (f"{one} ({self._names[one]})" for one in free)
-        also = f"; in the same way for {', '.join(others)}" if others else ""
+        first, *further = (f"{hunter} ({self._names[hunter]})" for hunter in free)
+        also = f"; in the same way for {', '.join(further)}" if further else ""
         self._log(
-            f"warning: a node drives {graph_names.TURTLE}, which is no hunter where several seats are for nodes: start "
-            f"it with {remapping_to(free[0])} to drive {hunter}{also}"
+            f"warning: a node drives {graph_names.TURTLE}, but no hunter has that name if several seats are for "
+            f"nodes: start it with {remapping_to(free[0])} to drive {first}{also}"
         )
 
     def remarks(self) -> tuple[str, ...]:

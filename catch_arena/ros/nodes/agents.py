@@ -23,7 +23,8 @@ class AgentActions(NamedTuple):
     """Actions of the agents in one step."""
 
     cmd_vel: dict[str, Twist]
-    goals: dict[str, str]
+    active_targets: dict[str, str]
+    """Target that the arena's controller drives to, by hunter (R4.1)."""
     requests: list[tuple[str, CatchTurtleRequest]]
 
 
@@ -39,13 +40,13 @@ class AgentSeats:
     def __init__(self, service: ArenaService, players: Players, log: Log) -> None:
         self._service, self._players, self._log = service, players, log
         self._hunters = {seat: service.config.hunter_names[seat] for seat in sorted(players.controls)}
-        self._asking = ThreadPoolExecutor(1, "agents")
+        self._thread = ThreadPoolExecutor(1, "agents")
         self._answers: Future[dict[int, Answer]] | None = None
         self._seen: Mapping[int, Sequence[str]] = {}
         """Names of the targets by rank, as they were when the agents were asked."""
         self._next_ms = 0
         self._cmd_vel: dict[str, Twist] = {}
-        self._goals: dict[str, str] = {}
+        self._active_targets: dict[str, str] = {}
         self.forfeits: dict[int, int] = {}
         """The step in which an agent failed, by seat: it is ranked last."""
 
@@ -55,7 +56,7 @@ class AgentSeats:
             self._answers.exception()  # wait for the answers about the previous match, and drop them
             self._answers = None
         self._next_ms = 0
-        for hunters in (self._cmd_vel, self._goals, self.forfeits):
+        for hunters in (self._cmd_vel, self._active_targets, self.forfeits):
             hunters.clear()
         config = self._service.config
         seats = range(config.hunters)
@@ -78,32 +79,32 @@ class AgentSeats:
         playing = {seat: hunter for seat, hunter in self._hunters.items() if seat not in self.forfeits}
         if now_ms >= self._next_ms and self._answers is None and playing:
             self._next_ms = now_ms - now_ms % ASK_EVERY_MS + ASK_EVERY_MS
-            shown = {seat: self._service.observe(hunter) for seat, hunter in playing.items()}
+            views = {seat: self._service.observe(hunter) for seat, hunter in playing.items()}
             self._seen = {seat: self._service.targets_seen(hunter) for seat, hunter in playing.items()}
-            self._answers = self._asking.submit(self._players.act, shown)
-        return AgentActions(dict(self._cmd_vel), dict(self._goals), requests)
+            self._answers = self._thread.submit(self._players.act, views)
+        return AgentActions(dict(self._cmd_vel), dict(self._active_targets), requests)
 
     def close(self) -> None:
         """End the thread."""
-        self._asking.shutdown()
+        self._thread.shutdown()
 
     def _take(self, seat: int, action: Any, requests: list[tuple[str, CatchTurtleRequest]]) -> None:
         config, hunter, seen = self._service.config, self._hunters[seat], self._seen[seat]
         control = config.controls[seat]
-        self._goals.pop(hunter, None)
+        self._active_targets.pop(hunter, None)
         rank, command = checked_action(control, hunter, action, config.targets_seen)
         if 0 < rank <= len(seen):
             if control == "target":
-                self._goals[hunter] = seen[rank - 1]
+                self._active_targets[hunter] = seen[rank - 1]
             else:
                 requests.append((hunter, CatchTurtleRequest(seen[rank - 1])))
         self._cmd_vel[hunter] = Twist(command[0] * config.max_speeds[seat], command[1] * config.max_turn_rates[seat])
 
-    def _forfeit(self, seat: int, why: str) -> None:
+    def _forfeit(self, seat: int, fault: str) -> None:
         hunter = self._hunters[seat]
         self.forfeits[seat] = self._service.world.step
         self._players.drop(seat)
         self._cmd_vel.pop(hunter, None)
-        self._goals.pop(hunter, None)
+        self._active_targets.pop(hunter, None)
         self._service.withdraw(hunter)
-        self._log(f"{hunter} is out: {one_line(why)}")
+        self._log(f"{hunter} forfeits and is withdrawn: {one_line(fault)}")

@@ -59,7 +59,7 @@ class ArenaNode:
         agents: the agents in the other seats, if there are any.
         interfaces: the packages of the types.
         clock: whether the arena's time is published on /clock.
-        log: takes one line when there is news.
+        log: takes one line for each event that a user should see.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class ArenaNode:
         self._explained = False
         """True if the advice on remapping a node that drives turtle1 was logged."""
         self._pending: list[tuple[str, Request]] = []
-        """Catch requests for the next step, each with the hunter that asks."""
+        """Catch requests for the next step, each with its hunter."""
         self._ticks = 0
         self._list_from = 0
         """The first tick in which the list of targets may be published."""
@@ -134,7 +134,7 @@ class ArenaNode:
 
     @property
     def missing(self) -> list[RosSeat]:
-        """The seats that no node drives yet, as far as the bus knows."""
+        """The seats that no node drives yet, as far as the bus reports it."""
         return [seat for seat in self.seats if not seat.driven and not self._publishers(seat)]
 
     def wait(self) -> None:
@@ -150,18 +150,18 @@ class ArenaNode:
             seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS, targets=bool(before.targets))
             for seat in self.seats
         }
-        goals: dict[str, str] = {}
-        asked, self._pending = self._pending, []
-        requests = [(hunter, CatchTurtleRequest(request.message.name)) for hunter, request in asked]
+        active_targets: dict[str, str] = {}
+        pending, self._pending = self._pending, []
+        requests = [(hunter, CatchTurtleRequest(request.message.name)) for hunter, request in pending]
         if self._agents is not None and not self._service.over:
             actions = self._agents.act(before.time_ms)
             commands |= actions.cmd_vel
-            goals = actions.goals
+            active_targets = actions.active_targets
             requests += actions.requests
-        rulings = self._service.step(commands, requests, goals)
-        for (asking, request), ruling in zip(asked, rulings, strict=False):
+        rulings = self._service.step(commands, requests, active_targets)
+        for (requester, request), ruling in zip(pending, rulings, strict=False):
             request.answer(response(ruling))
-            self.advice.note(asking, ruling, {name for hunter, (name,) in requests if hunter == asking})
+            self.advice.note(requester, ruling, {name for hunter, (name,) in requests if hunter == requester})
         world = self._service.world
         by_name = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in by_name]
@@ -187,7 +187,7 @@ class ArenaNode:
             self._log(f"waiting for {self._players[seat.hunter]} on {topic}: {run_line(seat.hunter, shared=shared)}")
         if again and self._bus.graph() is not None:
             seen = ", ".join(self._neighbours.seen) or "no other node: same ROS_DOMAIN_ID? same network?"
-            self._log(f"seen: {seen}; `catch-arena ros doctor` says more")
+            self._log(f"seen: {seen}; `catch-arena ros doctor` shows more")
 
     def remarks(self) -> tuple[str, ...]:
         """Return lines for the authors of nodes, to print after the ranking."""
@@ -255,22 +255,24 @@ class ArenaNode:
     def _serve(self, other_names: Mapping[str, str]) -> None:
         """Serve names that a node uses in the place of the usual ones."""
         for name, usual in other_names.items():
-            self._log(f"a node uses {name}: it is served as {usual} (or start it with --ros-args -r {name}:={usual})")
+            self._log(
+                f"a node uses {name}, so it is served like {usual} (or start it with --ros-args -r {name}:={usual})"
+            )
             if usual == graph_names.CATCH_TURTLE:
                 self._bus.serve(name, self._interfaces.catch_turtle, self._on_catch_turtle)
             else:
                 self._lists.append(self._bus.publisher(name, self._interfaces.turtle_array))
 
     def _explain_remapping(self) -> None:
-        if self._explained:  # `missing` asks the bus, which is too slow for each Twist of a flood
+        if self._explained:  # `missing` queries the bus, which is too slow for each Twist of a flood
             return
         self._explained = True
         self.advice.explain_remapping([seat.hunter for seat in self.missing or self.seats])
 
     def _publishers(self, seat: RosSeat) -> int | None:
         found = [self._bus.publishers_of(topic) for topic in self._cmd_vels[seat.hunter]]
-        known = [number for number in found if number is not None]
-        return sum(known) if known else None
+        reported = [number for number in found if number is not None]
+        return sum(reported) if reported else None
 
     # services
 
@@ -281,8 +283,8 @@ class ArenaNode:
         else:
             if self.seats:
                 self._log_once.warn(
-                    "a node asks at /catch_turtle, where several seats are for nodes: it must ask at "
-                    "/hunter_0/catch_turtle and its like, as with --ros-args -r /catch_turtle:=/hunter_0/catch_turtle"
+                    "a node calls /catch_turtle, but several seats are for nodes: it must call the service of its "
+                    "hunter, for example with --ros-args -r /catch_turtle:=/hunter_0/catch_turtle"
                 )
             request.answer(_REFUSED)
 
@@ -290,7 +292,7 @@ class ArenaNode:
         """R8.4: keep a request for the next step, or refuse it immediately if it is one too many."""
         if seat.only_drives:
             self._log_once.warn(
-                f"{seat.hunter} asks by itself for what is in its reach (R4.4): no request for it is heard"
+                f"the arena requests the targets within reach of {seat.hunter} (R4.4): requests by nodes are refused"
             )
         elif sum(hunter == seat.hunter for hunter, _ in self._pending) < _MOST_JUDGED:
             self._pending.append((seat.hunter, request))
@@ -299,18 +301,18 @@ class ArenaNode:
 
     def _on_spawn(self, request: Request) -> None:
         """R8.1: spawn a target with the arena's next name; a place outside is moved to the wall, as in turtlesim."""
-        asked: SpawnRequest = request.message
+        spawn: SpawnRequest = request.message
         side = self._service.world.side_m
         name = ""
         try:
-            x, y = (min(max(place, 0.0), side) for place in (asked.x, asked.y))
-            name = self._service.spawn(x, y, asked.theta)
+            x, y = (min(max(place, 0.0), side) for place in (spawn.x, spawn.y))
+            name = self._service.spawn(x, y, spawn.theta)
         except (ActionError, EpisodeError) as error:
             self._log_once.warn(f"{graph_names.SPAWN}: {error}", "spawn")
         else:
             if not name:
-                most = self._service.config.max_targets
-                self._log_once.warn(f"{graph_names.SPAWN}: the arena is full, with {most} targets: nothing is spawned")
+                limit = self._service.config.max_targets
+                self._log_once.warn(f"{graph_names.SPAWN}: the arena is full, with {limit} targets: nothing is spawned")
         request.answer(Name(name))
 
     def _on_kill(self, request: Request) -> None:
@@ -322,7 +324,7 @@ class ArenaNode:
                 wanted = CatchTurtleRequest(name)
                 self._ask(self.seats[0], Request(wanted, lambda _: request.answer(Empty())))
                 return
-            self._log_once.warn(f"{kill} of a target is refused: ask {graph_names.CATCH_TURTLE} for it")
+            self._log_once.warn(f"{kill} of a target is refused: call {graph_names.CATCH_TURTLE} instead")
         else:
             try:
                 self._service.kill(name)
@@ -332,7 +334,7 @@ class ArenaNode:
 
     def _on_reset(self, request: Request) -> None:
         if self._service.is_recorded:
-            self._log_once.warn(f"{graph_names.RESET}: a recorded match goes on to its end")
+            self._log_once.warn(f"{graph_names.RESET}: a recorded match cannot be reset, and continues")
         else:
             self.begin(None)
         request.answer(Empty())

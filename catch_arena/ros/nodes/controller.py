@@ -50,7 +50,7 @@ class Controller:
         interfaces: the packages of the types.
         service: the service to call; None is the turtle's own, /turtle1/catch_turtle, if it is served, else
             /catch_turtle.
-        log: takes one line when there is news.
+        log: takes one line for each event that a user should see.
     """
 
     def __init__(
@@ -123,14 +123,14 @@ class Controller:
 
         A target's age counts from its first list; of two that were new in one list the earlier one is older.
         """
-        side, most = self._engine.config.side_m, self._engine.config.max_targets
+        side, limit = self._engine.config.side_m, self._engine.config.max_targets
         near = [one for one in self._targets if -side <= one.x <= 2 * side and -side <= one.y <= 2 * side]
         if len(near) < len(self._targets):
             self._log_once.warn(
-                "/alive_turtles has targets far outside: is your Turtle.msg of float32? (`catch-arena docs ros_names`)",
+                "/alive_turtles has targets far outside: is your Turtle.msg of float32 (`catch-arena docs ros_names`)?",
                 "places",
             )
-        targets, now = near[:most], time.monotonic()
+        targets, now = near[:limit], time.monotonic()
         self._listed_s = {one.name: self._listed_s.get(one.name, now) for one in targets}
         ages = [now - self._listed_s[one.name] + 1e-3 * (len(targets) - place) for place, one in enumerate(targets)]
         self._engine.place(0, [(pose.x, pose.y, pose.theta)], [(one.x, one.y) for one in targets], ages=ages)
@@ -155,14 +155,14 @@ class Controller:
 
     def _request_catch(self, name: str) -> None:
         now = time.monotonic()
-        asked = self._calls.get(name)
-        if asked is not None and now <= asked[1] + _ANSWER_S:
+        earlier = self._calls.get(name)
+        if earlier is not None and now <= earlier[1] + _ANSWER_S:
             return
         client = next((client for client in self._clients if client.ready), None)
         if client is not None:
             self._calls[name] = client.call(CatchTurtleRequest(name)), now
         else:
-            self._log_once.warn(f"{name} is within reach, and nobody serves {' or '.join(self._services)}", "service")
+            self._log_once.warn(f"{name} is within reach, but no node serves {' or '.join(self._services)}", "service")
 
     def _read_answers(self) -> None:
         for name, (call, _) in list(self._calls.items()):

@@ -47,7 +47,7 @@ class Neighbours:
         hunters: all hunters' names.
         driven: names of the hunters that nodes drive.
         interfaces: the arena's types.
-        log: takes one line for each thing that is found.
+        log: takes one line for each problem that is found.
     """
 
     def __init__(self, hunters: Sequence[str], driven: Collection[str], interfaces: Interfaces, log: Log) -> None:
@@ -90,19 +90,19 @@ class Neighbours:
             elif remapped:
                 names = " and ".join(remapped)
                 self._log_once.warn(
-                    f"{node} uses {names}, which nobody answers here: start it with --ros-args "
+                    f"{node} uses {names}, which no node serves here: start it with --ros-args "
                     f"{_remapped(list(remapped.items()))}",
                     f"{node} uses {names}",
                 )
         return {name: usual for name, usual in self._served.items() if name not in before}
 
     def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
-        does = [f"publishes {one.name}" for one in own if one.kind == "publisher" and one.name in self._lists]
-        does += [f"answers {one.name}" for one in own if one.kind == "service" and one.name in {CATCH_TURTLE, SPAWN}]
-        if does:
-            what = "turtlesim or a second arena" if any(SPAWN in one or POSE in one for one in does) else "a spawner"
+        uses = [f"publishes {end.name}" for end in own if end.kind == "publisher" and end.name in self._lists]
+        uses += [f"serves {end.name}" for end in own if end.kind == "service" and end.name in {CATCH_TURTLE, SPAWN}]
+        if uses:
+            guess = "turtlesim or a second arena" if any(SPAWN in use or POSE in use for use in uses) else "a spawner"
             yield (
-                f"{node} {' and '.join(does)}, as the arena does: two referees in one domain. It looks like {what}: "
+                f"{node} {' and '.join(uses)}, as the arena does: two referees in one domain. It looks like {guess}: "
                 f"end it, and start your controller alone: {run_line(self._proposed, shared=len(self._driven) > 1)}"
             )
 
@@ -113,13 +113,13 @@ class Neighbours:
             differs = one.type != ours.get(one.name, one.type) and one.kind in {"subscription", "client"}
             if differs and package != self._interfaces.package:
                 yield (
-                    f"{node} has {one.type} for {one.name}, and the arena {ours[one.name]}: they do not hear each "
-                    f"other. Start the arena again with --interfaces {package}"
+                    f"{node} has {one.type} for {one.name}, and the arena has {ours[one.name]}: they cannot exchange "
+                    f"messages. Start the arena again with --interfaces {package}"
                 )
             elif one.name in self._own and one.fields_differ:
                 yield (
-                    f"{node} has other fields in {one.type} than the arena, on {one.name}: they do not hear each "
-                    f"other, or numbers arrive as garbage. Source the same {package} in both terminals"
+                    f"{node} has other fields in {one.type} than the arena, on {one.name}: messages are lost, or have "
+                    f"wrong numbers. Source the same {package} in both terminals"
                 )
 
     def _other_names(

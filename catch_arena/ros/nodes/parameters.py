@@ -24,17 +24,17 @@ def parameters_from(words: Sequence[str], defaults: Mapping[str, Value]) -> dict
         defaults: values of the parameters that are not given; a given value must have the default's type.
 
     Raises:
-        ConfigError: for a word that is not understood, and for a value of another type.
+        ConfigError: for an unknown word or parameter, and for a value of another type.
     """
     values = dict(defaults)
     rest = iter(words)
     for word in rest:
         text = next(rest, None)
         if word not in _WORDS or text is None:
-            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, as -p {SPAWN_FREQUENCY}:=2.0, got {word!r}")
+            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {SPAWN_FREQUENCY}:=2.0, got {word!r}")
         name, sign, value = text.partition(":=")
         if not name or not sign:
-            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, as {SPAWN_FREQUENCY}:=2.0, got {text!r}")
+            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {SPAWN_FREQUENCY}:=2.0, got {text!r}")
         if name not in values:
             known = suggest(name, values) if values else "this node has none"
             raise ConfigError(f"there is no parameter {in_short(name)}: {known}")

@@ -22,17 +22,18 @@ class Rate:
         self.late = 0
         """Number of ticks that began more than LATE_S after their time."""
         self.latest_s = 0.0
+        """Longest delay of a tick [s]."""
         self._due = time.perf_counter()
 
     def sleep(self) -> None:
         """Wait until the next tick is due."""
         self._due += self.period_s
-        ahead = self._due - time.perf_counter()
-        if ahead > 0:
-            time.sleep(ahead)
-        behind = time.perf_counter() - self._due
+        remaining_s = self._due - time.perf_counter()
+        if remaining_s > 0:
+            time.sleep(remaining_s)
+        delay_s = time.perf_counter() - self._due
         self.ticks += 1
-        self.late += behind > LATE_S
-        self.latest_s = max(self.latest_s, behind)
-        if behind > _GIVEN_UP_S:
+        self.late += delay_s > LATE_S
+        self.latest_s = max(self.latest_s, delay_s)
+        if delay_s > _GIVEN_UP_S:
             self._due = time.perf_counter()

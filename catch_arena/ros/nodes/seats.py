@@ -41,10 +41,10 @@ class RosSeat:
         """Take a Twist; the last one before a step counts."""
         speed, turn_rate = message.linear.x, message.angular.z
         if not (math.isfinite(speed) and math.isfinite(turn_rate)):
-            self._log_once.warn(f"{self.hunter}: a Twist that is not finite is left out")
+            self._log_once.warn(f"{self.hunter}: a Twist that is not finite is ignored")
             return
         if message.linear.y != 0.0:
-            self._log_once.warn(f"{self.hunter}: its node sends linear.y, which is not obeyed: turn instead")
+            self._log_once.warn(f"{self.hunter}: its node sends linear.y, which turtles ignore: turn instead")
         if not self.driven and self._missed:
             self._log(f"{self.hunter}: its node {'is back' if self._left else 'is there'}")
         self.driven = self.drove = True
@@ -64,7 +64,7 @@ class RosSeat:
             self._given_ms = now_ms
         if tick_ms - self._given_ms > WATCHDOG_MS:
             if self.driven:
-                self._leave("is silent", tell=targets)
+                self._leave("is silent", logged=targets)
             return STANDING_STILL
         return self._twist
 
@@ -78,8 +78,8 @@ class RosSeat:
             return
         if self.driven and publishers > 1:
             self._log_once.warn(
-                f"{self.hunter}: {publishers} nodes may drive it, and this bus does not tell which of "
-                "them sends: all are heard",
+                f"{self.hunter}: {publishers} nodes may drive it, and this bus does not report which one "
+                "sends: all are obeyed",
                 "two",
             )
         gone = self._was_there and not publishers
@@ -94,9 +94,9 @@ class RosSeat:
         self._twist, self._fresh = STANDING_STILL, False
         self._given_ms = -WATCHDOG_MS
 
-    def _leave(self, how: str, *, tell: bool = True) -> None:
-        self.driven, self._missed = False, tell
+    def _leave(self, state: str, *, logged: bool = True) -> None:
+        self.driven, self._missed = False, logged
         self.stop()
-        if tell:
+        if logged:
             self._left = True
-            self._log(f"{self.hunter}: its node {how}; the hunter stands still until one drives it again")
+            self._log(f"{self.hunter}: its node {state}; the hunter stands still until a node drives it again")

@@ -74,7 +74,7 @@ def serve_match(
         wait: whether the match begins when all seats are taken.
         record: the file of the replay.
         title: title of the replay.
-        log: takes one line when there is news.
+        log: takes one line for each event that a user should see.
 
     Raises:
         ConfigError: for a speed that is not allowed, an arena with prey, or a match that cannot be recorded.
@@ -85,7 +85,7 @@ def serve_match(
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
     if config.prey:
-        raise ConfigError(f"prey must be 0 on a bus, where nobody plays it (--set prey=0), got {config.prey}")
+        raise ConfigError(f"prey must be 0 on a bus, because no node can play it (--set prey=0), got {config.prey}")
     control: tuple[Control, ...] = tuple(
         agents[seat].control if seat in agents else "velocity" if seat in people else "full"
         for seat in range(config.hunters)
@@ -120,7 +120,7 @@ def serve_match(
         interrupts.linger(play)
         early = not service.over
         if early:
-            log(f"ended after {service.world.time_ms / 1000:.0f} s, before its time: the ranking until then")
+            log(f"the match was stopped after {service.world.time_ms / 1000:.0f} s; this is the ranking until then")
         ranks, scores = node.standings()
 
         def end() -> None:

@@ -36,7 +36,7 @@ class Spawner:
         interfaces: the packages of the types.
         config: the arena's settings, of which spawn timer (R3.1), prefix of names and reach (R5.3) are used.
         seed: seed of the places.
-        log: takes one line when there is news.
+        log: takes one line for each event that a user should see.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Spawner:
     def begin(self) -> None:
         """Start to answer catch requests, unless another node does."""
         if self._bus.backend != "rosbridge" and self._referee.ready:  # rosbridge does not report services
-            self._log(f"{CATCH_TURTLE} is answered already: this node spawns, and no more")
+            self._log(f"another node serves {CATCH_TURTLE}: this node only spawns targets")
             return
         self._publish = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
         services = [(catch_turtle_of(turtle), seat) for seat, turtle in enumerate(self._turtles)]
@@ -116,14 +116,14 @@ class Spawner:
 
     def _call_spawn(self, x: float, y: float, theta: float) -> None:
         self._number += 1
-        asked = SpawnRequest(x, y, theta, self._config.target_name(self._number))
-        self._spawning = self._spawn.call(asked), asked, self._ticks
+        request = SpawnRequest(x, y, theta, self._config.target_name(self._number))
+        self._spawning = self._spawn.call(request), request, self._ticks
 
     def _read_spawned(self) -> None:
         """Read the answer of /spawn. An empty name means that the name was taken, as by an earlier spawner."""
         if self._spawning is None:
             return
-        call, asked, since = self._spawning
+        call, request, since = self._spawning
         if call.response is None:
             if self._ticks > since + _ANSWER_TICKS:
                 self._spawning = None
@@ -133,32 +133,32 @@ class Spawner:
         name = call.response.name
         if name:
             self._refused = 0
-            self._alive[name] = Turtle(name, asked.x, asked.y, asked.theta)
+            self._alive[name] = Turtle(name, request.x, request.y, request.theta)
             self._publish_alive()
             return
         self._refused += 1
         if self._refused == 1:
             self._log(
-                f"warning: {asked.name} is not spawned, as turtlesim has one of that name: higher numbers are tried. "
-                "--name-prefix gives other names, and turtlesim's /reset removes all targets"
+                f"warning: {request.name} is not spawned, because turtlesim has a turtle of that name: higher numbers "
+                "are tried. --name-prefix gives other names, and turtlesim's /reset removes all targets"
             )
         if self._refused % _MOST_NAMES:
-            self._call_spawn(asked.x, asked.y, asked.theta)
+            self._call_spawn(request.x, request.y, request.theta)
 
     def _judge(self) -> None:
-        asked, self._pending = self._pending, []
+        pending, self._pending = self._pending, []
         seen = [seat for seat, turtle in enumerate(self._turtles) if turtle in self._poses]
         hunters = [self._poses[self._turtles[seat]] for seat in seen]
         rulings = arbitrate(
             hunters=[(pose.x, pose.y) for pose in hunters],
             targets={turtle.name: (turtle.x, turtle.y) for turtle in self._alive.values()},
-            requests=[(seen.index(seat), request.message.name) for seat, request in asked],
+            requests=[(seen.index(seat), request.message.name) for seat, request in pending],
             reach_m=self._config.reach_m,
             seed=self._seed,
             step=self._ticks,
             caught=self._caught,
         )
-        for (seat, request), ruling in zip(asked, rulings, strict=True):
+        for (seat, request), ruling in zip(pending, rulings, strict=True):
             request.answer(CatchTurtleResponse(ruling.success))
             self._log(str(ruling).replace(f"hunter_{ruling.hunter}", self._turtles[seat], 1))
             if ruling.success:
