@@ -133,7 +133,7 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
         return {
             "hunters": list(self.hunters),
             "targets": dict(self.targets),
-            "requests": [(one.hunter, one.target) for one in self.expected],
+            "requests": [(ruling.hunter, ruling.target) for ruling in self.expected],
             **given,
         }
 

@@ -29,8 +29,8 @@ def count_in_full(text: str) -> int:
     ("arbiter", "looks_like"),
     [
         (FirstCome(), "first come, first served"),
-        (ReachInclusive(), "within reach is tested with <="),
-        (YesToEverybody(), "yes to everybody"),
+        (ReachInclusive(), "reach is tested with <="),
+        (YesToEverybody(), "every request is granted"),
     ],
 )
 def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(arbiter, looks_like):
@@ -54,7 +54,7 @@ def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(arbiter, lo
         (minimal, "reach is tested in floats, with <="),
         (one_loop, "ties go to the first request"),
         (Referee(), "an empty name is MALFORMED"),
-        (service, "the distance is a square: the root is missing"),
+        (service, "the distance is squared: the square root is missing"),
     ],
 )
 def test_a_students_arbiter_is_told_its_mistakes(student, named):
@@ -112,7 +112,7 @@ def forgets_one_or_all(**case: Any) -> Any:
     [
         (crashes, r"KeyError is raised (test_diagnosis.py, line ", "exactly one verdict (R5.2)"),
         (grants_everything, "verdict cannot be read", "It must be one of MATCH_OVER"),
-        (forgets_one_or_all, "None or too few rulings are returned", "a list with one ruling for each request"),
+        (forgets_one_or_all, "too few rulings are returned, or None", "a list with one ruling for each request"),
     ],
 )
 def test_answers_that_cannot_be_read_are_grouped_by_what_is_wrong(arbiter, looks_like, rule):

@@ -592,65 +592,71 @@ class GivesMillimetres(PlainArbiter):
         ]
 
 
-NEAREST = "Of those within reach the nearest wins, whoever asked first and whatever its seat (R5.4)."
-LOT = "A tie is drawn by a lot from the seed, the step, the target and the tied seats (R5.5)."
-REACH = "Within reach is distance_um < reach_um: 299999 is in, 300000 is out (R5.3)."
-OWN_REACH = "Each hunter has its own reach, which says who may catch, and not who wins (R2.7, R5.3, R5.4)."
+NEAREST = "The nearest hunter within reach wins; the order of requests and the seat do not matter (R5.4)."
+LOT = "A lot decides a tie; it depends on the seed, the step, the target and the tied seats (R5.5)."
+REACH = "A target is within reach if distance_um < reach_um: 299999 is, 300000 is not (R5.3)."
+OWN_REACH = "Each hunter has its own reach. It limits catches and does not decide contests (R2.7, R5.3, R5.4)."
 DISTANCE = "The distance is floor(1e6 * sqrt(dx * dx + dy * dy) + 0.5) micrometres (R5.3)."
-ORDER = "The tests have an order: MATCH_OVER, MALFORMED, HUNTER_INACTIVE, DUPLICATE, and so on (R5.2)."
-FIRST_STANDS = "A hunter's first request in a step stands, whatever its verdict; more are DUPLICATE (R5.2)."
-NAME = "A name is any string of at most 255 characters; all else is MALFORMED (R5.2)."
-SAME_NAME = "A name stands for the target that is called exactly so (R5.2)."
-REFUSED = "If a kill is refused, the winner gets KILL_FAILED, the others LOST_CONTEST, and nobody a catch (R5.7)."
+ORDER = "The tests have a fixed order: MATCH_OVER, MALFORMED, HUNTER_INACTIVE, DUPLICATE, and so on (R5.2)."
+FIRST_STANDS = "A hunter's first request in a step counts, whatever its verdict; later ones are DUPLICATE (R5.2)."
+NAME = "A name is any string of at most 255 characters; anything else is MALFORMED (R5.2)."
+SAME_NAME = "A name matches only the target with exactly that name (R5.2)."
+REFUSED = "If a kill is refused, the winner gets KILL_FAILED, the others get LOST_CONTEST, and no hunter scores (R5.7)."
 EVIDENCE = "The distance is given if reach was tested, the winner if there was a contest or a grant (R5.6)."
 APART = "All requests of a step are judged on the state at its beginning (R5.1)."
-ELIGIBLE = "A contest is among the requests for one target that passed every test of R5.2 (R5.1, R5.5)."
-POLICY = "The policy says who wins: nearest, first_come (by lot, not by order) or capstone (R5.9, R9.1)."
+ELIGIBLE = "Only requests that pass every test of R5.2 take part in a contest (R5.1, R5.5)."
+POLICY = "The policy decides contests: nearest, first_come (by lot, not by order) or capstone (R5.9, R9.1)."
 
 KNOWN: dict[type[PlainArbiter], tuple[str, str]] = {
     FirstCome: ("first come, first served", NEAREST),
     LastCome: ("last come, first served", NEAREST),
-    YesToEverybody: ("yes to everybody", "Each request has to pass the tests of R5.2, and one hunter wins (R5.4)."),
-    YesToEverybodyWhoNamesATarget: ("yes to everybody who names a target that is there", REACH),
-    SuccessForEverybody: ("everybody within reach wins", NEAREST),
-    NobodyWinsAContest: ("nobody wins where several ask", NEAREST),
+    YesToEverybody: (
+        "every request is granted",
+        "A request must pass every test of R5.2, and only one hunter wins a target (R5.4).",
+    ),
+    YesToEverybodyWhoNamesATarget: ("every request for an alive target is granted", REACH),
+    SuccessForEverybody: ("every hunter within reach wins", NEAREST),
+    NobodyWinsAContest: ("no hunter wins a contest", NEAREST),
     Farthest: ("the farthest wins", NEAREST),
     LowSeatWins: ("the lowest seat wins", NEAREST),
     HighSeatWins: ("the highest seat wins", NEAREST),
-    OneCatchAStep: ("only one catch in a step", APART),
-    CatchesAtOnce: ("one after the other: after a catch the target is gone", APART),
-    OneAfterTheOther: ("ALREADY_CAUGHT for LOST_CONTEST", "LOST_CONTEST means: another hunter was preferred (R5.6)."),
+    OneCatchAStep: ("only one catch per step", APART),
+    CatchesAtOnce: ("requests are judged one by one: after a catch the target is gone", APART),
+    OneAfterTheOther: (
+        "ALREADY_CAUGHT instead of LOST_CONTEST",
+        "LOST_CONTEST means: another hunter was preferred (R5.6).",
+    ),
     Consoles: ("a loser gets another target", "A request is for the target that it names (R5.1)."),
-    GivesTheNearestTarget: ("the nearest target is given, whichever was named", ELIGIBLE),
-    TheNearestBlocks: ("a withdrawn hunter nearby wins without asking", ELIGIBLE),
+    GivesTheNearestTarget: ("the nearest target is caught, not the requested one", ELIGIBLE),
+    TheNearestBlocks: ("a withdrawn hunter nearby wins without a request", ELIGIBLE),
     DuplicatesCompete: ("refused requests win contests", ELIGIBLE),
-    ReachInclusive: ("within reach is tested with <=", REACH),
+    ReachInclusive: ("reach is tested with <=", REACH),
     ReachInFloats: ("reach is tested in floats", REACH),
     ReachInFloatsInclusive: ("reach is tested in floats, with <=", REACH),
     NoReachCheck: ("reach is not tested", REACH),
-    ReachAlwaysTheDefault: ("reach is 0.3 m whatever reach_m says", REACH),
-    ReachOfNothing: ("a reach of less than a micrometre lets nobody in", "reach_um is at least 1 (R5.3)."),
-    LongestReachForAll: ("all have the longest reach", OWN_REACH),
-    ShortestReachForAll: ("all have the shortest reach", OWN_REACH),
-    ReachOfHunter0ForAll: ("all have the reach of hunter 0", OWN_REACH),
-    LongestReachWins: ("who reaches farther wins", OWN_REACH),
-    CutOff: ("distances are cut off, not rounded", DISTANCE),
+    ReachAlwaysTheDefault: ("reach is always 0.3 m, and reach_m is ignored", REACH),
+    ReachOfNothing: ("a reach below one micrometre catches nothing", "reach_um is at least 1 (R5.3)."),
+    LongestReachForAll: ("every hunter has the longest reach", OWN_REACH),
+    ShortestReachForAll: ("every hunter has the shortest reach", OWN_REACH),
+    ReachOfHunter0ForAll: ("every hunter has the reach of hunter 0", OWN_REACH),
+    LongestReachWins: ("the hunter with the longer reach wins", OWN_REACH),
+    CutOff: ("distances are truncated, not rounded", DISTANCE),
     RoundsToMillimetres: ("distances are rounded to millimetres", DISTANCE),
     MeasuresBySum: ("the distance is dx + dy", DISTANCE),
-    MeasuresByLargest: ("the distance is the larger one of dx and dy", DISTANCE),
+    MeasuresByLargest: ("the distance is the larger of dx and dy", DISTANCE),
     MeasuresAlongX: ("the distance is dx alone", DISTANCE),
-    SquaredDistance: ("the distance is a square: the root is missing", DISTANCE),
+    SquaredDistance: ("the distance is squared: the square root is missing", DISTANCE),
     TiesToTheLowSeat: ("ties go to the lowest seat", LOT),
     TiesToTheFirst: ("ties go to the first request", LOT),
-    TiesToAll: ("everybody in a tie wins", LOT),
+    TiesToAll: ("every tied hunter wins", LOT),
     TiesByACount: ("a lot is drawn wrongly", LOT),
     TiesInFloats: ("the nearest is found in floats, not in whole micrometres", NEAREST),
-    FoldsCase: ("capital letters do not matter in names", SAME_NAME),
-    Normalises: ("letters that look the same are the same (NFC)", SAME_NAME),
-    NormalisesDigits: ("letters that mean the same are the same (NFKC)", SAME_NAME),
-    Trims: ("spaces around names do not matter", SAME_NAME),
+    FoldsCase: ("names are compared without regard to case", SAME_NAME),
+    Normalises: ("names are normalised (NFC) before they are compared", SAME_NAME),
+    NormalisesDigits: ("names are normalised (NFKC) before they are compared", SAME_NAME),
+    Trims: ("spaces around names are ignored", SAME_NAME),
     EndsNamesAtZero: ("a name ends at its first NUL", SAME_NAME),
-    KnowsPrefixes: ("the beginning of a name is enough", SAME_NAME),
+    KnowsPrefixes: ("a prefix of a name is accepted", SAME_NAME),
     CountsBytes: ("the length of a name is counted in bytes", NAME),
     CountsTo256: ("names of 256 characters are allowed", NAME),
     EmptyIsMalformed: ("an empty name is MALFORMED", NAME),
@@ -667,19 +673,22 @@ KNOWN: dict[type[PlainArbiter], tuple[str, str]] = {
     ServiceFirst: ("SERVICE_DOWN is tested before MALFORMED", ORDER),
     EndsAfterTheForm: ("MALFORMED is tested before MATCH_OVER", ORDER),
     IgnoresWithdrawals: ("HUNTER_INACTIVE is never given", "A withdrawn hunter's requests are refused (R1.6, R5.2)."),
-    IgnoresTheService: ("SERVICE_DOWN is never given", "While the kill service is down nothing is caught (R5.7)."),
+    IgnoresTheService: ("SERVICE_DOWN is never given", "While the kill service is down, no target is caught (R5.7)."),
     PlaysOn: ("MATCH_OVER is never given", "After the end every request is refused (R5.2)."),
-    ForgetsTheCaught: ("UNKNOWN_TARGET for ALREADY_CAUGHT", "The names of caught targets stay known (R3.4, R5.2)."),
+    ForgetsTheCaught: (
+        "UNKNOWN_TARGET instead of ALREADY_CAUGHT",
+        "The names of caught targets stay known (R3.4, R5.2).",
+    ),
     CreditsRefusedKills: ("a refused kill is GRANTED", REFUSED),
     FaultsSpread: ("one refused kill refuses all of its step", REFUSED),
-    TriesTheNext: ("after a refused kill the others are told KILL_FAILED too", REFUSED),
+    TriesTheNext: ("after a refused kill the losers get KILL_FAILED too", REFUSED),
     AlwaysNearest: ("the policy is always nearest", POLICY),
     AlwaysCapstone: ("the policy is always capstone", POLICY),
-    GivesNoEvidence: ("no evidence is given", "Compare with --verdicts-only until it is (R5.6)."),
+    GivesNoEvidence: ("no evidence is given", "Rulings need evidence; until they have it, use --verdicts-only (R5.6)."),
     GivesNoDistance: ("no distance is given", EVIDENCE),
     GivesNoWinner: ("no winner is given", EVIDENCE),
-    LosersDoNotLearnTheWinner: ("only who is granted learns the winner", EVIDENCE),
-    DistanceForEverybody: ("a distance is given to everybody", EVIDENCE),
+    LosersDoNotLearnTheWinner: ("only a granted request has the winner", EVIDENCE),
+    DistanceForEverybody: ("every ruling has a distance", EVIDENCE),
     GivesMillimetres: ("distances are in millimetres", DISTANCE),
     SortsByTarget: (
         "the rulings are not in the order of the requests",
