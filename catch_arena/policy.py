@@ -85,7 +85,7 @@ class Limits:
         require_type("config", config, ArenaConfig, "scenario(name)")
         if seat is None:
             if len({*zip(config.reaches, config.max_speeds, config.max_turn_rates, config.controls, strict=True)}) > 1:
-                raise ConfigError("seat must be given where hunters differ, Limits.of(config, seat), got none")
+                raise ConfigError("the limits of these hunters differ: give a seat, Limits.of(config, seat)")
             seat = 0
         if seat not in range(config.hunters):
             raise ConfigError(f"seat must be from 0 to {config.hunters - 1}, got {seat!r}")

@@ -66,13 +66,15 @@ def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
         ConfigError: for anything else, such as a state of another version of this package.
     """
     if not isinstance(saved, SavedState):
-        raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+        raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
     if saved.config != engine.config_digest:
-        raise ConfigError(f"saved must come from an arena of equal config, {engine.config_digest}, got {saved.config}")
+        raise ConfigError(
+            f"saved must come from an arena with an equal config (digest {engine.config_digest}), got {saved.config}"
+        )
     num_envs = None if alone else engine.num_arenas
     if saved.num_envs != num_envs:
         wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
-        raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
+        raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
     size, size_of_finished = engine.saved_sizes(alone=alone)
     _require_bytes(saved.memory, size)
     if size_of_finished and len(saved.finished):  # if one is empty, that engine has no auto_reset
@@ -84,5 +86,5 @@ def require_saved(saved: object, engine: Engine, *, alone: bool) -> None:
 
 def _require_bytes(given: object, size: int) -> None:
     if not isinstance(given, np.ndarray) or given.dtype != np.uint8 or given.shape != (size,):
-        got = f"one of {given.dtype} {given.shape}" if isinstance(given, np.ndarray) else type(given).__name__
+        got = f"an array of {given.dtype} {given.shape}" if isinstance(given, np.ndarray) else type(given).__name__
         raise ConfigError(f"a saved state must be an array of uint8 ({size},), got {got}")

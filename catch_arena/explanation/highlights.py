@@ -209,7 +209,7 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
             why = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
             what = f"{first} beats {second} by {short_length(contest.margin_um)}"
-            why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
+            why = f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
         yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, what, why)
 
 
@@ -233,7 +233,7 @@ def _leads(events: MatchEvents) -> Iterable[Highlight]:
             continue
         if leader is not None:
             what = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
-            why = f"{events.names[leader]}, who was in front from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
+            why = f"{events.names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
             yield _highlight("lead", (at_ms, events.duration_ms), at_ms, what, why)
         leader, since_ms = new, at_ms
 
@@ -246,7 +246,7 @@ def _streaks(events: MatchEvents) -> Iterable[Highlight]:
         if len(times) < STREAK:
             continue
         what = f"{events.hunters[seat]} catches {len(times)} in a row"
-        why = f"For {seconds(times[-1] - times[0])} nobody else catches any (R6.1)"
+        why = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
         start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
         yield _highlight("streak", (len(times),), times[-1], what, why, start_ms=start_ms)
 
@@ -285,7 +285,7 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
     what = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
     mine, theirs = shares[winner], shares[favourite]
     why = (
-        f"Of its other matches it won {100 * mine:.0f} %, {names[favourite]} {100 * theirs:.0f} %; "
+        f"It won {100 * mine:.0f} % of its other matches, and {names[favourite]} {100 * theirs:.0f} %; "
         "from here on it leads (R6.1)"
     )
     yield _highlight("upset", (theirs, mine), at_ms, what, why)

@@ -90,7 +90,9 @@ def find_seat(replay: Replay, hunter: int | str) -> int:
     """
     seats, _ = find_subjects(replay, hunter)
     if not seats:
-        raise ConfigError(f"hunter must be no prey, which has no view to draw, got {hunter!r}")
+        raise ConfigError(f"hunter must be a hunter, since prey has no view to draw, got {hunter!r}")
     if len(seats) > 1:
-        raise ConfigError(f"hunter must be one of the seats {', '.join(map(str, seats))}: {hunter!r} means all of them")
+        raise ConfigError(
+            f"hunter must be one of the seats {', '.join(map(str, seats))}: {hunter!r} is the name of all of them"
+        )
     return seats[0]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from catch_arena.explanation.match_summary import Explanation
     from catch_arena.explanation.step_explanation import StepExplanation
 
-_EMPTY_RANK: Final = "a rank that no target in its view has"
+_EMPTY_RANK: Final = "a rank without a target in its view"
 _LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
 _MOST_UNSEEN: Final = 3
 
@@ -51,7 +51,7 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
     asked = _listed(names[claim.seat] for claim in contest.claims)
     asked = f"At {seconds(contest.judged_ms)} (step {contest.step}) {asked} asked for {_called(contest.target, prey)}"
     if contest.clause == "R9.1":
-        return f"{asked}: the capstone's service says yes to each of them, GRANTED (R9.1)."
+        return f"{asked}: the capstone's service grants each of them, GRANTED (R9.1)."
     places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
     places += [f"{names[claim.seat]} {metres(claim.distance_um)}, {_compared(claim, winner)}" for claim in losers]
     outcome = (
@@ -94,7 +94,7 @@ def _decision(contest: Contest, names: Sequence[str]) -> str:
 def _compared(claim: Claim, winner: Claim) -> str:
     more = (claim.distance_um or 0) - (winner.distance_um or 0)
     if more == 0:
-        return "just as far"
+        return "the same distance"
     return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
 
 
@@ -231,13 +231,13 @@ def _sight(one: HunterAction, step: "StepExplanation") -> str:
     if more := len(one.unseen) - len(shown):
         shown.append(f"{more} more")
     saw = f"{one.seen} of {_counted(one.seen + len(one.unseen), 'target')}"
-    return f"It sees what is {_listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
+    return f"It sees targets that are {_listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
 
 
 def _out_of_sight(one: Unseen) -> str:
     why = ["too far"] if one.too_far else []
     if one.outside_cone:
-        side = "behind it" if one.off_heading_deg > 90.0 else "to its side"
+        side = "to its rear" if one.off_heading_deg > 90.0 else "to its side"
         why.append(f"{side}, {one.off_heading_deg:.1f} degrees off its heading")
     return f"{one.target}, {metres(one.distance_um)} away, {' and '.join(why)}"
 
@@ -250,7 +250,7 @@ def distances_sentence(target: str, step: "StepExplanation") -> str:
     )
     distances = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
     prey = step.prey_by_target.get(target)
-    player = f", which {prey} plays" if prey is not None else ""
+    player = f", played by {prey}" if prey is not None else ""
     return f"Distances to {target}{player}: {distances}."
 
 

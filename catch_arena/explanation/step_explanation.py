@@ -87,7 +87,9 @@ def step_at(replay: Replay, at_s: float) -> int:
     step = round(1000 * time_s) // period_ms + 1 if math.isfinite(time_s) else 0
     if not 1 <= step <= replay.steps:
         last = f"to {seconds((replay.steps - 1) * period_ms)}, when the last step is judged"
-        raise ConfigError(f"at must be from 0 {last if replay.steps else 'on, and in a step'}, got {time_s:g} s")
+        raise ConfigError(
+            f"at must be from 0 {last if replay.steps else 'on, but the match has no steps'}, got {time_s:g} s"
+        )
     return step
 
 
@@ -106,10 +108,10 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     require_type("replay", replay, Replay, "Replay.load(path)")
     number = whole_number(step)
     if number is None:
-        raise ConfigError(f"step must be a whole number, as of step_at(replay, at_s), got {step!r}")
+        raise ConfigError(f"step must be a whole number, such as step_at(replay, at_s) returns, got {step!r}")
     step = number
     if not 1 <= step <= replay.steps:
-        has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"
+        has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
         raise ConfigError(f"step must be {has}, got {step}")
     seats, prey_indices = find_subjects(replay, hunter)
     before, after = islice(replay.worlds(), step - 1, step + 1)

@@ -16,18 +16,18 @@ DRIVING: Final = (
     (("up", "W"), "ahead"),
     (("left", "A"), "turn left"),
     (("right", "D"), "turn right"),
-    (("down", "S"), "back, where hunters may"),
-    (("gamepad",), "the stick drives too"),
+    (("down", "S"), "back, if hunters may reverse"),
+    (("gamepad",), "the stick also drives"),
 )
 WINDOW: Final = (
-    (("space", "P"), "pause, and go on"),
-    (("N", "."), "one step, while it is paused"),
+    (("space", "P"), "pause, continue"),
+    (("N", "."), "one step, while paused"),
     (("+", "-"), "faster, slower"),
-    (("V",), "what a hunter sees; the next"),
-    (("R",), "the same match again"),
+    (("V",), "view of a hunter; next hunter"),
+    (("R",), "restart the match"),
     (("Ctrl-S",), "save the replay"),
-    (("H",), "these keys"),
-    (("Esc",), "end"),
+    (("H",), "show these keys"),
+    (("Esc",), "quit"),
 )
 _YOU: Final = "you"
 

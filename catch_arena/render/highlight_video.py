@@ -66,7 +66,7 @@ def render_highlights(
         ReplayError: if a match does not play as recorded.
     """
     if not highlights:
-        raise ConfigError("clips must be one at least, got none")
+        raise ConfigError("highlights must have at least one entry, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
     frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)

@@ -71,7 +71,7 @@ class MatchInfo:
         called = agents if names is None else tuple(names)
         if len(called) != len(agents):
             prey = f" and {config.prey} prey" if config.prey else ""
-            raise ConfigError(f"names must be one for each of {config.hunters} hunters{prey}, got {len(called)}")
+            raise ConfigError(f"names must have one for each of {config.hunters} hunters{prey}, got {len(called)}")
         hunters = called[: config.hunters]
         return cls(
             config,

@@ -47,7 +47,7 @@ class Reader:
     def take(self, size: int) -> bytes:
         """Return the next `size` bytes."""
         if size > len(self._body) - self._at:
-            raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, and more are announced")
+            raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, before the end of its parts")
         self._at += size
         return bytes(self._body[self._at - size : self._at])
 

@@ -19,18 +19,18 @@ def replay_differences(one: Replay, other: Replay) -> list[str]:
     found = [f"{name}: {ours} in A, {theirs} in B" for name, ours, theirs in _headers(one, other)]
     for what in ("hunters", "prey"):
         if getattr(one.config, what) != getattr(other.config, what):
-            return [*found, f"with different numbers of {what}, actions and states are not compared"]
+            return [*found, f"with different numbers of {what}, actions and states cannot be compared"]
     steps = min(one.steps, other.steps)
     found += _first_actions(one, other, steps)
     if one.config.targets_move == other.config.targets_move:
         found += _first_state(one, other, steps)
     else:
-        found.append(f"targets move in {'A' if one.config.targets_move else 'B'} alone: states are not compared")
+        found.append(f"targets move in {'A' if one.config.targets_move else 'B'} only, so states are not compared")
     if one.steps != other.steps:
         found.append(f"steps: {one.steps} in A, {other.steps} in B")
     if found:
         ours, theirs = (scores(each.states[-1], each.config) for each in (one, other))
-        for what, *results in zip(("final scores", "times that prey was caught"), ours, theirs, strict=True):
+        for what, *results in zip(("final scores", "number of catches of each prey"), ours, theirs, strict=True):
             if results[0]:
                 shown = [", ".join(map(str, result)) for result in results]
                 same = "the same in both" if shown[0] == shown[1] else f"in A, {shown[1]} in B"
@@ -74,12 +74,12 @@ def _first_actions(one: Replay, other: Replay, steps: int) -> list[str]:
     for step in range(steps + 1):
         gone = [set(each.withdrawn_before(step)) for each in (one, other)]
         found = [
-            f"before step {step + 1}: {agents[agent]} is withdrawn in {'A' if agent in gone[0] else 'B'} alone"
+            f"before step {step + 1}: {agents[agent]} is withdrawn in {'A' if agent in gone[0] else 'B'} only"
             for agent in sorted(gone[0] ^ gone[1])
         ]
         for agent, ours, theirs in zip(agents, *(_actions(each, step) for each in (one, other)), strict=False):
             if ours != theirs:
-                found.append(f"step {step + 1}: {agent} acts otherwise: {ours} in A, {theirs} in B")
+                found.append(f"step {step + 1}: {agent} acts differently: {ours} in A, {theirs} in B")
         if found:
             return found
     return []
@@ -105,5 +105,5 @@ def _first_state(one: Replay, other: Replay, steps: int) -> list[str]:
                 name if name == twin else seat for name, twin, seat in zip(one.names, other.names, agents, strict=True)
             ]
             lines = state_differences(one.config, names, ours, theirs, ("in A", "in B"))
-            return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]
+            return [f"{state_name(step)} is the first difference", *first_lines(step, lines)]
     return []

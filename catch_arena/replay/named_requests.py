@@ -114,7 +114,7 @@ def judge_again(
         if ruling.verdict in _FOR_A_RANK:
             raise ReplayError(
                 f"step {before.step + 1}: hunter_{ruling.hunter} cannot have asked for "
-                f"{name_in_words(str(ruling.target))} by name alone: it is in reach, and the arena answered nothing"
+                f"{name_in_words(str(ruling.target))} by name alone: it was in reach, so the arena would have answered"
             )
     return rulings
 
@@ -122,7 +122,7 @@ def judge_again(
 def name_in_words(name: str | None) -> str:
     """Return a requested name in quotes, shortened and printable; a phrase for None."""
     if name is None:
-        return "what is no text"
+        return "a name that is not a string"
     short = name if len(name) <= _LONGEST_SHOWN else f"{name[:_LONGEST_SHOWN]}..."
     return f'"{printable(short)}"'
 
@@ -148,17 +148,17 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
     if not isinstance(names, list) or any(
         name is not None and not (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
     ):
-        raise ReplayError("holds requests for names that no replay keeps")
+        raise ReplayError("contains requests for names that a replay cannot contain")
     count = reader.length()
     if not 0 < count <= MOST_REQUESTS:
-        raise ReplayError(f"holds {count} requests by name, and 1 to {MOST_REQUESTS} can be kept")
+        raise ReplayError(f"contains {count} requests by name, but must contain 1 to {MOST_REQUESTS}")
     later, seats, places = reader.columns(3, count).T
     at = np.cumsum(later)
     if later.min() < 0 or later.max() >= steps or at[-1] >= steps:
-        raise ReplayError("holds requests by name that are not in the order of the steps")
+        raise ReplayError("contains requests by name that are not in the order of the steps")
     full = [seat for seat, control in enumerate(config.controls) if control == "full"]
     if not np.isin(seats, full).all() or not 0 <= places.min() <= places.max() < len(names):
-        raise ReplayError("holds requests by name that no hunter could have made")
+        raise ReplayError("contains requests by name that no hunter could have made")
     return [
         NamedRequest(step, seat, names[place])
         for step, seat, place in zip(at.tolist(), seats.tolist(), places.tolist(), strict=True)

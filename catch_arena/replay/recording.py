@@ -159,7 +159,7 @@ class Replay:
                 played = quantise(engine.state(), self.config)
                 found = state_differences(self.config, self.names, self.states[step], played)
                 raise ReplayError(
-                    f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "
+                    f"the replay does not play as it was recorded: {state_name(step)} is the first difference: "
                     f"{on_one_line(found)}"
                 )
             yield engine
@@ -217,7 +217,7 @@ class Replay:
         from catch_arena.replay.fileformat import LARGEST_FILE, decode_replay
 
         if not isinstance(path, str | os.PathLike):
-            raise ReplayError(f"path must be a file's, as text or a Path, got {with_type(path)}")
+            raise ReplayError(f"path must be a string or a Path, got {with_type(path)}")
         try:
             with Path(path).open("rb") as file:
                 content = file.read(LARGEST_FILE + 1)

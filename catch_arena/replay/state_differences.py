@@ -61,7 +61,7 @@ def state_differences(
             if values[0] != values[1]:
                 shown = [f"{_shown(config, unit, value)} {label}" for value, label in zip(values, labels, strict=True)]
                 found.append(f"{who}: {what} is {' and '.join(shown)}{_apart(what, unit, values)}")
-    return found or ["every number by less than a millionth of its unit"]
+    return found or ["every number differs by less than a millionth of its unit"]
 
 
 def _rows(state: QuantisedState, config: ArenaConfig) -> dict[tuple[int, int], list[int]]:

@@ -207,7 +207,7 @@ def _rounded(numbers: NDArray[np.float64]) -> Matrix:
 
 def _bounded(numbers: Matrix) -> Matrix:
     if numbers.size and not -_LARGEST <= numbers.min() <= numbers.max() <= _LARGEST:
-        raise ReplayError("is damaged: a quantised state holds a number beyond 2^53")
+        raise ReplayError("is damaged: a quantised state contains a number beyond 2^53")
     return numbers
 
 

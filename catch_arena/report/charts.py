@@ -77,10 +77,10 @@ def headline(table: Sequence[Standing], *, ended: bool) -> str:
     if len(leaders) == 1:
         return f"{leaders[0]} comes first" if ended else f"{leaders[0]} leads so far"
     if len(leaders) == len(table):
-        return "Nobody can be told apart yet"
+        return "No difference between the agents is significant yet"
     if len(leaders) > 3:  # more names are too long for a headline
-        return f"{leaders[0]} leads, and {len(leaders) - 1} others cannot be told from the best"
-    return f"{', '.join(leaders[:-1])} and {leaders[-1]} lead and cannot be told apart"
+        return f"{leaders[0]} leads, but {len(leaders) - 1} others do not differ significantly"
+    return f"{', '.join(leaders[:-1])} and {leaders[-1]} lead without a significant difference"
 
 
 def rating_axis(table: Sequence[Standing]) -> Axis:

@@ -121,5 +121,5 @@ class ReportData:
             ReplayError: if the match was not recorded, or its file is no replay or a damaged one.
         """
         if match not in self.recorded:
-            raise ReplayError(f"match {match}: must be one that was played and recorded")
+            raise ReplayError(f"match {match}: cannot be shown; it must be a match that was played and recorded")
         return Replay.load(self.folder / REPLAYS / f"{match}.replay")

@@ -23,7 +23,7 @@ def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> 
     Raises:
         ReplayError: if a match that was asked for was not recorded.
     """
-    selected = {match: SelectedMatch(bundle_text(data.replay(match)), "asked for") for match in asked}
+    selected = {match: SelectedMatch(bundle_text(data.replay(match)), "requested") for match in asked}
     taken = sum(len(one.bundle) for one in selected.values())
     for match, why in _by_interest(data):
         if match in selected:

@@ -194,7 +194,7 @@ def test_targets_that_move_leave_sand_and_glide(half_blind):
 def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):
     """By the button and by the key; nobody's before somebody is picked."""
     half_blind.evaluate("document.querySelector('catch-replay').seek(3000)")
-    button = half_blind.get_by_role("button", name="What it sees")
+    button = half_blind.get_by_role("button", name="Show its view")
     assert button.is_disabled()
     half_blind.get_by_role("button", name="ann").click()
     before = picture(half_blind, "canvas.arena")
@@ -211,9 +211,9 @@ def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):
 
 
 def test_where_hunters_see_everything_there_is_no_button_for_it(player):
-    assert player.get_by_role("button", name="What it sees").count() == 0
+    assert player.get_by_role("button", name="Show its view").count() == 0
     player.locator("canvas.arena").press("v")
-    assert player.locator(".spoken").inner_text() == "Hunters see everything here."
+    assert player.locator(".spoken").inner_text() == "All hunters see the whole arena."
 
 
 def test_a_picked_hunter_has_its_own_contests(player, crowd):

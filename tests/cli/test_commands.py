@@ -216,15 +216,15 @@ def test_a_damaged_replay_is_reported_and_the_others_are_still_checked(catch_are
         *(
             (["match", "nearest", "idle", "--scenario", "standard", *words], message)
             for words, message in (
-                (["--set", "teams=[[0,1],[2]]"], "teams must name each seat from 0 to 3 once, got none for seat 3"),
+                (["--set", "teams=[[0,1],[2]]"], "teams must name each seat from 0 to 3 once, got no team for seat 3"),
                 (["--set", "teams=[[0,1],[1,2,3]]"], "each seat from 0 to 3 once, got seat 1 more than once"),
                 (["--set", "teams=[[0,1],[2,4]]"], "teams must name each seat from 0 to 3 once, got 4"),
                 (["--set", "teams=((0,1),(2,3))"], "or a list as [[0, 1], [2, 3]], got '((0,1),(2,3))'"),
                 (["--set", "teams=[[0,1],[2,3]"], "or a list as [[0, 1], [2, 3]], got '[[0,1],[2,3]'"),
-                (["--set", "prey=1", "--set", "target_budget=10"], "target_budget must be None where there is prey"),
+                (["--set", "prey=1", "--set", "target_budget=10"], "target_budget must be None if the arena has prey"),
                 (
                     ["--set", "prey=9"],
-                    "prey must be a whole number from 0 to 8 (initial_targets, which count it), got 9",
+                    "prey must be a whole number from 0 to 8 (initial_targets, which include prey), got 9",
                 ),
                 (
                     ["--set", "prey=33", "--set", "initial_targets=40", "--set", "max_targets=40"],

@@ -55,9 +55,12 @@ BAD_CONFIGS = [
     ({"max_turn_rate_radps": (4.0, 4.0, INFINITY, 4.0)}, "max_turn_rate_radps[2] must be a finite number above 0, got"),
     ({"reach_m": (0.3, 0.3, 0.3, 0.0)}, "reach_m[3] must be above 0 and at most 10000, got 0.0"),
     ({"reach_m": (0.3, 0.3, "0.3", 0.3)}, "reach_m[2] must be a finite number above 0, got '0.3'"),
-    ({"view_radius_m": 0}, "view_radius_m must be above 0 and at most 10000 (None is everywhere), got 0"),
-    ({"view_radius_m": NAN}, "view_radius_m must be a finite number above 0 (None is everywhere), got nan"),
-    ({"view_radius_m": 1e300}, "view_radius_m must be above 0 and at most 10000 (None is everywhere), got 1e+300"),
+    ({"view_radius_m": 0}, "view_radius_m must be above 0 and at most 10000, or None for the whole arena, got 0"),
+    ({"view_radius_m": NAN}, "view_radius_m must be a finite number above 0, or None for the whole arena, got nan"),
+    (
+        {"view_radius_m": 1e300},
+        "view_radius_m must be above 0 and at most 10000, or None for the whole arena, got 1e+300",
+    ),
     ({"alarm_m": 10**400}, "alarm_m must be at least 0 and at most 10000, got 1000"),
     ({"view_angle_deg": 400}, "view_angle_deg must be above 0 and at most 360, got 400"),
     ({"view_angle_deg": 0}, "view_angle_deg must be above 0 and at most 360, got 0"),
@@ -74,10 +77,13 @@ BAD_CONFIGS = [
     ({"faults": {"kill_down": 1.5}}, "faults.kill_down must be at least 0 and at most 1, got 1.5"),
     ({"gains": {"kp": 1.0}}, "unknown setting gains.kp: did you mean kp_"),
     ({"spawn_frequenzy_hz": 1}, "unknown setting 'spawn_frequenzy_hz': did you mean spawn_frequency_hz"),
-    ({"teams": ((0, 1), (2,))}, "teams must name each seat from 0 to 3 once, got none for seat 3"),
+    ({"teams": ((0, 1), (2,))}, "teams must name each seat from 0 to 3 once, got no team for seat 3"),
     ({"teams": ((0, 1), (1, 2, 3))}, "teams must name each seat from 0 to 3 once, got seat 1 more than once"),
     ({"teams": [[0, 1], [2, 4]]}, "teams must name each seat from 0 to 3 once, got 4"),
-    ({"teams": ((0, 1, 2, 3), ())}, "teams must name each seat from 0 to 3 once, and no team without a seat, got (("),
+    (
+        {"teams": ((0, 1, 2, 3), ())},
+        "teams must name each seat from 0 to 3 once, and each team must have a seat, got ((",
+    ),
     ({"teams": ((0, 1.0), (2, 3))}, "teams must name each seat from 0 to 3 once, got 1.0"),
     ({"teams": ((0, True), (2, 3))}, "teams must name each seat from 0 to 3 once, got True"),
     ({"teams": 2}, "teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got 2"),
@@ -87,10 +93,10 @@ BAD_CONFIGS = [
     ({"team_share": NAN}, "team_share must be a finite number at least 0, got nan"),
     ({"spawning": 0}, "spawning must be true or false, got 0 (int)"),
     ({"prey": 33, "initial_targets": 40, "max_targets": 40}, "prey must be a whole number from 0 to 32, got 33"),
-    ({"prey": 9}, "prey must be a whole number from 0 to 8 (initial_targets, which count it), got 9"),
+    ({"prey": 9}, "prey must be a whole number from 0 to 8 (initial_targets, which include prey), got 9"),
     ({"prey": -1}, "prey must be a whole number from 0 to 32, got -1"),
     ({"prey": True}, "prey must be a whole number from 0 to 32, got True"),
-    ({"prey": 1, "target_budget": 20}, "target_budget must be None where there is prey, got 20"),
+    ({"prey": 1, "target_budget": 20}, "target_budget must be None if the arena has prey, got 20"),
     ({"prey_returns_s": -0.1}, "prey_returns_s must be at least 0 and at most 1e+09, got -0.1"),
     ({"prey_returns_s": "2"}, "prey_returns_s must be a finite number at least 0, got '2'"),
     ({"prey_rewards": {"caught": INFINITY}}, "prey_rewards.caught must be a finite number at least -1e+06, got inf"),
@@ -232,7 +238,7 @@ def test_a_step_at_the_wrong_time_is_refused():
     actions = good(env)
     env.step(actions)
     last = env.digest()
-    with pytest.raises(EpisodeError, match="this episode is over"):
+    with pytest.raises(EpisodeError, match="the episode is over"):
         env.step(actions)
 
     assert env.step({}) == ({}, {}, {}, {}, {})  # nobody is left to act
@@ -272,11 +278,11 @@ def test_steps_at_the_wrong_time_are_refused_under_aec_too():
     env.reset(seed=1)
     for _ in range(2):
         env.step(0)
-    with pytest.raises(ActionError, match="hunter_0: an action must be None after the end, got 1"):
+    with pytest.raises(ActionError, match="hunter_0: an action must be None after the agent's end, got 1"):
         env.step(1)
     for _ in env.agent_iter():
         env.step(None)
-    with pytest.raises(EpisodeError, match="this episode is over"):
+    with pytest.raises(EpisodeError, match="the episode is over"):
         env.step(0)
 
     assert env.world().step == 1
@@ -313,7 +319,7 @@ def test_limits_of_hunters_that_differ_need_a_seat():
     """R2.7: nobody is told the first one's, as if all had them."""
     config = catch_arena.scenario("unequal")
     with pytest.raises(
-        ConfigError, match=r"seat must be given where hunters differ, Limits.of\(config, seat\), got none"
+        ConfigError, match=r"the limits of these hunters differ: give a seat, Limits.of\(config, seat\)"
     ):
         catch_arena.Limits.of(config)
     assert [catch_arena.Limits.of(config, seat).reach_m for seat in range(4)] == [0.2, 0.3, 0.4, 0.5]
@@ -333,7 +339,7 @@ def test_limits_of_hunters_that_differ_need_a_seat():
 )
 @pytest.mark.parametrize("wrong", ["duel", []], ids=repr)
 def test_what_is_no_config_is_refused(call, wrong):
-    message = f"config must be an ArenaConfig, as of scenario(name), got {wrong!r}"
+    message = f"config must be an ArenaConfig, such as scenario(name) returns, got {wrong!r}"
     with pytest.raises(ConfigError, match=f"^{re.escape(message)}$"):
         call(wrong)
 
@@ -377,7 +383,11 @@ ARGUMENTS = [
         ActionError,
         "spawn: theta must lie in [-1000, 1000], got {got!r}",
     ),
-    (CatchArenaAecEnv, ConfigError, "parallel must be a CatchArenaEnv, as of parallel_env(name), got {got!r}"),
+    (
+        CatchArenaAecEnv,
+        ConfigError,
+        "parallel must be a CatchArenaEnv, such as parallel_env(name) returns, got {got!r}",
+    ),
     (lambda wrong: begun(catch_arena.ArenaService).step(wrong), ActionError, "cmd_vel must map hunters to Twists, got"),
     (
         lambda wrong: begun(catch_arena.ArenaService).step(goals=wrong),
@@ -387,30 +397,30 @@ ARGUMENTS = [
     (
         lambda wrong: catch_arena.ArenaService("duel").record(wrong),
         ConfigError,
-        "names must be 2, one for each hunter, got {got!r}",
+        "names must have 2 entries, one for each hunter, got {got!r}",
     ),
     (lambda wrong: recorded().save(wrong), OutputError, "file must be a path or a BytesIO, got {got!r}"),
-    (catch_arena.explain, ConfigError, "replay must be a Replay, as of Replay.load(path), got {got!r}"),
+    (catch_arena.explain, ConfigError, "replay must be a Replay, such as Replay.load(path) returns, got {got!r}"),
     (
         lambda wrong: catch_arena.explain_step(wrong, 1),
         ConfigError,
-        "replay must be a Replay, as of Replay.load(path), got {got!r}",
+        "replay must be a Replay, such as Replay.load(path) returns, got {got!r}",
     ),
     (
         lambda wrong: catch_arena.explain_step(recorded(), wrong),
         ConfigError,
-        "step must be a whole number, as of step_at(replay, at_s), got {got!r}",
+        "step must be a whole number, such as step_at(replay, at_s) returns, got {got!r}",
     ),
     (lambda wrong: step_at(recorded(), wrong), ConfigError, "at must be a number of seconds, got {got!r}"),
     (
         lambda wrong: catch_arena.View([0.0] * 57, (), wrong),
         ConfigError,
-        "limits must be a Limits, as of Limits.of(config), got {got!r}",
+        "limits must be a Limits, such as Limits.of(config) returns, got {got!r}",
     ),
     (
         lambda wrong: catch_arena.PreyView([0.0] * 27, wrong),
         ConfigError,
-        "limits must be a PreyLimits, as of PreyLimits.of(config), got {got!r}",
+        "limits must be a PreyLimits, such as PreyLimits.of(config) returns, got {got!r}",
     ),
     (
         lambda wrong: catch_arena.BatchView(wrong, np.ones((1, 9)), catch_arena.Limits.of(DUEL)),
@@ -420,9 +430,13 @@ ARGUMENTS = [
     (
         lambda wrong: catch_arena.BatchView(np.zeros((1, 57)), np.ones((1, 9)), wrong),
         ConfigError,
-        "limits must be a Limits, as of Limits.of(config), got {got!r}",
+        "limits must be a Limits, such as Limits.of(config) returns, got {got!r}",
     ),
-    (catch_arena.ArenaConfig.from_dict, ConfigError, "settings must map names to values, as of to_dict(), got {got!r}"),
+    (
+        catch_arena.ArenaConfig.from_dict,
+        ConfigError,
+        "settings must map names to values, as to_dict() returns them, got {got!r}",
+    ),
     (catch_arena.scenario, ConfigError, "unknown scenario {got!r}: known: "),
 ]
 
@@ -471,7 +485,7 @@ def test_an_unknown_agent_of_the_aec_env_is_named():
 
 @pytest.mark.parametrize("path", [3, None, [], True, object()])
 def test_what_is_no_path_is_no_replay(path):
-    with pytest.raises(ReplayError, match=r"^path must be a file's, as text or a Path, got "):
+    with pytest.raises(ReplayError, match=r"^path must be a string or a Path, got "):
         catch_arena.Replay.load(path)
 
 

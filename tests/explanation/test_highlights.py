@@ -59,9 +59,7 @@ def test_a_quiet_match_has_none():
 def test_a_contest_says_who_won_by_how_much_and_why():
     (one,) = of_kind("contest", match_with(contests=[contest(213)]))
     assert one.what == "bob beats ann by 213 µm"
-    assert one.why == (
-        "It was 0.120000 m from target_turtle_7, the other 0.120213 m: the smaller distance decides (R5.4)"
-    )
+    assert one.why == ("bob was 0.120000 m from target_turtle_7, ann 0.120213 m: the smaller distance decides (R5.4)")
     assert (one.decisive_ms, one.start_ms, one.end_ms) == (5000, 3000, 6500)
 
 
@@ -86,7 +84,7 @@ def test_the_lead_changes_where_another_leads_alone_ties_between_or_not():
     catches = [(1000, 0), (2000, 1), (3000, 0), (20_000, 1), (40_000, 1), (50_000, 1)]
     (one,) = of_kind("lead", match_with(catches))
     assert (one.decisive_ms, one.what) == (40_000, "bob takes the lead, 3 : 2")
-    assert one.why == "ann, who was in front from 1.0 s on, has 2 (R6.1)"
+    assert one.why == "ann, which led from 1.0 s on, has 2 (R6.1)"
     assert one.score == pytest.approx((40 / 60) ** 2)
 
 
@@ -102,7 +100,7 @@ def test_a_streak_is_three_or_more_in_a_row():
     (three,) = of_kind("streak", match_with([(1000, 1), (2000, 1), (3000, 1), (4000, 0)]))
     (six,) = of_kind("streak", match_with([(1000 * k, 1) for k in range(1, 7)]))
     assert three.what == "bob catches 3 in a row"
-    assert three.why == "For 2.0 s nobody else catches any (R6.1)"
+    assert three.why == "For 2.0 s no other hunter catches a target (R6.1)"
     assert 0 < three.score < six.score < 1
     assert six.decisive_ms == 6000
     assert six.start_ms == 3000  # its last catches, not the whole of it

@@ -193,7 +193,7 @@ def test_a_view_is_that_of_one_hunter(hunted):
     assert find_seat(hunted, "b") == 1
     with pytest.raises(ConfigError, match="one of the seats 0, 2: 'a' means all of them"):
         find_seat(hunted, "a")
-    with pytest.raises(ConfigError, match="no prey, which has no view to draw, got 'prey_0'"):
+    with pytest.raises(ConfigError, match="prey has no view to draw, got 'prey_0'"):
         find_seat(hunted, "prey_0")
 
 

@@ -256,7 +256,7 @@ def test_v_says_where_there_is_nothing_to_show(session, monkeypatch):
     monkeypatch.setattr(match_window.MatchWindow, "notify", lambda _, text: notes.append(text))
     result = session(["watch", "nearest"], *nothing(3), pygame.K_v, *nothing(3))
     assert result.exit_code == 0, result.output
-    assert "hunters see everything here" in notes
+    assert "all hunters see the whole arena" in notes
 
 
 def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, over, tmp_path):

@@ -306,13 +306,13 @@ def test_every_flipped_bit_is_refused(small):
         (b"\x89CATCH\r\n" + bytes(9), "is truncated"),
         (
             b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37),
-            "is of format 1, and this version reads formats 2 to 5",
+            "has format 1, but this version reads formats 2 to 5",
         ),
-        (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "should be 9223372036854775860 bytes long"),
+        (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "must be 9223372036854775860 bytes long"),
         (sealed(b"", packed_as=b"not zlib"), "its body does not unpack"),
         (sealed(b"", packed_as=zlib.compress(bytes(9))[:-1]), "is damaged"),
         (sealed(b"", packed_as=zlib.compress(bytes(9)) + b"more"), "4 bytes follow its body"),
-        (sealed(b""), "more are announced"),
+        (sealed(b""), "before the end of its parts"),
         (sealed(b"\x00\x00\x00\x00"), "no readable header"),
         (sealed(b"\xff\xff\xff\xff{}"), "its header is 4294967295 bytes long"),
         (sealed(b"\x02\x00\x00\x00\xff\xfe"), "no readable header"),
@@ -350,9 +350,9 @@ def test_requests_by_name_are_read_by_the_document_alone(named, tmp_path):
         (lambda asked: asked.__setitem__(0, asked[0]._replace(step=10**6)), "not in the order of the steps"),
         (lambda asked: asked.__setitem__(0, asked[0]._replace(step=-1)), "not in the order of the steps"),
         (lambda asked: asked.reverse(), "not in the order of the steps"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that no replay keeps"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that no replay keeps"),
-        (lambda asked: asked.extend([asked[-1]] * 2**16), "and 1 to 65536 can be kept"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that a replay cannot contain"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that a replay cannot contain"),
+        (lambda asked: asked.extend([asked[-1]] * 2**16), "must contain 1 to 65536"),
     ],
 )
 def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, says):
@@ -368,7 +368,7 @@ def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, sa
         (struct.pack("<I", 9000) + b"[" * 9000, "no readable table of names"),
         (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 0), "holds 0 requests by name"),
         (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 1) + bytes(3), "that no hunter could have made"),
-        (struct.pack("<I", 2) + b"{}", "names that no replay keeps"),
+        (struct.pack("<I", 2) + b"{}", "names that a replay cannot contain"),
     ],
 )
 def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, says):
@@ -381,16 +381,14 @@ def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, says):
 
 def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, tmp_path):
     """Somebody has changed the number and sealed the file anew; or the number of prey."""
-    assert (
-        refusal(sealed(body_of(small), form=3), tmp_path) == "is of format 3, which is not that of a match with 0 prey"
-    )
+    assert refusal(sealed(body_of(small), form=3), tmp_path) == "has format 3, which does not fit a match with 0 prey"
     text = refusal(sealed(body_of(small_hunted), form=2), tmp_path)
-    assert text == "is of format 2, which is not that of a match with 2 prey"
-    assert "is of format 6, and this version reads formats 2 to 5" in refusal(sealed(b"", form=6), tmp_path)
+    assert text == "has format 2, which does not fit a match with 2 prey"
+    assert "has format 6, but this version reads formats 2 to 5" in refusal(sealed(b"", form=6), tmp_path)
     names = ["a", "b"]
     config = {**decode(small_hunted)["config"], "prey": 0}
     text = refusal(with_header(small_hunted, config=config, names=names, withdrawals=[]), tmp_path)
-    assert text == "is of format 3, which is not that of a match with 0 prey"
+    assert text == "has format 3, which does not fit a match with 0 prey"
 
 
 @pytest.mark.parametrize(
@@ -419,7 +417,10 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"ruleset": "catch_arena_v9\n"}, r"recorded under ruleset 'catch_arena_v9\n', and this is 'catch_arena_v1'"),
+        (
+            {"ruleset": "catch_arena_v9\n"},
+            r"recorded under ruleset 'catch_arena_v9\n', but this version plays 'catch_arena_v1'",
+        ),
         ({"ruleset": ...}, "was recorded under ruleset None"),
         ({"title": ...}, "missing required field `title`"),
         ({"extra\x1b": 1}, r"unknown field `extra\x1b`"),
@@ -435,11 +436,11 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
         ({"steps": -1}, "`int` >= 0 - at `$.steps`"),
         ({"steps": 1.5}, "got `float` - at `$.steps`"),
         ({"steps": None}, "got `null` - at `$.steps`"),
-        ({"steps": 4}, "4 steps, and a match has 3"),
+        ({"steps": 4}, "4 steps, but a match has at most 3"),
         ({"steps": 2}, "is damaged"),
-        ({"steps": 10**7}, "is too long to be kept"),
+        ({"steps": 10**7}, "is too long for a file"),
         ({"steps": 2**31}, "<= 2147483647 - at `$.steps`"),
-        ({"spans": 2**31 - 1}, "is too long to be kept: 2147483647 targets"),
+        ({"spans": 2**31 - 1}, "is too long for a file: 2147483647 targets"),
         ({"spans": 0}, "bytes follow its end"),
         ({"spans": -1}, "`int` >= 0 - at `$.spans`"),
         ({"withdrawals": [[2, 2]]}, "withdrawals must name agents"),
@@ -487,13 +488,13 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda match: match.choices[3].__setitem__(0, 9), "holds actions of hunter_0"),
-        (lambda match: match.choices[3].__setitem__(0, -1), "holds actions of hunter_0"),
-        (lambda match: match.choices[3].__setitem__(1, 1), "holds actions of hunter_1"),
-        (lambda match: match.choices[3].__setitem__(3, 2**62), "holds actions of hunter_3"),
-        (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
-        (lambda match: match.commands[3].__setitem__((2, 1), np.inf), "holds velocity commands"),
-        (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "holds velocity commands"),
+        (lambda match: match.choices[3].__setitem__(0, 9), "contains actions of hunter_0"),
+        (lambda match: match.choices[3].__setitem__(0, -1), "contains actions of hunter_0"),
+        (lambda match: match.choices[3].__setitem__(1, 1), "contains actions of hunter_1"),
+        (lambda match: match.choices[3].__setitem__(3, 2**62), "contains actions of hunter_3"),
+        (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "contains velocity commands"),
+        (lambda match: match.commands[3].__setitem__((2, 1), np.inf), "contains velocity commands"),
+        (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "contains velocity commands"),
         (lambda match: match.states[3].__setitem__(9, 2**60), "a number beyond 2^53"),
         (lambda match: match.states[3].__setitem__(12, -(2**60)), "a number beyond 2^53"),
         (lambda match: match.states[3].__setitem__(-5, match.states[3][-10]), "cannot be alive together"),
@@ -508,8 +509,8 @@ def test_actions_and_numbers_that_cannot_be_are_refused(mixed, tmp_path, change,
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda match: match.prey_commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
-        (lambda match: match.prey_commands[3].__setitem__((2, 1), 1.0000001), "holds velocity commands"),
+        (lambda match: match.prey_commands[3].__setitem__((1, 0), np.nan), "contains velocity commands"),
+        (lambda match: match.prey_commands[3].__setitem__((2, 1), 1.0000001), "contains velocity commands"),
         (lambda match: match.states[3].__setitem__(-1, 2**60), "a number beyond 2^53"),
     ],
 )

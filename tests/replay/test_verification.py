@@ -40,7 +40,7 @@ def test_an_edited_action_is_named_by_what_it_moves(mixed):
     """The hunter, each number, as recorded and as replayed; no other hunter."""
     found = verify(altered(mixed, alter_action))
 
-    assert found[0] == "step 23 is the first that differs"
+    assert found[0] == "step 23 is the first difference"
     assert all(line.startswith("step 23: hunter_1 (b): ") for line in found[1:])
     rate = number_of(mixed, 23, 1, 4) / 1e6
     assert (
@@ -54,7 +54,7 @@ def test_an_edited_choice_is_named_by_the_active_target(mixed):
     step = next(at for at, choices in enumerate(mixed.choices) if at > 30 and choices[0] == 1)
     found = verify(altered(mixed, lambda match: match.choices[step].__setitem__(0, 2)))
 
-    assert found[0] == f"step {step + 1} is the first that differs"
+    assert found[0] == f"step {step + 1} is the first difference"
     assert any(re.search(r"\(a\): active target is target_turtle_\d+ as recorded and target_", line) for line in found)
 
 
@@ -79,7 +79,7 @@ def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line
     """Seed, withdrawals, settings."""
     found = verify(altered(mixed, change))
 
-    assert found[0] == f"{first} is the first that differs"
+    assert found[0] == f"{first} is the first difference"
     assert any(re.match(f"{first}: {line}", one) for one in found), found
 
 
@@ -89,7 +89,7 @@ def test_a_target_that_moves_otherwise_is_named_with_each_of_its_numbers(fleeing
         altered(fleeing, lambda match: setattr(match, "config", match.config.replace(target_speed_mps=1.25)))
     )
 
-    assert found[0] == "step 1 is the first that differs"
+    assert found[0] == "step 1 is the first difference"
     speeds = [line for line in found if "linear velocity" in line]
     assert speeds
     for line in speeds:
@@ -133,7 +133,7 @@ def test_dropouts_follow_from_the_seed(fleeing):
     first = next(world for world in fleeing.worlds() if any(hunter.withdrawn for hunter in world.hunters))
     found = verify(altered(fleeing, lambda match: setattr(match, "config", match.config.replace(dropout_rate=0.0))))
 
-    assert found[0] == f"step {first.step} is the first that differs"
+    assert found[0] == f"step {first.step} is the first difference"
     for seat, hunter in enumerate(first.hunters):
         line = f"step {first.step}: hunter_{seat} ({'abcd'[seat]}): withdrawn is yes as recorded and no as replayed"
         assert (line in found) == hunter.withdrawn
@@ -149,18 +149,18 @@ def test_an_edited_quantised_state_is_told_from_an_edited_action(mixed):
     y = number_of(mixed, 31, 2, 1)
     (found,) = verify(altered(mixed, shift))
     told, _, number = found.partition("the digest agrees, but hunter_2 (c): ")
-    assert told == "step 31: its quantised state was altered, and that of 2 later steps: "
+    assert told == "step 31: its quantised state was altered, and those of 2 later steps: "
     assert number == f"y is {(y + 17) / 1e6:.6f} m as recorded and {y / 1e6:.6f} m as replayed, 0.000017 m apart"
 
 
 def test_an_edited_digest_is_told_from_an_edited_action(mixed):
     """The steps after it agree; the last step has none after it."""
     found = verify(altered(mixed, lambda match: match.digests.__setitem__(12, b"12345678")))
-    assert found == ["step 12: its digest was altered: the match plays on as recorded"]
+    assert found == ["step 12: its digest was altered: the match itself plays as recorded"]
     found = verify(altered(mixed, lambda match: match.digests.__setitem__(80, b"12345678")))
     assert found == [
-        "step 80 is the first that differs",
-        "step 80: every number by less than a millionth of its unit",
+        "step 80 is the first difference",
+        "step 80: every number differs by less than a millionth of its unit",
     ]
 
 
@@ -177,14 +177,12 @@ def test_several_faults_are_all_told(mixed):
     assert found[1].startswith(
         "step 5: its quantised state was altered: the digest agrees, but clock and counters: time is 501"
     )
-    assert found[2] == "step 23 is the first that differs"
+    assert found[2] == "step 23 is the first difference"
 
 
 def test_worlds_stop_at_the_first_step_that_differs_and_say_in_what(mixed):
     """In one line, for those who watch."""
-    with pytest.raises(
-        ReplayError, match=r"step 23 is the first that differs: hunter_1 \(b\): x is .* \(and \d more\)"
-    ):
+    with pytest.raises(ReplayError, match=r"step 23 is the first difference: hunter_1 \(b\): x is .* \(and \d more\)"):
         list(altered(mixed, alter_action).worlds())
 
 
@@ -199,7 +197,7 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
     assert result.exit_code == 2
     assert result.stdout == "good.replay: all of 80 steps play as recorded\n"
     lines = result.stderr.splitlines()
-    assert lines[0] == "played.replay: step 23 is the first that differs"
+    assert lines[0] == "played.replay: step 23 is the first difference"
     assert {line.split(":")[0] for line in lines[:-1]} == {"played.replay", "error"}
     assert [line.split(":")[1] for line in lines if line.startswith("error")] == [" cut.replay", " none.replay"]
     assert lines[-1] == "3 of 4 replays failed"
@@ -233,7 +231,7 @@ def test_an_edited_action_of_prey_is_named_by_the_target_that_it_moves(hunted):
     """Its first command; it plays target 1 then."""
     found = verify(altered(hunted, lambda match: match.prey_commands[0].__setitem__(0, (0.1, 0.9))))
 
-    assert found[0] == "step 1 is the first that differs"
+    assert found[0] == "step 1 is the first difference"
     assert all(line.startswith("step 1: target_turtle_1: ") for line in found[1:])
     assert any("linear velocity is " in line and "as recorded and 0.100000 m/s as replayed" in line for line in found)
 
@@ -241,7 +239,7 @@ def test_an_edited_action_of_prey_is_named_by_the_target_that_it_moves(hunted):
 def test_a_withdrawal_of_prey_that_was_taken_out_is_found(hunted):
     found = verify(altered(hunted, lambda match: match.withdrawals.remove((90, 5))))
 
-    assert found[0].startswith("step 91 is the first that differs")
+    assert found[0].startswith("step 91 is the first difference")
 
 
 def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
@@ -256,10 +254,10 @@ def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
     found = verify(altered(match, lambda match: match.prey_commands[4].__setitem__(0, (1.0, 0.25))))
 
     assert verify(match) == []
-    assert found[0] == "step 5 is the first that differs; from step 10 on it plays as recorded"
+    assert found[0] == "step 5 is the first difference; from step 10 on it plays as recorded"
     assert any(line.startswith("step 5: target_turtle_1: x is ") for line in found)
     (line,) = verify(altered(match, lambda match: match.digests.__setitem__(5, b"12345678")))
-    assert line == "step 5: its digest was altered: the match plays on as recorded"
+    assert line == "step 5: its digest was altered: the match itself plays as recorded"
 
 
 def test_altered_numbers_of_prey_are_told_by_its_name(hunted):

@@ -188,33 +188,36 @@ def test_a_bundle_that_is_written_anew_is_read(small):
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"steps": -1}, "steps must be a number from 0 to 8388608, not -1"),
-        ({"steps": 0.5}, "steps must be a whole number, not 0.5"),
-        ({"period": 0}, "period must be a number from 16 to 1000000000, not 0"),
-        ({"side": "11"}, 'side must be a number from 2 to 5000, not "11"'),
-        ({"title": None}, "title must be text, not null"),
-        ({"hunters": {}}, "hunters must be a list, not {}"),
+        ({"steps": -1}, "steps must be a number from 0 to 8388608, got -1"),
+        ({"steps": 0.5}, "steps must be a whole number, got 0.5"),
+        ({"period": 0}, "period must be a number from 16 to 1000000000, got 0"),
+        ({"side": "11"}, 'side must be a number from 2 to 5000, got "11"'),
+        ({"title": None}, "title must be text, got null"),
+        ({"hunters": {}}, "hunters must be a list, got {}"),
         (
             {"hunters": [{"name": "a"}]},
-            'hunters[0] must be a name, a colour, a reach and a ring\'s pieces, not {"name":"a"}',
+            'hunters[0] must be a name, a colour, a reach and the number of a ring\'s arcs, got {"name":"a"}',
         ),
         (
             {"hunters": [{"name": "a", "color": "#aabbcc", "reach": -1}]},
-            "hunters[0] must be a name, a colour, a reach and a ring's pieces, not {",
+            "hunters[0] must be a name, a colour, a reach and the number of a ring's arcs, got {",
         ),
         (
             {"hunters": [{"name": "a", "color": "#aabbcc", "reach": 1, "pieces": 0}]},
-            "hunters[0] must be a name, a colour, a reach and a ring's pieces, not",
+            "hunters[0] must be a name, a colour, a reach and the number of a ring's arcs, got",
         ),
-        ({"teams": [{"name": "a", "color": "red"}]}, "teams must be names, colours and seats, or null, not [{"),
-        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name and the numbers of its targets, not {"name":"a"}'),
-        ({"prey": [{"name": "a", "targets": [1, 999]}]}, "prey[0] plays target 999, which it does not have"),
-        ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, not {"radius":2}'),
-        ({"view": {"radius": 2, "angle": 400}}, "view must be a radius and an angle, or null, not"),
-        ({"targets": [[1, 0]]}, "targets[0] must be a number, the first of its states, and how many it has, not [1,0]"),
-        ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, not [0,99]"),
-        ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which it does not have"),
-        ({"rulings": []}, "contests[0] is about no ruling that it has"),
+        ({"teams": [{"name": "a", "color": "red"}]}, "teams must be names, colours and seats, or null, got [{"),
+        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name and the numbers of its targets, got {"name":"a"}'),
+        ({"prey": [{"name": "a", "targets": [1, 999]}]}, "prey[0] plays target 999, which is not in the replay"),
+        ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, got {"radius":2}'),
+        ({"view": {"radius": 2, "angle": 400}}, "view must be a radius and an angle, or null, got"),
+        (
+            {"targets": [[1, 0]]},
+            "targets[0] must be a number, its first state, and the number of its states, got [1,0]",
+        ),
+        ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, got [0,99]"),
+        ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which is not in the replay"),
+        ({"rulings": []}, "contests[0] belongs to no ruling in the replay"),
         ({"steps": 10**6}, "its tracks must have "),
     ],
 )
@@ -251,7 +254,7 @@ def test_what_is_no_bundle_at_all_is_refused():
 def test_a_bundle_that_unpacks_without_end_is_not_unpacked():
     bomb = gzip.compress(bytes(257 << 20), compresslevel=1)
     line = refused(base64.b64encode(bomb).decode())
-    assert line == f"Error: It is damaged: it has more than {256 << 20} bytes when it is unpacked."
+    assert line == f"Error: It is damaged: it has more than {256 << 20} bytes when unpacked."
 
 
 def places(value, path=()):

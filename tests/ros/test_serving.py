@@ -19,7 +19,7 @@ from catch_arena.scenarios import SCENARIOS, scenario
 REFUSED = {
     "tag": "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 1",
     "herd": "prey must be 0 on a bus, where nobody plays it (--set prey=0), got 4",
-    "capstone": "a recorded match must be of another policy than capstone, whose grants need no target",
+    "capstone": "a match under the policy capstone cannot be recorded",
 }
 LAST_TICK = 63
 """Of one second."""

@@ -104,7 +104,7 @@ def test_r8_1_faults_of_the_arena_reach_the_named_services():
 
 def test_the_service_keeps_its_own_settings_and_times():
     """It needs the whole view; and an episode to act in."""
-    with pytest.raises(ConfigError, match="must be left to the service"):
+    with pytest.raises(ConfigError, match="observed_targets cannot be set"):
         ArenaService(observed_targets=3)
     service = ArenaService("duel", max_cycles=1)
     with pytest.raises(EpisodeError):

@@ -177,7 +177,7 @@ def test_controls_that_cannot_be_are_refused(controls, arenas):
     arena = VectorArena("duel", 3, any_control=True)
     with pytest.raises(ConfigError, match="controls must be "):
         arena.set_controls(controls, arenas)
-    with pytest.raises(ConfigError, match="any_control must be True"):
+    with pytest.raises(ConfigError, match="make it with any_control=True"):
         VectorArena("duel", 3).set_controls([[0, 0]] * 3)
 
 
@@ -202,7 +202,7 @@ def test_controls_are_kept_with_a_state():
     plain = VectorArena("duel", 3)
     plain.reset(seed=1)
     for take in (lambda: plain.restore(saved), lambda: plain.restore_row(0, row)):
-        with pytest.raises(ConfigError, match="any_control must be True for arenas to have controls of their own"):
+        with pytest.raises(ConfigError, match="cannot differ in their controls: make it with any_control=True"):
             take()
     arena.restore(plain.save())
     assert (arena._engine.controls == 0).all()
@@ -340,11 +340,11 @@ def test_a_batch_of_other_size_is_refused_even_in_as_many_blocks():
     """Rows beyond the saved ones would not have begun."""
     arena, larger = VectorArena("duel", 33), VectorArena("duel", 40)
     arena.reset(seed=SEED)
-    with pytest.raises(ConfigError, match="a saved state must be one of 40 arenas here, got one of 33 arenas"):
+    with pytest.raises(ConfigError, match="a saved state must be that of 40 arenas here, got that of 33 arenas"):
         larger.restore(arena.save())
     with pytest.raises(ConfigError, match="arenas must be different rows"):
         larger.reset(seed=SEED, arenas=[0] * 40)
-    with pytest.raises(EpisodeError, match="step must follow a reset"):
+    with pytest.raises(EpisodeError, match=r"cannot call step\(\): no episode has begun"):
         larger.step(np.zeros((40, 2), dtype=int))
 
 
@@ -504,14 +504,14 @@ ILLEGAL = [
     ("target", ["left"], "choices must be whole numbers, got 'left'"),
     ("target", [{"hunter": 1}], "choices must be whole numbers, got {'hunter': 1}"),
     ("target", [[[1, 2], [1]]], "choices must be rows of equal length"),
-    ("target", [], "choices must be (2, 2) whole numbers where hunters choose, got None"),
+    ("target", [], "choices must be (2, 2) whole numbers if hunters choose targets, got None"),
     ("target", [[[0, 1], [0, 1]], NAN], "commands must be two finite numbers, got [0.0, nan]"),
     ("velocity", [None, NAN], "commands must be two finite numbers, got [0.0, nan] in arena 1 for hunter_0"),
     ("velocity", [None, np.full((2, 2, 2), -np.inf)], "got [-inf, -inf] in arena 0 for hunter_0"),
     ("velocity", [None, np.ones((2, 2, 2), dtype=bool)], "commands must be numbers, got an array of bool"),
-    ("velocity", [], "commands must be (2, 2, 2) numbers where agents drive themselves, got None"),
-    ("full", [None, np.zeros((2, 2, 2))], "choices must be (2, 2) whole numbers where hunters choose, got None"),
-    ("full", [[[0, 0], [0, 0]]], "commands must be (2, 2, 2) numbers where agents drive themselves, got None"),
+    ("velocity", [], "commands must be (2, 2, 2) numbers if agents drive themselves, got None"),
+    ("full", [None, np.zeros((2, 2, 2))], "choices must be (2, 2) whole numbers if hunters choose targets, got None"),
+    ("full", [[[0, 0], [0, 0]]], "commands must be (2, 2, 2) numbers if agents drive themselves, got None"),
     ("full", [[[0, 9], [0, 0]], np.zeros((2, 2, 2))], "choices must be a whole number"),
 ]
 
@@ -541,12 +541,13 @@ def test_what_else_is_wrong_is_told_in_one_line():
     for name, call in {
         "step": lambda: arena.step([[0, 0]] * 3),
         "digest": lambda: arena.digest(0),
-        "reset of single arenas": lambda: arena.reset(arenas=[1]),
         "restore_row": lambda: arena.restore_row(1, None),
         "save": arena.save,
     }.items():
-        with pytest.raises(EpisodeError, match=f"^{name} must follow a reset"):
+        with pytest.raises(EpisodeError, match=rf"^cannot call {name}\(\): no episode has begun"):
             call()
+    with pytest.raises(EpisodeError, match=r"^cannot reset single arenas: no episode has begun; call reset\(\)"):
+        arena.reset(arenas=[1])
     arena.reset(seed=1)
     with pytest.raises(ConfigError, match="arena must be a row from 0 to 2, got 3"):
         arena.digest(3)
@@ -561,18 +562,18 @@ def test_what_else_is_wrong_is_told_in_one_line():
     other, larger = VectorArena("duel", 3, reach_m=0.2), VectorArena("duel", 40)
     other.reset(seed=1)
     larger.reset(seed=1)
-    with pytest.raises(ConfigError, match="saved must come from an arena of equal config"):
+    with pytest.raises(ConfigError, match="saved must come from an arena with an equal config"):
         arena.restore(other.save())
     for saved in (arena.save().memory, None):
         with pytest.raises(ConfigError, match="saved must be what save gives"):
             arena.restore(saved)
-    with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of 40 arenas"):
+    with pytest.raises(ConfigError, match="a saved state must be that of 3 arenas here, got that of 40 arenas"):
         arena.restore(larger.save())
-    with pytest.raises(ConfigError, match="a saved state must be one of a single row here, got one of 40 arenas"):
+    with pytest.raises(ConfigError, match="a saved state must be that of a single row here, got that of 40 arenas"):
         arena.restore_row(0, larger.save())
-    with pytest.raises(ConfigError, match="a saved state must be one of 3 arenas here, got one of a single row"):
+    with pytest.raises(ConfigError, match="a saved state must be that of 3 arenas here, got that of a single row"):
         arena.restore(arena.save_row(0))
-    with pytest.raises(ConfigError, match=r"must be an array of uint8 \(\d+,\), got one of uint8 \(\d+,\)$"):
+    with pytest.raises(ConfigError, match=r"must be an array of uint8 \(\d+,\), got an array of uint8 \(\d+,\)$"):
         arena.restore(arena.save()._replace(memory=larger.save().memory))
     with pytest.raises(ConfigError, match="agent must be a whole number from 0 to 1, got 2"):
         arena.action_space(2)

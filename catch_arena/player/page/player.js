@@ -7,10 +7,10 @@ import { Replay, unpacked } from "./replay.js";
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 const KEYS = [
   ["Space", "play, pause"],
-  ["← →", "a second back, on; with Shift a step"],
+  ["← →", "1 s back, forward; with Shift one step"],
   ["P N", "previous, next contest"],
-  ["H, 0 to 9, Esc", "pick the next hunter, one by its number, none"],
-  ["V", "what the picked hunter sees, where it does not see everything"],
+  ["H, 0 to 9, Esc", "select the next hunter, one by number, none"],
+  ["V", "view of the selected hunter, if views are limited"],
   ["+ −", "faster, slower"],
   ["Home End", "the beginning, the end"],
 ];
@@ -83,7 +83,7 @@ export class CatchReplay extends HTMLElement {
   toggle = make("button", { type: "button", className: "toggle" });
   previous = make("button", { type: "button", textContent: "Previous", ariaLabel: "Previous contest" });
   next = make("button", { type: "button", textContent: "Next contest" });
-  sight = make("button", { type: "button", textContent: "What it sees", ariaPressed: "false", hidden: true });
+  sight = make("button", { type: "button", textContent: "Show its view", ariaPressed: "false", hidden: true });
   clock = make("output", { className: "clock" });
   pace = make("select", { ariaLabel: "Speed" });
   whole = make("div", { className: "player", role: "group", ariaLabel: "Replay" });
@@ -166,7 +166,7 @@ export class CatchReplay extends HTMLElement {
   toggleView() {
     if (!this.replay) return;
     if (!this.replay.view || this.picked === null) {
-      this.spoken.textContent = this.replay.view ? "Pick a hunter first." : "Hunters see everything here.";
+      this.spoken.textContent = this.replay.view ? "Select a hunter first." : "All hunters see the whole arena.";
       return;
     }
     this.viewed = !this.viewed;
@@ -185,7 +185,7 @@ export class CatchReplay extends HTMLElement {
       ? contests.find(({ time }) => time > this.time)
       : contests.findLast(({ time }) => time < this.time);
     if (!found) {
-      this.spoken.textContent = direction > 0 ? "No contest after this." : "No contest before this.";
+      this.spoken.textContent = direction > 0 ? "There is no later contest." : "There is no earlier contest.";
       return;
     }
     this.pause();
@@ -345,7 +345,7 @@ export class CatchReplay extends HTMLElement {
     this.contest.hidden = !contest;
     const who = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
     if (!contests.length) {
-      this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
+      this.note.textContent = `No contest${who}: in no step could two hunters catch the same target.`;
     } else if (contest) {
       const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}`;
       const { prey } = contest.place;

@@ -80,7 +80,7 @@ export async function unpacked(text) {
   } catch {
     throw damaged("it cannot be unpacked");
   }
-  if (size > LARGEST) throw damaged(`it has more than ${LARGEST} bytes when it is unpacked`);
+  if (size > LARGEST) throw damaged(`it has more than ${LARGEST} bytes when unpacked`);
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
@@ -118,7 +118,7 @@ export class Replay {
     this.duration = this.steps * this.period;
     const states = facts.hunters.length * (this.steps + 1) +
       facts.targets.reduce((sum, [, , length]) => sum + length, 0);
-    if (tracks.length !== 6 * states) throw damaged(`its tracks must have ${6 * states} bytes, not ${tracks.length}`);
+    if (tracks.length !== 6 * states) throw damaged(`its tracks must have ${6 * states} bytes, got ${tracks.length}`);
     const numbers = Replay.numbers(tracks);
     const metres = this.side / facts.grid;
     let at = 0;
@@ -148,7 +148,7 @@ export class Replay {
     this.prey = facts.prey.map(({ name, targets }, index) => {
       const lives = targets.map((number) => {
         const target = numbered.get(number);
-        if (!target) throw damaged(`prey[${index}] plays target ${number}, which it does not have`);
+        if (!target) throw damaged(`prey[${index}] plays target ${number}, which is not in the replay`);
         target.prey = index;
         return target;
       });
@@ -157,7 +157,7 @@ export class Replay {
     /** @type {Ruling[]} */
     this.rulings = facts.rulings.map(([state, seat, verdict, number], index) => {
       const target = number === null ? null : numbered.get(number);
-      if (target === undefined) throw damaged(`rulings[${index}] is about target ${number}, which it does not have`);
+      if (target === undefined) throw damaged(`rulings[${index}] is about target ${number}, which is not in the replay`);
       return { time: state * this.period, seat, verdict, target };
     });
     this.catches = this.rulings.filter((ruling) => ruling.verdict === "GRANTED");
@@ -166,7 +166,7 @@ export class Replay {
       const time = contest.state * this.period;
       const parties = contest.claims.map(([seat]) => seat);
       const place = this.rulings.find((ruling) => ruling.time === time && parties.includes(ruling.seat))?.target;
-      if (!place) throw damaged(`contests[${index}] is about no ruling that it has`);
+      if (!place) throw damaged(`contests[${index}] belongs to no ruling in the replay`);
       return { ...contest, time, parties, place };
     });
   }
@@ -265,7 +265,7 @@ function check(facts) {
   /** @type {(fits: boolean, field: string, value: unknown, requirement: string) => void} */
   const must = (fits, field, value, requirement) => {
     if (!fits) {
-      throw damaged(`${field} must be ${requirement}, not ${(JSON.stringify(value) ?? "missing").slice(0, 60)}`);
+      throw damaged(`${field} must be ${requirement}, got ${(JSON.stringify(value) ?? "missing").slice(0, 60)}`);
     }
   };
   /** @type {Fits} */
@@ -308,13 +308,13 @@ function check(facts) {
       (one) =>
         isText(one?.name) && isColor(one.color) && isWithin(one.reach, FARTHEST) && isCount(one.pieces) &&
         one.pieces > 0,
-      "a name, a colour, a reach and a ring's pieces",
+      "a name, a colour, a reach and the number of a ring's arcs",
     ],
     ["prey", (one) => isText(one?.name) && isListOf(isCount)(one.targets), "a name and the numbers of its targets"],
     [
       "targets",
       (row) => isRow(isCount, isState, isCount)(row) && row[2] > 0 && row[1] + row[2] <= facts.steps + 1,
-      "a number, the first of its states, and how many it has",
+      "a number, its first state, and the number of its states",
     ],
     ["withdrawals", isRow(isState, isAgent), "a step and an agent"],
     [

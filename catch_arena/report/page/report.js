@@ -131,7 +131,7 @@ class Matches {
     for (let seat = index * seats; seat < (index + 1) * seats; seat++) {
       const hunts = seat % seats < hunting;
       const who = `${names[hunts ? 0 : 1][seating[seat]]} ${scores[seat]}`;
-      const wins = ranks[seat] === 1 && (hunts ? hunting : seats - hunting) > 1; // who is alone beats nobody
+      const wins = ranks[seat] === 1 && (hunts ? hunting : seats - hunting) > 1; // a party without rivals beats no other
       cast.append(part(wins ? "first" : "", hunts ? who : `prey ${who}`));
     }
     const name = part("id", id);
@@ -180,7 +180,7 @@ class Matches {
       if (answer.ok) return await answer.text();
       at("showing").textContent = await answer.text();
     } catch {
-      at("showing").textContent = "The server has ended.";
+      at("showing").textContent = "The server has stopped.";
     }
     return null;
   }
@@ -214,7 +214,7 @@ async function news(known) {
     }
     at("news").textContent = "live";
   } catch {
-    at("news").textContent = "no longer live: the server has ended";
+    at("news").textContent = "no longer live: the server has stopped";
   }
   setTimeout(news, NEWS_MS, now);
 }
