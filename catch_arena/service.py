@@ -82,7 +82,8 @@ class ArenaService:
         """
         if self._config.policy == "capstone":
             raise ConfigError(
-                "a match under the policy capstone cannot be recorded, because it may grant names without a target; use nearest or first_come"
+                "a match under the policy capstone cannot be recorded, because its grants need no target; "
+                "use the policy nearest or first_come"
             )
         self._recorder.record(names, title)
 
@@ -282,10 +283,10 @@ class ArenaService:
             ranks[0, seat] = self._engine.rank_of(0, seat, name) if slot >= 0 else 0
         return ranks
 
-    def _record_named(self, replay: Replay, choices: NDArray[np.int64], asked: Sequence[tuple[int, object]]) -> None:
+    def _record_named(self, replay: Replay, choices: NDArray[np.int64], requests: Sequence[tuple[int, object]]) -> None:
         """R8.4: record the requests without a rank; a hunter's rank, unless it is 0, stands for its first request."""
         ranked = {seat for seat, rank in enumerate(choices.tolist()) if rank}
-        for seat, name in asked:
+        for seat, name in requests:
             if seat in ranked:
                 ranked.discard(seat)
             elif (kept := self._budget.admit(replay.steps, seat, name)) is not None:
@@ -319,12 +320,12 @@ class ArenaService:
         for on_alive_turtles in self._subscribers:
             on_alive_turtles(turtles)
 
-    def _require_play(self, what: str) -> None:
+    def _require_play(self, call: str) -> None:
         if self.over:
             why = "no episode has begun" if self._seed is None else "the episode is over"
-            raise EpisodeError(f"cannot {what}: {why}; call reset() first")
+            raise EpisodeError(f"cannot {call}: {why}; call reset() first")
         if self.is_recorded:
-            raise EpisodeError(f"cannot {what} while the episode is recorded: a replay could not play it again")
+            raise EpisodeError(f"cannot {call} while the episode is recorded: a replay could not play it again")
 
     def _asking_seat(self, hunter: str) -> int:
         seat = self._seat(hunter)

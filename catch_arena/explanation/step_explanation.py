@@ -122,11 +122,13 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         _hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat), by_name) for seat in seats
     )
     prey = tuple(_prey_action(replay, before, after, index) for index in prey_indices)
-    played = {one.target for one in prey if one.target is not None}
-    chosen = {one.chosen for one in hunters}
-    asked = {ruling.target for one in hunters for ruling in (one.ruling, *one.by_name) if ruling is not None}
-    named = {target.name for target in before.targets if target.name in played | chosen | asked}
-    unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
+    played = {action.target for action in prey if action.target is not None}
+    chosen = {action.chosen for action in hunters}
+    requested = {
+        ruling.target for action in hunters for ruling in (action.ruling, *action.by_name) if ruling is not None
+    }
+    named = {target.name for target in before.targets if target.name in played | chosen | requested}
+    unseen = [{hidden.target for hidden in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
         begin_ms=before.time_ms,
@@ -135,9 +137,9 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         hunters=hunters,
         prey=prey,
         prey_by_target={
-            one.target: name
-            for one, name in zip(before.prey, prey_labels(replay), strict=True)
-            if one.target is not None
+            state.target: name
+            for state, name in zip(before.prey, prey_labels(replay), strict=True)
+            if state.target is not None
         },
         distances_um={
             target.name: tuple(int(measure_um(target.x - hunter.x, target.y - hunter.y)) for hunter in before.hunters)
@@ -200,5 +202,5 @@ def _hunter_action(
         out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,
-        by_name=tuple(one for one in by_name if one.hunter == seat),
+        by_name=tuple(ruling_by_name for ruling_by_name in by_name if ruling_by_name.hunter == seat),
     )

@@ -244,7 +244,7 @@ class MatchWindow:
             place = poses.hunters[self._seat]
         else:
             name = self._info.config.prey_names[self._seat - self._info.config.hunters]
-            target = next((one for one in motion.after.targets if one.prey == name), None)
+            target = next((state for state in motion.after.targets if state.prey == name), None)
             if target is None:
                 return []
             place, since_ms = poses.targets[target.number], target.spawned_ms
@@ -265,7 +265,7 @@ class MatchWindow:
         return self._renderer.arena.width, self._renderer.arena.height
 
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
-        width, height = (min(max(SMALLEST, part), most) for part, most in zip(size, LARGEST, strict=True))
+        width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))
         self._drawn_for = size
         renderer = MatchRenderer(self._info, (width, height), "broadcast", self._seed)
         renderer.view_of = self._view_of

@@ -111,8 +111,8 @@ class InputState:
         return linear or _beyond(-self._stick[1]), angular or _beyond(-self._stick[0])
 
 
-def _sign(one: bool, other: bool) -> int:
-    return int(one) - int(other)
+def _sign(positive: bool, negative: bool) -> int:
+    return int(positive) - int(negative)
 
 
 def _beyond(value: float) -> float:

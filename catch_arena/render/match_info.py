@@ -134,8 +134,8 @@ def _team_number(team: int) -> int:
 
 
 def _color(number: int) -> Color:
-    _, other, part = _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)]
-    return mix(HUNTER_COLORS[number % len(HUNTER_COLORS)], other, part)
+    _, shade, part = _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)]
+    return mix(HUNTER_COLORS[number % len(HUNTER_COLORS)], shade, part)
 
 
 def _color_name(number: int) -> str:

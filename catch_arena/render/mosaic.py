@@ -87,7 +87,7 @@ def fit_grid(count: int, size: tuple[int, int], extra: float) -> Grid:
         side = int(min(wide, high))
         return Grid(columns, rows, side - side % 2, round(extra * side), max(2, round(_GAP * side)))
 
-    return max(map(grid, range(1, count + 1)), key=lambda one: one.side)
+    return max(map(grid, range(1, count + 1)), key=lambda candidate: candidate.side)
 
 
 def render_mosaic(

@@ -170,9 +170,9 @@ def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
     """
     plain, wanted = plain_setting(names), config.hunters + config.prey
     if not isinstance(plain, tuple) or len(plain) != wanted:
-        each = "hunter and each prey" if config.prey else "hunter"
+        agent_kinds = "hunter and each prey" if config.prey else "hunter"
         raise ConfigError(
-            f"names must have {wanted} entries, one for each {each}, got {repr(names)[: _LONGEST_TEXT + 10]}"
+            f"names must have {wanted} entries, one for each {agent_kinds}, got {repr(names)[: _LONGEST_TEXT + 10]}"
         )
     return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(plain))
 

@@ -78,7 +78,7 @@ def _differences(replay: Replay, step: int, played: Mapping[int, QuantisedState]
     return state_differences(replay.config, replay.names, recorded, played.get(step, recorded))
 
 
-def _altered(what: str, steps: Sequence[int]) -> str:
+def _altered(kind: str, steps: Sequence[int]) -> str:
     later = len(steps) - 1
     also = f", and those of {later} later {'step' if later == 1 else 'steps'}" if later else ""
-    return f"{state_name(steps[0])}: its {what} was altered{also}"
+    return f"{state_name(steps[0])}: its {kind} was altered{also}"

@@ -255,9 +255,9 @@ def test_what_an_aec_env_cannot_go_on_from_is_refused():
         one.reset(seed=1)
         one.step(1)
     before = env.digest()
-    with pytest.raises(ConfigError, match="saved must be a state that save() returned, got 3"):
+    with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned, got 3"):
         env.restore(3)
-    with pytest.raises(ConfigError, match="saved must be what save gives"):
+    with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned"):
         env.restore(env.unwrapped.save())
     with pytest.raises(ConfigError, match="saved must come from an arena with an equal config"):
         env.restore(other.save())
