@@ -215,7 +215,7 @@ def test_a_replay_that_does_not_play_leaves_no_bag(replays, tmp_path):
     replay.save(tmp_path / "bad.replay")
     refused = run("ros", "bag", tmp_path / "bad.replay", "-o", tmp_path / "bag")
     assert refused.exit_code == 2
-    assert "step 7 is the first that differs" in refused.stderr
+    assert "step 7 is the first difference" in refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["bad.replay"]
 
 

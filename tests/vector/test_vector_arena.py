@@ -565,7 +565,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     with pytest.raises(ConfigError, match="saved must come from an arena with an equal config"):
         arena.restore(other.save())
     for saved in (arena.save().memory, None):
-        with pytest.raises(ConfigError, match="saved must be what save gives"):
+        with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned"):
             arena.restore(saved)
     with pytest.raises(ConfigError, match="a saved state must be that of 3 arenas here, got that of 40 arenas"):
         arena.restore(larger.save())
