@@ -56,7 +56,7 @@ class StandingsAnimation:
         eased = part * part * (3.0 - 2.0 * part)
         return tuple(
             AnimatedLine(
-                goal.who,
+                goal.agent_score,
                 start.position + (goal.position - start.position) * eased,
                 start.share + (goal.share - start.share) * eased,
                 goal.position < start.position,
@@ -87,7 +87,7 @@ def standings_shapes(
         return area.left + pad + column * width, area.top + pad + row * height
 
     shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
-    best = max(line.who.score for line in lines)
+    best = max(line.agent_score.score for line in lines)
     for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # climbing lines are drawn on top
         if line.position <= shown - 1:
             (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
@@ -95,7 +95,7 @@ def standings_shapes(
             box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
             if line.climbs:
                 shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))
-            shapes += _line_shapes(box, info, line, best, unit, followed=line.who.agent == view_of)
+            shapes += _line_shapes(box, info, line, best, unit, followed=line.agent_score.agent == view_of)
     if shown < len(lines):
         x, y = corner(shown)
         left_out = f"and {len(lines) - shown} more"
@@ -113,7 +113,7 @@ def _line_shapes(
     followed: bool,
 ) -> list[Shape]:
     left, top, width, height = area
-    entry = line.who
+    entry = line.agent_score
     middle = top + height / 2.0
     size = min(font_size(0.54 * height, 10), font_size(21 * unit, 11), font_size(0.1 * width, 9))
     color = info.color(entry.agent)
