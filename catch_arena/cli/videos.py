@@ -171,7 +171,8 @@ def highlights(
     if not selected:
         raise ReplayError(f"{folder}: nothing worth seeing in {len(found)} matches: no contest, no change of lead, ...")
     for path, highlight in selected:
-        say(f"{Path(path).name}  {seconds(highlight.decisive_ms)}  {highlight.kind}: {highlight.what}. {highlight.why}")
+        when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
+        say(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
     if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:

@@ -139,9 +139,9 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
 
 
 DEFAULTS: Final[Mapping[str, Any]] = {
-    one.name: one.default
-    for one in structs.fields(ArbiterCase)
-    if one.name
+    argument.name: argument.default
+    for argument in structs.fields(ArbiterCase)
+    if argument.name
     in {
         *("reach_m", "policy", "seed", "step", "caught", "inactive"),
         *("kill_service_up", "kill_refused", "match_over"),

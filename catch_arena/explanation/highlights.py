@@ -92,8 +92,8 @@ class Highlight:
     end_ms: int
     """End of the part [ms since reset]; after the match's end, the last picture stays."""
     score: float
-    what: str
-    why: str
+    event: str
+    reason: str
 
     def overlaps(self, other: "Highlight") -> bool:
         """Return whether the two parts have an instant in common."""
@@ -210,20 +210,22 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
         first, second = events.hunters[winner.seat], events.hunters[loser.seat]
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
-            what = f"{first} beats {second} by lot"
-            why = f"Both were {distances}: the lowest lot wins (R5.5)"
+            event = f"{first} beats {second} by lot"
+            reason = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
-            what = f"{first} beats {second} by {short_length(contest.margin_um)}"
-            why = f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
-        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, what, why)
+            event = f"{first} beats {second} by {short_length(contest.margin_um)}"
+            reason = (
+                f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
+            )
+        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, event, reason)
 
 
 def _captures(events: MatchEvents) -> Iterable[Highlight]:
     for capture in events.captures:
-        what = f"{events.hunters[capture.seat]} catches {events.prey[capture.prey]}"
+        event = f"{events.hunters[capture.seat]} catches {events.prey[capture.prey]}"
         place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
-        why = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
-        yield _highlight("capture", (capture.in_play_ms, events.duration_ms), capture.judged_ms, what, why)
+        reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
+        yield _highlight("capture", (capture.in_play_ms, events.duration_ms), capture.judged_ms, event, reason)
 
 
 def _leads(events: MatchEvents) -> Iterable[Highlight]:
@@ -239,9 +241,9 @@ def _leads(events: MatchEvents) -> Iterable[Highlight]:
         if new is None or new == leader:
             continue
         if leader is not None:
-            what = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
-            why = f"{events.names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
-            yield _highlight("lead", (at_ms, events.duration_ms), at_ms, what, why)
+            event = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
+            reason = f"{events.names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
+            yield _highlight("lead", (at_ms, events.duration_ms), at_ms, event, reason)
         leader, since_ms = new, at_ms
 
 
@@ -252,10 +254,10 @@ def _streaks(events: MatchEvents) -> Iterable[Highlight]:
         times = [catch.judged_ms for catch in run]
         if len(times) < STREAK:
             continue
-        what = f"{events.hunters[seat]} catches {len(times)} in a row"
-        why = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
+        event = f"{events.hunters[seat]} catches {len(times)} in a row"
+        reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
         start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
-        yield _highlight("streak", (len(times),), times[-1], what, why, start_ms=start_ms)
+        yield _highlight("streak", (len(times),), times[-1], event, reason, start_ms=start_ms)
 
 
 def _finish(events: MatchEvents) -> Iterable[Highlight]:
@@ -265,13 +267,13 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
     difference = best - second
     if len(ranked) == 1 or best == 0 or difference > CLOSE_CATCHES:
         return
-    what = f"{', '.join(f'{events.names[contender]} {events.scores[contender]}' for contender in ranked)} at the end"
+    event = f"{', '.join(f'{events.names[contender]} {events.scores[contender]}' for contender in ranked)} at the end"
     lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
-    why = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
+    reason = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
     start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + _AFTER_MS
     late = [catch.judged_ms for catch in events.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
-    yield _highlight("finish", (difference, best), decisive_ms, what, why, start_ms=start_ms, end_ms=end_ms)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms=start_ms, end_ms=end_ms)
 
 
 def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highlight]:
@@ -289,21 +291,21 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
         if catch.scores[winner] <= _best_other(catch.scores, winner):
             break
         at_ms = catch.judged_ms
-    what = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
+    event = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
     winners_share, favourites_share = shares[winner], shares[favourite]
-    why = (
+    reason = (
         f"It won {100 * winners_share:.0f} % of its other matches, and {names[favourite]} "
         f"{100 * favourites_share:.0f} %; from here on it leads (R6.1)"
     )
-    yield _highlight("upset", (favourites_share, winners_share), at_ms, what, why)
+    yield _highlight("upset", (favourites_share, winners_share), at_ms, event, reason)
 
 
 def _highlight(
     kind: Kind,
     numbers: Sequence[float],
     decisive_ms: int,
-    what: str,
-    why: str,
+    event: str,
+    reason: str,
     *,
     start_ms: int | None = None,
     end_ms: int | None = None,
@@ -311,9 +313,9 @@ def _highlight(
     """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
     start_ms = max(0, decisive_ms - _BEFORE_MS) if start_ms is None else start_ms
     end_ms = decisive_ms + _AFTER_MS if end_ms is None else end_ms
-    return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), what, why)
+    return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), event, reason)
 
 
 def _best_other(scores: Sequence[int], contender: int) -> int:
     """Return the best score of all but one contender; -1 if there is no other."""
-    return max((score for other, score in enumerate(scores) if other != contender), default=-1)
+    return max((score for rival, score in enumerate(scores) if rival != contender), default=-1)

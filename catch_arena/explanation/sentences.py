@@ -78,7 +78,7 @@ def no_contest_sentence(match: "Explanation") -> str:
     """Return the sentence for no contest: in the match, or of the hunters and prey that the explanation is about."""
     if len(match.records) == len(match.names):
         return "No contest: in no step could two hunters have caught the same target."
-    sides = (("of", [one.name for one in match.records]), ("over", [one.name for one in match.prey]))
+    sides = (("of", [summary.name for summary in match.records]), ("over", [summary.name for summary in match.prey]))
     return f"No contest {' or '.join(f'{side} {_listed(called)}' for side, called in sides if called)}."
 
 

@@ -57,10 +57,10 @@ class StepExplanation:
         begin, end, prey = seconds(self.begin_ms), seconds(self.end_ms), self.prey_by_target
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
-            *(action_sentences(one, self) for one in self.hunters),
-            *(prey_action_sentences(one, self.names) for one in self.prey),
+            *(action_sentences(fact, self) for fact in self.hunters),
+            *(prey_action_sentences(fact, self.names) for fact in self.prey),
             *(distances_sentence(target, self) for target in self.distances_um),
-            *(contest_sentence(one, self.names, prey.get(one.target)) for one in self.contests),
+            *(contest_sentence(fact, self.names, prey.get(fact.target)) for fact in self.contests),
         ]
 
     def to_dict(self) -> dict[str, Any]:

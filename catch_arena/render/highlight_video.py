@@ -122,7 +122,9 @@ def caption_shapes(area: hud.Rect, highlight: Highlight, origin: str, *, slow: b
         Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), _ACCENT),
         Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, _ACCENT, 0.4 * tag),
         Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
-        Label(beside, upper, highlight.what, big, hud.BRIGHT, 800, max_width=right - beside),
-        Label(area.left + pad, lower, highlight.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
+        Label(beside, upper, highlight.event, big, hud.BRIGHT, 800, max_width=right - beside),
+        Label(
+            area.left + pad, lower, highlight.reason, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad
+        ),
         Label(right, lower, note, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
     ]

@@ -337,6 +337,6 @@ def _luminance(color: Color) -> float:
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
 
 
-def font_size(pixels: float, least: int) -> int:
+def font_size(pixels: float, smallest: int) -> int:
     """Return a text's size in whole pixels, at least `least` so that it can be read."""
-    return max(least, round(pixels))
+    return max(smallest, round(pixels))

@@ -157,10 +157,10 @@ def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequen
 
     Steps before the first frame are played too, so that their trails and catches are shown.
     """
-    for span in frame_spans(worlds, times_ms):
-        renderer.enter(span.motion)
-        for time_ms in span.times_ms:
-            yield renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
+    for step_frames in frame_spans(worlds, times_ms):
+        renderer.enter(step_frames.motion)
+        for time_ms in step_frames.times_ms:
+            yield renderer.draw(time_ms, step_frames.motion.at(time_ms, step_frames.next_tick))
 
 
 def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:

@@ -150,7 +150,7 @@ def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float3
     return commands
 
 
-def checked_text(what: str, text: object) -> str:
+def checked_text(field: str, text: object) -> str:
     """Return a name or a title that can be shown in one line.
 
     Raises:
@@ -158,7 +158,7 @@ def checked_text(what: str, text: object) -> str:
     """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]
-        raise ConfigError(f"{what} must be at most {_LONGEST_TEXT} printable characters, got {shown}")
+        raise ConfigError(f"{field} must be at most {_LONGEST_TEXT} printable characters, got {shown}")
     return text
 
 
@@ -241,8 +241,8 @@ def _read_header(reader: Reader) -> tuple[Replay, int, int]:
 def _require_sizes(config: ArenaConfig, steps: int, spans: int = 0) -> None:
     """Raise ReplayError for a match that is too large for memory, or longer than a day."""
     if (steps + 1) * state_length(config) > _MOST_NUMBERS:
-        most = _MOST_NUMBERS // state_length(config) - 1
-        raise ReplayError(f"is too long for a file: {steps} steps, but at most {most} fit for this arena")
+        max_steps = _MOST_NUMBERS // state_length(config) - 1
+        raise ReplayError(f"is too long for a file: {steps} steps, but at most {max_steps} fit for this arena")
     if steps * config.control_period_ms > _LONGEST_MS:
         raise ReplayError(f"is too long for a file: {steps} steps of {config.control_period_ms} ms are more than a day")
     if spans > _MOST_SPANS:

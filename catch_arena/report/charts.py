@@ -54,12 +54,12 @@ class Axis:
         return {"left": self.at(low), "width": round(self.at(high) - self.at(low), 2), "mean": self.at(estimate.mean)}
 
 
-def _round_step(least: float) -> float:
+def _round_step(smallest: float) -> float:
     """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `least`; 1 if `least` is not positive."""
-    if least <= 0.0:
+    if smallest <= 0.0:
         return 1.0
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= least * (1.0 - 1e-9))
+    power = 10.0 ** math.floor(math.log10(smallest))
+    return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= smallest * (1.0 - 1e-9))
 
 
 def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool) -> str:

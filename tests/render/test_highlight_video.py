@@ -28,7 +28,7 @@ def texts(slow: bool) -> list[str]:
 
 
 def test_the_caption_says_what_and_why_and_where_it_is_from():
-    assert {"CONTEST", HIGHLIGHT.what, HIGHLIGHT.why, "m7   1 of 3"} <= set(texts(slow=False))
+    assert {"CONTEST", HIGHLIGHT.event, HIGHLIGHT.reason, "m7   1 of 3"} <= set(texts(slow=False))
     assert any("slow motion" in text for text in texts(slow=True))
     assert set(HEADINGS) == set(KINDS)
 
