@@ -186,9 +186,9 @@ def test_prey_that_is_caught_is_worth_the_more_the_longer_it_had_got_away():
     captures.append(Capture(0, 401, 40_000, 2, "target_turtle_9", None, 30_000))
     one, other = of_kind("capture", match_with(captures=captures))
     assert (one.event, one.decisive_ms) == ("bob catches pip (prey_0)", 5000)
-    assert one.reason == "It had got away for 5.0 s, from 0.212345 m (R12.3)"
+    assert one.reason == "The prey had escaped for 5.0 s, from 0.212345 m (R12.3)"
     assert other.event == "cy catches pip (prey_0)"
-    assert other.reason == "It had got away for 30.0 s (R12.3)"
+    assert other.reason == "The prey had escaped for 30.0 s (R12.3)"
     assert other.score == 0.5 > one.score
 
 

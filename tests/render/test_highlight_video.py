@@ -93,6 +93,6 @@ def test_a_video_of_five_matches_takes_no_more_memory_than_one_of_two(play, tmp_
 
 
 def test_without_highlights_there_is_no_video(tmp_path):
-    with pytest.raises(ConfigError, match="one at least"):
+    with pytest.raises(ConfigError, match="at least one entry"):
         render_highlights([], tmp_path / "best.mp4")
     assert list(tmp_path.iterdir()) == []

@@ -267,7 +267,7 @@ function check(facts) {
   /** @type {(fits: boolean, field: string, value: unknown, requirement: string) => void} */
   const must = (fits, field, value, requirement) => {
     if (!fits) {
-      throw damaged(`${field} must be ${requirement}, got ${(JSON.stringify(value) ?? "missing").slice(0, 60)}`);
+      throw damaged(`${field} must be ${requirement}, got ${(JSON.stringify(value) ?? "no value").slice(0, 60)}`);
     }
   };
   /** @type {Fits} */
