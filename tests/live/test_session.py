@@ -309,7 +309,7 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monke
     )
 
     def out() -> bool:
-        return any(text.startswith("hangs is out") for text in said)
+        return any(text.startswith("hangs has forfeited") for text in said)
 
     (tmp_path / "hangs.py").write_text(HANGS)
     short = ["--limit", "init_s=120", "--limit", "step_ms=100", "--limit", "bank_s=0.1"]
