@@ -285,7 +285,7 @@ def test_what_another_version_has_kept_is_refused_before_anything_changes():
             ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got an array of uint8 \(\d+,\)$"
         ):
             batch.restore_row(1, row._replace(memory=change(row.memory)))
-    for memory, found in ((None, "NoneType"), (row.memory.astype(np.float64), r"one of float64 \(\d+,\)")):
+    for memory, found in ((None, "NoneType"), (row.memory.astype(np.float64), r"an array of float64 \(\d+,\)")):
         with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):
             env.restore(dataclasses.replace(episode, arena=episode.arena._replace(memory=memory)))
         with pytest.raises(ConfigError, match=rf"must be an array of uint8 \(\d+,\), got {found}$"):

@@ -190,7 +190,7 @@ def test_without_the_encoder_there_is_no_file_and_one_line_says_what_to_install(
 @pytest.mark.parametrize(
     ("settings", "view_of", "says"),
     [
-        ({}, 0, "view_of needs a match whose hunters do not see everything"),
+        ({}, 0, "view_of needs a match that limits or blurs its hunters' views"),
         ({"view_radius_m": 2.0}, 4, "hunter must be a seat from 0 to 3, got 4"),
         ({"view_radius_m": 2.0}, "patrl", "unknown hunter 'patrl': did you mean patrol?"),
     ],
