@@ -278,7 +278,7 @@ def test_files_that_an_editor_of_windows_wrote_are_read(tmp_path):
     [
         ("utf-32", "is text in UTF-32: save it as UTF-8"),
         ("utf-16-le", "is text in UTF-16: save it as UTF-8"),
-        ("latin-1", "must be text in UTF-8, but byte 10 is not"),
+        ("latin-1", "must be text in UTF-8, but byte 10 is not: save the file as UTF-8"),
     ],
 )
 def test_text_in_another_encoding_is_named(tmp_path, encoding, why):
