@@ -251,7 +251,7 @@ class ArenaConfig:
 
     def _check_view(self) -> None:
         if self.view_radius_m is not None:
-            everywhere = " (None is everywhere)"
+            everywhere = ", or None for the whole arena"
             _require_number("view_radius_m", self.view_radius_m, above=0.0, at_most=10_000.0, otherwise=everywhere)
         _require_number("view_angle_deg", self.view_angle_deg, above=0.0, at_most=360.0)
         _require_number("view_noise_m", self.view_noise_m, at_least=0.0, at_most=1000.0)
@@ -267,7 +267,9 @@ class ArenaConfig:
             require_choice("control", self.control, get_args(Control))
             return
         if not isinstance(self.control, tuple):
-            raise ConfigError(f"control must be one word or one word a seat, got {with_type(self.control)}")
+            raise ConfigError(
+                f"control must be one word, or a list with one word for each seat, got {with_type(self.control)}"
+            )
         if len(self.control) != self.hunters:
             raise ConfigError(f"control must have one word for each of {self.hunters} hunters, got {len(self.control)}")
         for seat, word in enumerate(self.control):
@@ -298,7 +300,7 @@ class ArenaConfig:
         seats: list[int] = []
         for team in self.teams:
             if not team:
-                raise ConfigError(f"{requirement}, and no team without a seat, got {self.teams!r}")
+                raise ConfigError(f"{requirement}, and each team must have a seat, got {self.teams!r}")
             for seat in team:
                 if type(seat) is not int:
                     raise ConfigError(f"{requirement}, got {with_type(seat)}")
@@ -308,14 +310,14 @@ class ArenaConfig:
                     raise ConfigError(f"{requirement}, got seat {seat} more than once")
                 seats.append(seat)
         if missing := sorted(set(range(self.hunters)) - set(seats)):
-            raise ConfigError(f"{requirement}, got none for seat {', '.join(map(str, missing))}")
+            raise ConfigError(f"{requirement}, got no team for seat {', '.join(map(str, missing))}")
         object.__setattr__(self, "teams", tuple(tuple(sorted(team)) for team in self.teams))
 
     def _check_prey(self) -> None:
         _require_integer("prey", self.prey, 0, MAX_PREY)
-        _require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which count it")
+        _require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
         if self.prey and self.target_budget is not None:
-            raise ConfigError(f"target_budget must be None where there is prey, got {self.target_budget!r}")
+            raise ConfigError(f"target_budget must be None if the arena has prey, got {self.target_budget!r}")
         if self.prey_returns_s is not None:
             _require_number("prey_returns_s", self.prey_returns_s, at_least=0.0, at_most=1e9)
 
@@ -464,7 +466,7 @@ class ArenaConfig:
     def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
         """Return the config that `to_dict` wrote; raise ConfigError for unknown or impossible settings."""
         if not isinstance(settings, Mapping) or not all(isinstance(name, str) for name in settings):
-            raise ConfigError(f"settings must map names to values, as of to_dict(), got {in_short(settings)}")
+            raise ConfigError(f"settings must map names to values, as to_dict() returns them, got {in_short(settings)}")
         return cls().replace(**settings)
 
     @property

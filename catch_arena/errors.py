@@ -87,7 +87,7 @@ def require_type(name: str, value: object, kind: type, made_by: str) -> None:
     """
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise ConfigError(f"{name} must be {article} {kind.__name__}, as of {made_by}, got {value!r}")
+        raise ConfigError(f"{name} must be {article} {kind.__name__}, such as {made_by} returns, got {value!r}")
 
 
 def suggest(name: object, known: Iterable[str]) -> str:
@@ -112,5 +112,5 @@ def reason(error: BaseException) -> str:
     try:
         text = " ".join(str(error).split())
     except Exception:  # noqa: BLE001 - the `__str__` of foreign exceptions may raise anything
-        text = "its own text cannot be had"
+        text = "its message cannot be read"
     return f"{type(error).__name__}: {text}"[:200] if text else type(error).__name__

@@ -55,7 +55,9 @@ def read_text(path: Path) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: must be text in UTF-8, and byte {error.start + 1} is none") from None
+        raise ConfigError(
+            f"{path}: must be text in UTF-8, but byte {error.start + 1} is not: save the file as UTF-8"
+        ) from None
 
 
 def wide_text_fault(content: bytes) -> str | None:
@@ -192,5 +194,5 @@ def room(folder: Path, size: int | None = None) -> str:
     try:
         free = decimal(shutil.disk_usage(folder).free)
     except OSError:
-        return f"nobody knows what is free in {folder}"
+        return f"the free space in {folder} is unknown"
     return f"{free} are free in {folder}" + ("" if size is None else f", and {decimal(size)} are needed")

@@ -85,7 +85,7 @@ class Limits:
         require_type("config", config, ArenaConfig, "scenario(name)")
         if seat is None:
             if len({*zip(config.reaches, config.max_speeds, config.max_turn_rates, config.controls, strict=True)}) > 1:
-                raise ConfigError("seat must be given where hunters differ, Limits.of(config, seat), got none")
+                raise ConfigError("the limits of these hunters differ: give a seat, Limits.of(config, seat)")
             seat = 0
         if seat not in range(config.hunters):
             raise ConfigError(f"seat must be from 0 to {config.hunters - 1}, got {seat!r}")
@@ -284,7 +284,9 @@ _TYPED: Final = {
 """Fields of each kind that are not floats, without `rank`: (index among the fields after `rank`, type)."""
 
 
-def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: int, most: int) -> tuple[Seen, ...]:
+def _in_view(
+    kind: type[Seen], features: Any, observation: Sequence[float], column: int, ranks: int
+) -> tuple[Seen, ...]:
     """Return the things of one kind that are in view, nearest first.
 
     The fields of `kind` are the rank and then the columns of `features` in their order, without `present`.
@@ -293,20 +295,20 @@ def _in_view(kind: type[Seen], features: Any, observation: Sequence[float], at: 
         kind: the class of the result's items.
         features: the table of the columns.
         observation: the vector to read.
-        at: the index of the first column of rank 1.
-        most: the number of ranks.
+        column: the index of the first column of rank 1.
+        ranks: the number of ranks.
     """
     columns, present = len(features._fields), features._fields.index("present")
-    typed = [(place, of) for place, of in _TYPED[kind] if place < columns - 1]
+    typed = [(place, field_type) for place, field_type in _TYPED[kind] if place < columns - 1]
     seen = []
-    for rank in range(1, most + 1):
-        its: list[Any] = list(observation[at : at + columns])
-        if not its.pop(present):
+    for rank in range(1, ranks + 1):
+        values: list[Any] = list(observation[column : column + columns])
+        if not values.pop(present):
             break
-        for place, of in typed:
-            its[place] = of(its[place])
-        seen.append(kind(rank, *its))
-        at += columns
+        for place, field_type in typed:
+            values[place] = field_type(values[place])
+        seen.append(kind(rank, *values))
+        column += columns
     return tuple(seen)
 
 
@@ -393,8 +395,8 @@ class View(_Body):
     @cached_property
     def rivals(self) -> tuple[SeenHunter, ...]:
         """Rivals in view, nearest first."""
-        at, features = first_rival_column(self.limits), rival_features(self.limits)
-        return _in_view(SeenHunter, features, self.observation, at, self.limits.hunters_seen)
+        column, features = first_rival_column(self.limits), rival_features(self.limits)
+        return _in_view(SeenHunter, features, self.observation, column, self.limits.hunters_seen)
 
 
 class PreyView(_Body):
@@ -429,8 +431,8 @@ class PreyView(_Body):
     @cached_property
     def others(self) -> tuple[SeenBody, ...]:
         """Other prey in view, nearest first."""
-        at = _PREY + len(BodyFeatures._fields) * self.limits.hunters_seen
-        return _in_view(SeenBody, BodyFeatures, self.observation, at, self.limits.prey_seen)
+        column = _PREY + len(BodyFeatures._fields) * self.limits.hunters_seen
+        return _in_view(SeenBody, BodyFeatures, self.observation, column, self.limits.prey_seen)
 
 
 AnyLimits = Limits | PreyLimits
@@ -471,7 +473,7 @@ class PreyPolicy(Protocol):
 
 def control_of(policy: object) -> Control:
     """Return the control that a policy, or its class, names; "target" if it names none."""
-    word: Control = getattr(policy, "control", "target")
-    if word not in ("target", "velocity", "full"):
-        raise AgentError(f"control of {policy!r} must be target, velocity or full, got {word!r}")
-    return word
+    control: Control = getattr(policy, "control", "target")
+    if control not in ("target", "velocity", "full"):
+        raise AgentError(f"control of {policy!r} must be target, velocity or full, got {control!r}")
+    return control

@@ -48,7 +48,7 @@ class ArenaService:
         **overrides: object,
     ) -> None:
         if "observed_targets" in overrides:
-            raise ConfigError("observed_targets must be left to the service: all of them")
+            raise ConfigError("observed_targets cannot be set: ArenaService sets it to max_targets; leave it out")
         config = arena_config(scenario, **overrides)
         self._engine = Engine(config.replace(control=control, observed_targets=config.max_targets))
         self._config = self._engine.config
@@ -80,7 +80,10 @@ class ArenaService:
                 `capstone`, which may grant and score a name that has no rank.
         """
         if self._config.policy == "capstone":
-            raise ConfigError("a recorded match must be of another policy than capstone, whose grants need no target")
+            raise ConfigError(
+                "a match under the policy capstone cannot be recorded, because its grants need no target; "
+                "use the policy nearest or first_come"
+            )
         self._recorder.record(names, title)
 
     @property
@@ -91,7 +94,7 @@ class ArenaService:
             EpisodeError: if the episode is not recorded.
         """
         if self._recorder.replay is None:
-            raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
+            raise EpisodeError("there is no replay: call record() and then reset()")
         return self._recorder.replay
 
     @property
@@ -112,7 +115,7 @@ class ArenaService:
             EpisodeError: before the first reset.
         """
         if self._seed is None:
-            raise EpisodeError("seed must follow a reset: no episode has begun")
+            raise EpisodeError("there is no seed: no episode has begun; call reset() first")
         return self._seed
 
     @property
@@ -128,7 +131,7 @@ class ArenaService:
             EpisodeError: before the first reset.
         """
         if self._seed is None:
-            raise EpisodeError("reset must come first: no episode has begun")
+            raise EpisodeError("no episode has begun; call reset() first")
         return self._engine.world()
 
     @property
@@ -279,10 +282,10 @@ class ArenaService:
             ranks[0, seat] = self._engine.rank_of(0, seat, name) if slot >= 0 else 0
         return ranks
 
-    def _record_named(self, replay: Replay, choices: NDArray[np.int64], asked: Sequence[tuple[int, object]]) -> None:
+    def _record_named(self, replay: Replay, choices: NDArray[np.int64], requests: Sequence[tuple[int, object]]) -> None:
         """R8.4: record the requests without a rank; a hunter's rank, unless it is 0, stands for its first request."""
         ranked = {seat for seat, rank in enumerate(choices.tolist()) if rank}
-        for seat, name in asked:
+        for seat, name in requests:
             if seat in ranked:
                 ranked.discard(seat)
             elif (kept := self._budget.admit(replay.steps, seat, name)) is not None:
@@ -316,14 +319,12 @@ class ArenaService:
         for on_alive_turtles in self._subscribers:
             on_alive_turtles(turtles)
 
-    def _require_play(self, what: str) -> None:
+    def _require_play(self, call: str) -> None:
         if self.over:
-            why = "no episode has begun" if self._seed is None else "this episode is over"
-            raise EpisodeError(f"{what} must fall into an episode that is under way: {why}")
+            why = "no episode has begun" if self._seed is None else "the episode is over"
+            raise EpisodeError(f"cannot {call}: {why}; call reset() first")
         if self.is_recorded:
-            raise EpisodeError(
-                f"{what} must fall into an episode that is not recorded: a replay could not play it again"
-            )
+            raise EpisodeError(f"cannot {call} while the episode is recorded: a replay could not play it again")
 
     def _asking_seat(self, hunter: str) -> int:
         seat = self._seat(hunter)

@@ -30,7 +30,7 @@ NO_REQUEST: Final = 0
 
 _MEANINGS: Final = {
     Verdict.MATCH_OVER: ("the match is over", "R5.2"),
-    Verdict.MALFORMED: ("the request names no target that could be", "R5.2"),
+    Verdict.MALFORMED: ("the requested name cannot be a target's name", "R5.2"),
     Verdict.HUNTER_INACTIVE: ("the hunter is withdrawn", "R1.6"),
     Verdict.DUPLICATE: ("the hunter has already requested in this step, and the first request stands", "R5.2"),
     Verdict.UNKNOWN_TARGET: ("no such target was ever spawned", "R5.2"),
@@ -38,7 +38,7 @@ _MEANINGS: Final = {
     Verdict.SERVICE_DOWN: ("the kill service is down in this step", "R5.7"),
     Verdict.OUT_OF_REACH: ("the target is out of reach", "R5.3"),
     Verdict.LOST_CONTEST: ("another hunter in reach of the same target was preferred", "R5.6"),
-    Verdict.KILL_FAILED: ("nobody was preferred to it, but the simulator refused the kill", "R5.7"),
+    Verdict.KILL_FAILED: ("the hunter won the target, but the simulator refused the kill", "R5.7"),
     Verdict.GRANTED: ("caught", "R5.4"),
 }
 CLAUSES: Final[Mapping[Verdict, str]] = {verdict: clause for verdict, (_, clause) in _MEANINGS.items()}

@@ -166,7 +166,8 @@ def highlights(
             f"{folder}: no highlights in {len(found)} matches: they have no contest, no change of lead, ..."
         )
     for path, highlight in selected:
-        say(f"{Path(path).name}  {seconds(highlight.decisive_ms)}  {highlight.kind}: {highlight.what}. {highlight.why}")
+        when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
+        say(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
     if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
         say(f"moments: {len(selected)}{fewer}", err=True)
     if listing:

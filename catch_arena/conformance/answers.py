@@ -30,14 +30,14 @@ KINDS: Final = ("success", "verdict", "evidence")
 class Difference:
     """One expected value, and the value that came in its place."""
 
-    about: str
+    subject: str
     expected: str
     got: str
     kind: str = field(default="", kw_only=True)
     """One of KINDS; empty if the difference is not about a ruling."""
 
     def __str__(self) -> str:
-        return f"{self.about}: expected {self.expected}; got {self.got}"
+        return f"{self.subject}: expected {self.expected}; got {self.got}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class RaisedError(Difference):
 
     error: str
     """Name of the error's class."""
-    where: str
+    location: str
     """« (file, line)» in the code under test, or empty."""
 
 
@@ -75,7 +75,7 @@ class WrongTarget:
     """The target, as `in_short` writes it."""
 
 
-def call_adjudicator(what: str, function: Callable[..., object], *arguments: object) -> Any:
+def call_adjudicator(call: str, function: Callable[..., object], *arguments: object) -> Any:
     """Call a function of the code under test and return its result; `what` names the call.
 
     Raises:
@@ -86,9 +86,9 @@ def call_adjudicator(what: str, function: Callable[..., object], *arguments: obj
     except DiffersError:
         raise
     except (Exception, SystemExit) as error:  # the code under test may raise anything
-        where = _where(error)
-        raised = f"none: it raised {printable(reason(error))}{where}"
-        raise DiffersError(RaisedError(what, "an answer", raised, printable(type(error).__name__), where)) from error
+        location = _where(error)
+        raised = f"none: it raised {printable(reason(error))}{location}"
+        raise DiffersError(RaisedError(call, "an answer", raised, printable(type(error).__name__), location)) from error
 
 
 @contextmanager
@@ -125,25 +125,25 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
         given = list(islice(given, len(expected) + 1))  # no more: the iterable may never end
         if len(given) == len(expected):
             return [
-                _ruling(place, one, ruling)
-                for place, (one, ruling) in enumerate(zip(expected, given, strict=True), start=1)
+                _ruling(place, request, ruling)
+                for place, (request, ruling) in enumerate(zip(expected, given, strict=True), start=1)
             ]
         too_few = len(given) < len(expected)
         got = f"{'' if too_few else 'at least '}{len(given)} of them"
-    looks_like = "None or too few rulings are returned" if too_few else "too many rulings, or no list, are returned"
+    looks_like = "too few rulings are returned, or None" if too_few else "too many rulings are returned, or not a list"
     must = f"{counted(len(expected), 'ruling')}, one for each request, in their order"
     rule = "An answer is a list with one ruling for each request, in their order (`catch-arena docs conformance`)."
     raise DiffersError(UnreadableAnswer("the answer", must, got, looks_like, rule))
 
 
-def counted(number: int, thing: str) -> str:
+def counted(number: int, noun: str) -> str:
     """Return a number with its noun, whose plural ends in s: "1 case", "2 cases"."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def request_in_words(place: int, one: ExpectedRuling) -> str:
+def request_in_words(place: int, request: ExpectedRuling) -> str:
     """Return a description of one request: its place, its hunter and its target."""
-    return f"request {place}, hunter {one.hunter} asks for {in_short(one.target)}"
+    return f"request {place}, hunter {request.hunter} asks for {in_short(request.target)}"
 
 
 def _where(error: BaseException) -> str:
@@ -163,14 +163,16 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
     """
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
-        about = f"{request_in_words(place, expected)}: {field}"
+        subject = f"{request_in_words(place, expected)}: {field}"
         return DiffersError(
-            UnreadableAnswer(about, must, in_short(value), f"{field} cannot be read", f"It must be {must}.")
+            UnreadableAnswer(subject, must, in_short(value), f"{field} cannot be read", f"It must be {must}.")
         )
 
     fields = _fields(given)
     if not {"verdict", "hunter", "target"} <= fields.keys():
-        raise wrong("the ruling", "verdict, hunter, target, and perhaps distance_um and winner", given)
+        raise wrong(
+            "the ruling", "an object with verdict, hunter and target, and optionally distance_um and winner", given
+        )
     verdict = _verdict(fields["verdict"])
     if verdict is None:
         raise wrong("verdict", f"one of {', '.join(Verdict.__members__)}", fields["verdict"])
@@ -178,9 +180,9 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
     if hunter is None:
         raise wrong("hunter", "a whole number", fields["hunter"])
     evidence = {field: _whole(fields.get(field)) for field in _EVIDENCE}
-    for word, value in evidence.items():
-        if value is None and fields.get(word) is not None:
-            raise wrong(word, "a whole number or None", fields[word])
+    for name, value in evidence.items():
+        if value is None and fields.get(name) is not None:
+            raise wrong(name, "a whole number or None", fields[name])
     target = fields["target"]
     repeated = expected.target if _repeats(expected.target, target) else WrongTarget(in_short(target))
     return Ruling(verdict, hunter, repeated, evidence["distance_um"], evidence["winner"])
@@ -214,11 +216,11 @@ def _whole(value: object) -> int | None:
     return number if abs(number) <= _LARGEST else None
 
 
-def _repeats(asked: object, target: object) -> bool:
+def _repeats(requested: object, target: object) -> bool:
     """Return whether a ruling's target is the requested one.
 
     Targets that are not strings are compared by their `repr`, because NaN does not equal itself.
     """
-    if isinstance(asked, str):
-        return isinstance(target, str) and asked == target
-    return repr(asked) == repr(target)
+    if isinstance(requested, str):
+        return isinstance(target, str) and requested == target
+    return repr(requested) == repr(target)

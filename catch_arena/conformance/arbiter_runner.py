@@ -70,7 +70,7 @@ class ArbiterRunner:
         won: set[tuple[object, int | str | None]] = set()
         for variant in _in_other_steps(case):
             decided = self._judge(steps, variant)
-            won |= {(one.target, one.winner) for one in decided}
+            won |= {(ruling.target, ruling.winner) for ruling in decided}
             for how, fewer in _without_a_loser(_with_lots_decided(variant, decided)):
                 self._judge(f"{how}, in one of many steps", fewer)
         for lot in case.lots:
@@ -95,7 +95,7 @@ def _reordered(case: ArbiterCase) -> Variants:
 
     The requests of one hunter keep their order, because its first one counts.
     """
-    for order in _orders(tuple(one.hunter for one in case.expected), case.id):
+    for order in _orders(tuple(ruling.hunter for ruling in case.expected), case.id):
         places = ", ".join(str(place + 1) for place in order)
         yield (
             f"with the requests in the order {places}",
@@ -108,9 +108,9 @@ def _renumbered(case: ArbiterCase) -> Variants:
     for order in _permutations(len(case.hunters), case.id):
         new = {old: seat for seat, old in enumerate(order)}
 
-        def moved(one: ExpectedRuling, new: dict[int, int] = new) -> ExpectedRuling:
-            winner = new[one.winner] if isinstance(one.winner, int) else one.winner
-            return replace(one, hunter=new[one.hunter], winner=winner)
+        def moved(ruling: ExpectedRuling, new: dict[int, int] = new) -> ExpectedRuling:
+            winner = new[ruling.winner] if isinstance(ruling.winner, int) else ruling.winner
+            return replace(ruling, hunter=new[ruling.hunter], winner=winner)
 
         yield (
             f"with the hunters in the seats {', '.join(str(new[old]) for old in range(len(order)))}",
@@ -138,20 +138,20 @@ def _without_a_loser(case: ArbiterCase) -> Variants:
 
     No other ruling changes, with one exception: a refused kill without a rival is no longer a contest (R5.6).
     """
-    for seat in sorted({one.hunter for one in case.expected}):
-        if any(one.hunter == seat and _has_won(one) for one in case.expected):
+    for seat in sorted({ruling.hunter for ruling in case.expected}):
+        if any(ruling.hunter == seat and _has_won(ruling) for ruling in case.expected):
             continue
-        rest = tuple(one for one in case.expected if one.hunter != seat)
-        contested = {one.target for one in rest if one.verdict is Verdict.LOST_CONTEST}
+        rest = tuple(ruling for ruling in case.expected if ruling.hunter != seat)
+        contested = {ruling.target for ruling in rest if ruling.verdict is Verdict.LOST_CONTEST}
         yield (
-            f"without what hunter {seat} asked",
+            f"without the requests of hunter {seat}",
             replace(
                 case,
                 expected=tuple(
-                    replace(one, winner=None)
-                    if one.verdict is Verdict.KILL_FAILED and one.target not in contested
-                    else one
-                    for one in rest
+                    replace(ruling, winner=None)
+                    if ruling.verdict is Verdict.KILL_FAILED and ruling.target not in contested
+                    else ruling
+                    for ruling in rest
                 ),
             ),
         )
@@ -169,8 +169,8 @@ def _under_nearest(case: ArbiterCase) -> ArbiterCase:
     return replace(case, policy="nearest", expected=case.under_nearest, under_nearest=())
 
 
-def _has_won(one: ExpectedRuling) -> bool:
-    return one.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED, LOT}
+def _has_won(ruling: ExpectedRuling) -> bool:
+    return ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED, LOT}
 
 
 def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
@@ -190,5 +190,5 @@ def _orders(seats: tuple[int, ...], name: str) -> list[tuple[int, ...]]:
 
 def _in_turn(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
     """Return the order with the places of each seat sorted."""
-    waiting = {seat: iter([place for place, one in enumerate(seats) if one == seat]) for seat in set(seats)}
+    waiting = {seat: iter([place for place, owner in enumerate(seats) if owner == seat]) for seat in set(seats)}
     return tuple(next(waiting[seats[place]]) for place in order)

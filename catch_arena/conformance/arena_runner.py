@@ -75,13 +75,13 @@ class ArenaUnderTest(Protocol):
 
 def fits_into_an_arena(case: ArbiterCase) -> bool:
     """Return whether the case can be played in an arena: each hunter asks once, by rank, for a target that it sees."""
-    seats = [one.hunter for one in case.expected]
+    seats = [ruling.hunter for ruling in case.expected]
     return (
         len(case.hunters) > 0
         and len(seats) == len(set(seats))
         and not case.match_over
-        and all(isinstance(one.target, str) and one.target in case.targets for one in case.expected)
-        and all(one.verdict is not Verdict.MALFORMED for one in case.expected)
+        and all(isinstance(ruling.target, str) and ruling.target in case.targets for ruling in case.expected)
+        and all(ruling.verdict is not Verdict.MALFORMED for ruling in case.expected)
         and all(0 <= x <= TURTLESIM_SIDE_M >= y >= 0 for x, y in (*case.hunters, *case.targets.values()))
     )
 
@@ -130,14 +130,14 @@ class ArenaRunner:
         call_adjudicator("place", self._arena.place, poses, list(case.targets.values()))
         for seat in case.inactive:
             call_adjudicator("withdraw", self._arena.withdraw, seat)
-        expected = tuple(replace(one, target=number_of[str(one.target)]) for one in case.expected)
+        expected = tuple(replace(ruling, target=number_of[str(ruling.target)]) for ruling in case.expected)
         lots = tuple(replace(lot, target=number_of[str(lot.target)]) for lot in case.lots)
         decided = self._judge(expected, ({},), lots, refused)
-        granted = [one for one in decided if one.verdict is Verdict.GRANTED]
-        gone = {one.target for one in granted} - set(refused)
+        granted = [ruling for ruling in decided if ruling.verdict is Verdict.GRANTED]
+        gone = {ruling.target for ruling in granted} - set(refused)
         readings = {
             "alive": [number for number in number_of.values() if number not in gone],
-            "scores": [sum(one.hunter == seat for one in granted) for seat in range(len(case.hunters))],
+            "scores": [sum(ruling.hunter == seat for ruling in granted) for seat in range(len(case.hunters))],
         }
         call_adjudicator("read", self._require_readings, readings)
 
@@ -164,18 +164,18 @@ class ArenaRunner:
         lots: Sequence[Lot] = (),
         refused: Sequence[int] = (),
     ) -> tuple[ExpectedRuling, ...]:
-        requests = [(one.hunter, operator.index(one.target)) for one in expected]
+        requests = [(ruling.hunter, operator.index(ruling.target)) for ruling in expected]
         given = ask_for_rulings(lambda: self._arena.step(requests, *driven), expected)
         return compare(given, expected, lots=lots, refused=refused, strictness=self._strictness)
 
     def _require_readings(self, expected: Mapping[str, Any]) -> None:
         found = self._arena.read() if expected else {}
         differences: list[Difference] = []
-        for word, value in expected.items():
-            got = found.get(word) if isinstance(found, Mapping) else None
+        for name, value in expected.items():
+            got = found.get(name) if isinstance(found, Mapping) else None
             if isinstance(got, Iterable) and not isinstance(got, str):
                 got = list(got)
             if got != value:
-                differences.append(Difference(word, repr(value), in_short(got)))
+                differences.append(Difference(name, repr(value), in_short(got)))
         if differences:
             raise DiffersError(*differences)

@@ -33,20 +33,20 @@ def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
     try:
         content = tomllib.loads(written)
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{name}: is no TOML: {error}") from None
+        raise ConfigError(f"{name}: is not valid TOML: {error}") from None
     kinds: dict[str, type[ArbiterCase | ArenaCase]] = {"case": ArbiterCase, "arena_case": ArenaCase}
     found: list[ArbiterCase | ArenaCase] = []
-    for word, tables in content.items():
-        if word not in kinds or not isinstance(tables, list):
-            raise ConfigError(f"{name}: must hold [[case]] and [[arena_case]] tables alone, got {word!r}")
+    for kind, tables in content.items():
+        if kind not in kinds or not isinstance(tables, list):
+            raise ConfigError(f"{name}: may contain only [[case]] and [[arena_case]] tables, got {kind!r}")
         for table in tables:
             place = table.get("id") if isinstance(table, dict) else None
             try:
-                case = msgspec.convert(table, kinds[word])
+                case = msgspec.convert(table, kinds[kind])
                 _require_sense(case, name.removesuffix(".toml"))
             except ValueError as error:  # msgspec's errors are ValueErrors
-                raise ConfigError(f"{name}: {place or f'{word} without an id'}: {error}") from None
-            if case.id in {one.id for one in found}:
+                raise ConfigError(f"{name}: {place or f'{kind} without an id'}: {error}") from None
+            if case.id in {earlier.id for earlier in found}:
                 raise ConfigError(f"{name}: {case.id}: id must be unique")
             found.append(case)
     return found
@@ -59,7 +59,7 @@ def _require_sense(case: ArbiterCase | ArenaCase, group: str) -> None:
         ValueError: if two of its fields contradict each other.
     """
     if not re.fullmatch(rf"{re.escape(group)}(\.[a-z0-9]+(-[a-z0-9]+)*)+", case.id):
-        raise ValueError(f"id must be {group}. and words in lower case with hyphens, got {case.id!r}")
+        raise ValueError(f"id must be '{group}.' and lower-case words with hyphens, got {case.id!r}")
     if isinstance(case, ArbiterCase):
         _require_sense_of_arbiter(case)
     else:
@@ -73,22 +73,22 @@ def _require_sense_of_arbiter(case: ArbiterCase) -> None:
     _require_rulings((*case.expected, *case.under_nearest), hunters)
     for lot in case.lots:
         if lot.target not in case.targets:
-            raise ValueError(f"lots must be drawn for targets that are alive, got {lot.target!r}")
+            raise ValueError(f"lots must be for alive targets, got {lot.target!r}")
         if lot.drawn not in lot.seats:
             raise ValueError(f"drawn must be one of the seats {list(lot.seats)}, got {lot.drawn}")
         _require_seats(lot.seats, hunters)
     drawn_for = {lot.target: lot.seats for lot in case.lots}
-    for one in case.expected:
-        seats = drawn_for.get(one.target) if isinstance(one.target, str) else None
-        if one.winner == LOT and seats is None:
-            raise ValueError(f"a ruling by lot must have its target among the lots, got {one.target!r}")
-        if one.verdict == LOT and (seats is None or one.hunter not in seats):
-            raise ValueError(f"verdict LOT must be for the lot's own seats, got hunter {one.hunter}")
-    asked = [(one.hunter, one.target) for one in case.expected]
-    if case.under_nearest and [(one.hunter, one.target) for one in case.under_nearest] != asked:
-        raise ValueError("under_nearest must answer the requests of the case itself, in their order")
+    for ruling in case.expected:
+        seats = drawn_for.get(ruling.target) if isinstance(ruling.target, str) else None
+        if ruling.winner == LOT and seats is None:
+            raise ValueError(f"lots must contain the target of every ruling by lot, got none for {ruling.target!r}")
+        if ruling.verdict == LOT and (seats is None or ruling.hunter not in seats):
+            raise ValueError(f"verdict LOT must be for one of the lot's seats, got hunter {ruling.hunter}")
+    requests = [(ruling.hunter, ruling.target) for ruling in case.expected]
+    if case.under_nearest and [(ruling.hunter, ruling.target) for ruling in case.under_nearest] != requests:
+        raise ValueError("under_nearest must have one ruling for each request of the case, in their order")
     if case.fair_over_steps and not case.lots:
-        raise ValueError("fair_over_steps must come with lots")
+        raise ValueError("fair_over_steps needs lots: add them, or remove it")
 
 
 def _require_sense_of_arena(case: ArenaCase) -> None:
@@ -103,18 +103,20 @@ def _require_sense_of_arena(case: ArenaCase) -> None:
 
 
 def _require_rulings(rulings: Iterable[ExpectedRuling], hunters: int) -> None:
-    for one in rulings:
-        if one.answer not in ANSWERS:
-            raise ValueError(f"verdict must be one of {', '.join(ANSWERS)}, got {one.answer!r}")
-        _require_seats([one.hunter, *([one.winner] if isinstance(one.winner, int) else [])], hunters)
+    for ruling in rulings:
+        if ruling.answer not in ANSWERS:
+            raise ValueError(f"verdict must be one of {', '.join(ANSWERS)}, got {ruling.answer!r}")
+        _require_seats([ruling.hunter, *([ruling.winner] if isinstance(ruling.winner, int) else [])], hunters)
 
 
-def _require_seats(seats: Iterable[int], hunters: int, of: str = "hunter") -> None:
+def _require_seats(seats: Iterable[int], count: int, kind: str = "hunter") -> None:
     for seat in seats:
-        if seat >= hunters:
-            raise ValueError(f"{of} must be one of {hunters}, got {seat}")
+        if seat >= count:
+            raise ValueError(f"{kind} must be below {count}, their number in the case, got {seat}")
 
 
 def _require_reaches(reach_m: object, hunters: int) -> None:
     if isinstance(reach_m, tuple) and len(reach_m) != hunters:
-        raise ValueError(f"reach_m must be a number, or one for each of {hunters} hunters, got {len(reach_m)} numbers")
+        raise ValueError(
+            f"reach_m must be one number, or one for each of the {hunters} hunters, got {len(reach_m)} numbers"
+        )

@@ -133,15 +133,15 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
         return {
             "hunters": list(self.hunters),
             "targets": dict(self.targets),
-            "requests": [(one.hunter, one.target) for one in self.expected],
+            "requests": [(ruling.hunter, ruling.target) for ruling in self.expected],
             **given,
         }
 
 
 DEFAULTS: Final[Mapping[str, Any]] = {
-    one.name: one.default
-    for one in structs.fields(ArbiterCase)
-    if one.name
+    argument.name: argument.default
+    for argument in structs.fields(ArbiterCase)
+    if argument.name
     in {
         *("reach_m", "policy", "seed", "step", "caught", "inactive"),
         *("kill_service_up", "kill_refused", "match_over"),

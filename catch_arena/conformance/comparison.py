@@ -65,18 +65,18 @@ def compare(
     Raises:
         DiffersError: for a lot without exactly one allowed winner, else with all differences.
     """
-    by_lot = {one.target for one in expected if one.verdict == LOT}
+    by_lot = {ruling.target for ruling in expected if ruling.verdict == LOT}
     winners = {lot.target: _winner(lot, expected, given, strictness) for lot in lots if lot.target in by_lot}
     decided = _decide_lots(expected, winners, set(refused))
     differences = [
         Difference(
             request_in_words(place, right),
             _in_words(right, right, strictness),
-            _in_words(right, one, strictness),
-            kind=_kind(right, one),
+            _in_words(right, ruling, strictness),
+            kind=_kind(right, ruling),
         )
-        for place, (right, one) in enumerate(zip(decided, given, strict=True), start=1)
-        if _compared(right, right, strictness) != _compared(right, one, strictness)
+        for place, (right, ruling) in enumerate(zip(decided, given, strict=True), start=1)
+        if _compared(right, right, strictness) != _compared(right, ruling, strictness)
     ]
     if differences:
         raise DiffersError(*differences)
@@ -90,9 +90,11 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
         DiffersError: if not exactly one seat wins, or if that seat may not win.
     """
     won = [
-        one.hunter
-        for one, ruling in zip(expected, given, strict=True)
-        if one.verdict == LOT and one.target == lot.target and ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED}
+        wanted.hunter
+        for wanted, ruling in zip(expected, given, strict=True)
+        if wanted.verdict == LOT
+        and wanted.target == lot.target
+        and ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED}
     ]
     allowed = (lot.drawn,) if strictness.exact_lots and lot.drawn is not None else lot.seats
     if len(won) != 1 or won[0] not in allowed:
@@ -100,7 +102,7 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
             Difference(
                 f"target {in_short(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
-                f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'nobody'}",
+                f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'no hunter'}",
                 kind="success",
             )
         )
@@ -112,14 +114,14 @@ def _decide_lots(
 ) -> tuple[ExpectedRuling, ...]:
     """Return the expected rulings with the verdicts and winners that follow from the drawn seats."""
     decided = []
-    for one in expected:
-        answer, winner = one.answer, one.winner
+    for ruling in expected:
+        answer, winner = ruling.answer, ruling.winner
         if winner == LOT:
-            winner = winners[one.target]
+            winner = winners[ruling.target]
         if answer == LOT:
-            won = Verdict.KILL_FAILED if one.target in refused else Verdict.GRANTED
-            answer = (won if one.hunter == winner else Verdict.LOST_CONTEST).name
-        decided.append(replace(one, answer=answer, winner=winner))
+            won = Verdict.KILL_FAILED if ruling.target in refused else Verdict.GRANTED
+            answer = (won if ruling.hunter == winner else Verdict.LOST_CONTEST).name
+        decided.append(replace(ruling, answer=answer, winner=winner))
     return tuple(decided)
 
 
@@ -140,22 +142,22 @@ class _Compared(NamedTuple):
     winner: int | str | None
 
 
-def _compared(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: Strictness) -> _Compared:
+def _compared(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness: Strictness) -> _Compared:
     if strictness.success_only:
-        granted = Verdict.GRANTED.name if one.verdict is Verdict.GRANTED else "refused"
-        return _Compared(one.hunter, one.target, granted, None, None)
+        granted = Verdict.GRANTED.name if ruling.verdict is Verdict.GRANTED else "refused"
+        return _Compared(ruling.hunter, ruling.target, granted, None, None)
     if not strictness.evidence:
-        return _Compared(one.hunter, one.target, one.verdict, None, None)
-    distance_um = ANY if right.distance_um == ANY and one.distance_um is not None else one.distance_um
-    return _Compared(one.hunter, one.target, one.verdict, distance_um, one.winner)
+        return _Compared(ruling.hunter, ruling.target, ruling.verdict, None, None)
+    distance_um = ANY if right.distance_um == ANY and ruling.distance_um is not None else ruling.distance_um
+    return _Compared(ruling.hunter, ruling.target, ruling.verdict, distance_um, ruling.winner)
 
 
-def _in_words(right: ExpectedRuling, one: ExpectedRuling | Ruling, strictness: Strictness) -> str:
+def _in_words(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness: Strictness) -> str:
     """Return the compared fields of a ruling in words; its lot is decided."""
-    hunter, target, verdict, distance_um, winner = _compared(right, one, strictness)
+    hunter, target, verdict, distance_um, winner = _compared(right, ruling, strictness)
     words = [verdict.name if isinstance(verdict, Verdict) else verdict]
     if distance_um is not None:
-        words.append("some distance away" if distance_um == ANY else f"{distance_um} um away")
+        words.append("at any distance" if distance_um == ANY else f"{distance_um} um away")
     if winner is not None:
         words.append(f"won by hunter {winner}")
     if hunter != right.hunter:

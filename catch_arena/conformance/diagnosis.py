@@ -77,7 +77,7 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
     for id_, failure in failures.items():
         difference = failure.differences[0]
         if isinstance(difference, RaisedError):
-            raised = f"{difference.error} is raised{difference.where}"
+            raised = f"{difference.error} is raised{difference.location}"
             groups.setdefault((raised, "Every request gets exactly one verdict (R5.2)."), []).append(failure)
         elif isinstance(difference, UnreadableAnswer):
             groups.setdefault((difference.looks_like, difference.rule), []).append(failure)
@@ -86,14 +86,16 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
     unreadable = [Diagnosis(*kind, tuple(group)) for kind, group in groups.items()]
     passed = {result.case.id for result in results if result.played and result.failure is None}
     known = _known(judged, passed, strictness)
-    explained = {failure.case.id for one in known for failure in one.failures}
+    explained = {failure.case.id for diagnosis in known for failure in diagnosis.failures}
     clauses: dict[str, list[Failure]] = {}
     for id_, failure in judged.items():
         if id_ not in explained:
             clauses.setdefault(failure.case.clauses[0], []).append(failure)
-    others = [Diagnosis(clause, "", tuple(group)) for clause, group in clauses.items()]
-    kinds = (unreadable, known, others)
-    return tuple(one for kind in kinds for one in sorted(kind, key=lambda one: -len(one.failures)))
+    by_clause = [Diagnosis(clause, "", tuple(group)) for clause, group in clauses.items()]
+    kinds = (unreadable, known, by_clause)
+    return tuple(
+        diagnosis for kind in kinds for diagnosis in sorted(kind, key=lambda diagnosis: -len(diagnosis.failures))
+    )
 
 
 def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictness) -> list[Diagnosis]:
@@ -102,20 +104,22 @@ def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictne
     A case contradicts a mistake that fails it if it passed, or if it failed by a weaker kind of difference.
     """
     fitting = []
-    for one in known_mistakes():
-        kinds = one.kinds(strictness)
+    for mistake in known_mistakes():
+        kinds = mistake.kinds(strictness)
         explained = {id_ for id_, kind in kinds.items() if id_ in failed and failed[id_].kind == kind}
         weaker = {id_ for id_, kind in kinds.items() if id_ in failed and KINDS.index(kind) < _rank(failed[id_])}
         contradicted = len(weaker) + len(kinds.keys() & passed)
         if contradicted <= _TOLERATED * len(explained):
-            fitting.append((one, explained, contradicted))
+            fitting.append((mistake, explained, contradicted))
     left, found = set(failed), list[Diagnosis]()
     while fitting:
-        one, ids, contradicted = max(fitting, key=lambda fit: len(fit[1] & left) - fit[2])
+        mistake, ids, contradicted = max(fitting, key=lambda fit: len(fit[1] & left) - fit[2])
         new = ids & left
         if len(new) <= contradicted:
             break
-        found.append(Diagnosis(one.looks_like, one.rule, tuple(failed[id_] for id_ in failed if id_ in new), True))
+        found.append(
+            Diagnosis(mistake.looks_like, mistake.rule, tuple(failed[id_] for id_ in failed if id_ in new), True)
+        )
         left -= new
     return found
 

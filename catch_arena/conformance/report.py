@@ -63,10 +63,13 @@ class Report:
     def by_mistake(self, width: int) -> str:
         """Return the report by mistake (see `__str__`), in lines of at most `width` characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
-        paragraphs = [self._in_words(number, one, width) for number, one in numbered[:_MOST_IN_FULL]]
+        paragraphs = [self._in_words(number, diagnosis, width) for number, diagnosis in numbered[:_MOST_IN_FULL]]
         if rest := numbered[_MOST_IN_FULL:]:
-            lines = ["More mistakes, each with a case that --only shows in full:"]
-            lines += [f"{number}. {_heading(one)}, as {one.failures[0].case.id}" for number, one in rest]
+            lines = ["More mistakes; --only with the id of a case shows it in full:"]
+            lines += [
+                f"{number}. {_heading(diagnosis)}, for example {diagnosis.failures[0].case.id}"
+                for number, diagnosis in rest
+            ]
             paragraphs.append("\n".join(wrapped(line, width, "", "   ") for line in lines))
         return "\n\n".join([*paragraphs, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
 
@@ -77,14 +80,14 @@ class Report:
 
     def _in_words(self, number: int, diagnosis: Diagnosis, width: int) -> str:
         """Return a diagnosis as text: its heading, its first failure, and the names of the others."""
-        first, *others = diagnosis.failures
+        first, *remaining = diagnosis.failures
         lines = [
             wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
             *([wrapped(diagnosis.rule, width, "   ")] if diagnosis.rule else []),
             textwrap.indent(first.in_words(width - 3, brief=True), "   "),
         ]
-        if others:
-            names = f"{len(others)} more: {self._names(others)}"
+        if remaining:
+            names = f"{len(remaining)} more: {self._names(remaining)}"
             lines.append(wrapped(names, width, "   ", "     ", _MOST_LINES_OF_IDS))
         return "\n".join(lines)
 
@@ -138,5 +141,5 @@ class Report:
 
 def _heading(diagnosis: Diagnosis) -> str:
     """Return a diagnosis's cause and its number of failures."""
-    what = f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
-    return f"{what}: {counted(len(diagnosis.failures), 'failure')}"
+    cause = f'looks like "{diagnosis.looks_like}"' if diagnosis.known else diagnosis.looks_like
+    return f"{cause}: {counted(len(diagnosis.failures), 'failure')}"

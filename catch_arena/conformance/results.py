@@ -28,7 +28,7 @@ class Failure:
     @property
     def kind(self) -> str:
         """The strongest kind of its differences, see `answers.KINDS`; "" if none has a kind."""
-        found = {one.kind for one in self.differences}
+        found = {difference.kind for difference in self.differences}
         return next((kind for kind in KINDS if kind in found), "")
 
     def __str__(self) -> str:
@@ -45,9 +45,9 @@ class Failure:
             paragraphs += [f"Part {part}: {_case_step(step)}" for part, step in enumerate(case.play, start=1)]
         if self.how:
             paragraphs.append(f"It was played {self.how}.")
-        most = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
-        differences = [str(one) for one in self.differences[:most]]
-        if (left := len(self.differences) - most) > 0:
+        limit = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
+        differences = [str(difference) for difference in self.differences[:limit]]
+        if (left := len(self.differences) - limit) > 0:
             differences.append(f"and {left} more")
         why = f"Why it matters: {case.why}"
         if case.options:
@@ -90,7 +90,7 @@ class Result:
         return self.left_out is None
 
 
-def wrapped(text: str, width: int, first: str = "", then: str | None = None, most: int | None = None) -> str:
+def wrapped(text: str, width: int, first: str = "", then: str | None = None, max_lines: int | None = None) -> str:
     """Return a text in lines of at most `width` characters, unless a word is longer; it is cut off after `most` lines.
 
     The first line begins with `first`, the others with `then`, or with `first` if that is None.
@@ -102,7 +102,7 @@ def wrapped(text: str, width: int, first: str = "", then: str | None = None, mos
         subsequent_indent=first if then is None else then,
         break_on_hyphens=False,
         break_long_words=False,
-        max_lines=most,
+        max_lines=max_lines,
         placeholder=" ...",
     )
 
@@ -113,7 +113,7 @@ def _position(case: ArbiterCase) -> str:
     targets = [f"{in_short(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
     given = case.arguments()
     unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
-    return "; ".join([*hunters, *targets, *unusual]) or "nobody and nothing"
+    return "; ".join([*hunters, *targets, *unusual]) or "no hunters and no targets"
 
 
 def _settings(case: ArenaCase) -> str:
@@ -136,11 +136,11 @@ def _case_step(step: CaseStep) -> str:
         events += [f"hunter {seat} driven by {velocities}" for seat, velocities in step.drive.items()]
         events += [f"prey {index} driven by {velocities}" for index, velocities in step.drive_prey.items()]
         events.append(f"a step in which {_requests(step.expected)}" if step.expected else "a step without requests")
-    return "; ".join(events) or "only looked at"
+    return "; ".join(events) or "only the state is read"
 
 
 def _requests(expected: Sequence[ExpectedRuling]) -> str:
-    return "; ".join(f"hunter {one.hunter} asks for {in_short(one.target)}" for one in expected) or "none"
+    return "; ".join(f"hunter {ruling.hunter} asks for {in_short(ruling.target)}" for ruling in expected) or "none"
 
 
 def _either(options: Sequence[str]) -> str:

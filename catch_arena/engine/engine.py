@@ -356,7 +356,7 @@ class Engine:
             ConfigError: for anything else, such as a state of another version of this package.
         """
         if not isinstance(saved, SavedState):
-            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
         if saved.config != self._config_digest:
             raise ConfigError(
                 f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"

@@ -84,7 +84,7 @@ class ActionReader:
             self.row(agent)
         missing = [agent for agent in agents if agent not in actions]
         if missing:
-            raise ActionError(f"actions must hold one for each agent, got none for {', '.join(missing)}")
+            raise ActionError(f"actions must have an action for each agent, got none for {', '.join(missing)}")
 
     def clear(self, agent: str) -> None:
         """Set that agent's action to none, until `read` gets an action for it."""

@@ -114,7 +114,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             ConfigError: for anything that `save` did not return, and for the state of another config.
         """
         if not isinstance(saved, SavedTurn):
-            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
         self._parallel.restore(saved.episode)
         self.env.restore_turns(saved.turns)
         self._has_reset = self._has_updated = True
@@ -129,9 +129,9 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
 
     def _require_turn(self, what: str) -> None:
         if not self._has_reset:
-            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
+            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
         if not self.agents:
-            raise EpisodeError(f"{what} must follow a reset: this episode is over")
+            raise EpisodeError(f"cannot call {what}(): the episode is over; call reset() first")
 
 
 class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
@@ -160,7 +160,7 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
             if action is not None:
-                raise ActionError(f"{agent}: an action must be None after the end, got {action!r}")
+                raise ActionError(f"{agent}: an action must be None after the agent's end, got {action!r}")
         else:
             self.env.check_action(agent, action)
         super().step(action)

@@ -267,8 +267,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._over:
             if self._seed is not None and not actions:  # as PettingZoo's envs; SuperSuit's wrappers need it
                 return {}, {}, {}, {}, {}
-            why = "no episode has begun" if self._seed is None else "this episode is over"
-            raise EpisodeError(f"step must follow a reset: {why}")
+            why = "no episode has begun" if self._seed is None else "the episode is over"
+            raise EpisodeError(f"cannot call step(): {why}; call reset() first")
         agents, engine, reader = self.agents, self._engine, self._actions
         reader.read(actions, agents)
         engine.step(reader.choices, reader.commands)  # writes the arrays from which `_results` reads
@@ -312,7 +312,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         row = self._actions.row(agent)
         if self._over or agent not in self.agents:
-            raise EpisodeError(f"{agent} must be in play to be withdrawn")
+            raise EpisodeError(f"cannot withdraw {agent}: it is not among the agents of this episode")
         if agent in self._leaving:
             return
         self._engine.withdraw(0, row)
@@ -355,7 +355,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def replay(self) -> Replay:
         """Return the replay of the episode so far, if `record` was called before its reset."""
         if self._recorder.replay is None:
-            raise EpisodeError("replay must follow a record and a reset: nothing was recorded")
+            raise EpisodeError("there is no replay: call record() and then reset()")
         return self._recorder.replay
 
     def save(self) -> SavedEpisode:
@@ -390,7 +390,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 version.
         """
         if not isinstance(saved, SavedEpisode):
-            raise ConfigError(f"saved must be what save gives, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
         self._engine.require_saved(saved.arena, alone=True)
         if list(saved.possible_agents) != self.possible_agents:
             got = in_short(list(saved.possible_agents))
@@ -431,4 +431,4 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def _require_episode(self, what: str) -> None:
         if self._seed is None:
-            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
+            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")

@@ -206,7 +206,7 @@ class VectorArena:
         """
         chosen = self._rows(arenas)
         if not self._begun and len(chosen) < self.num_envs:
-            raise EpisodeError("reset of single arenas must follow a reset of all: no episode has begun")
+            raise EpisodeError("cannot reset single arenas: no episode has begun; call reset() without arenas first")
         if seed is None:
             seeds = (
                 batch_seeds(fresh_seed(), self.num_envs)
@@ -250,7 +250,7 @@ class VectorArena:
         """
         self._require_begun("place")
         if self.num_prey:
-            raise ConfigError(f"place must be called where there is no prey, got {self.num_prey} prey")
+            raise ConfigError(f"place() does not support arenas with prey, and this one has {self.num_prey}")
         chosen, config = self._rows(arenas), self.config
         hunters = _placed("hunters", hunters, len(chosen), (config.hunters, config.hunters), 4)
         targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
@@ -330,7 +330,7 @@ class VectorArena:
 
     def _require_any_control(self) -> None:
         if not self._any_control:
-            raise ConfigError("any_control must be True for arenas to have controls of their own, got False")
+            raise ConfigError("the arenas of this batch cannot differ in their controls: make it with any_control=True")
 
     def _update_ends(self) -> None:
         ends = self._engine.ends
@@ -342,7 +342,7 @@ class VectorArena:
         shape, ranks = (self.num_envs, self.num_hunters), self.config.targets_seen
         if given is None:
             if self._choosing:
-                raise ActionError(f"choices must be {shape} whole numbers where hunters choose, got None")
+                raise ActionError(f"choices must be {shape} whole numbers if hunters choose targets, got None")
             return NO_CHOICES
         choices = action_array("choices", given, shape, whole=True)
         if choices.min() < 0 or choices.max() > ranks:
@@ -355,7 +355,7 @@ class VectorArena:
         shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
         if given is None:
             if self._driving:
-                raise ActionError(f"commands must be {shape} numbers where agents drive themselves, got None")
+                raise ActionError(f"commands must be {shape} numbers if agents drive themselves, got None")
             return NO_COMMANDS
         commands = action_array("commands", given, shape)
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
@@ -478,7 +478,7 @@ class VectorArena:
 
     def _require_begun(self, what: str) -> None:
         if not self._begun:
-            raise EpisodeError(f"{what} must follow a reset: no episode has begun")
+            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
 
     def _row(self, what: str, arena: int) -> int:
         self._require_begun(what)

@@ -40,8 +40,8 @@ class PreyRecord:
                 summary.returns += 1
 
     def _note_capture(self, index: int, before: World, after: World, seat: int) -> None:
-        target = next(one for one in before.targets if one.name == before.prey[index].target)
-        distance = next((one.distance_um for one in after.rulings if one.hunter == seat), None)
+        target = next(state for state in before.targets if state.name == before.prey[index].target)
+        distance = next((ruling.distance_um for ruling in after.rulings if ruling.hunter == seat), None)
         in_play_ms = before.time_ms - target.spawned_ms
         capture = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
         self._open[index] = capture

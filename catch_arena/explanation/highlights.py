@@ -92,8 +92,8 @@ class Highlight:
     end_ms: int
     """End of the part [ms since reset]; after the match's end, the last picture stays."""
     score: float
-    what: str
-    why: str
+    event: str
+    reason: str
 
     def overlaps(self, other: "Highlight") -> bool:
         """Return whether the two parts have an instant in common."""
@@ -151,7 +151,7 @@ def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = Non
         *_finish(events),
         *_upset(events, rates or {}),
     ]
-    return sorted(found, key=lambda one: (one.decisive_ms, KINDS.index(one.kind)))
+    return sorted(found, key=lambda highlight: (highlight.decisive_ms, KINDS.index(highlight.kind)))
 
 
 class WinRecord(NamedTuple):
@@ -165,18 +165,23 @@ def win_records(matches: Iterable[MatchEvents]) -> dict[str, WinRecord]:
     """Return the win records of all entrants."""
     found: dict[str, WinRecord] = {}
     for events in matches:
-        most = max(events.scores)
+        best = max(events.scores)
         for name, score in zip(events.entrants, events.scores, strict=True):
             old = found.get(name, WinRecord())
-            found[name] = WinRecord(old.played + 1, old.won + (score == most) / events.scores.count(most))
+            found[name] = WinRecord(old.played + 1, old.won + (score == best) / events.scores.count(best))
     return found
 
 
 def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, float]:
     """Return the share of its other matches that each entrant of a match won, without entrants with too few of them."""
-    mine = win_records([events])
-    others = {name: WinRecord(known[name].played - one.played, known[name].won - one.won) for name, one in mine.items()}
-    return {name: one.won / one.played for name, one in others.items() if one.played >= LEAST_OTHER_MATCHES}
+    in_match = win_records([events])
+    elsewhere = {
+        name: WinRecord(known[name].played - record.played, known[name].won - record.won)
+        for name, record in in_match.items()
+    }
+    return {
+        name: record.won / record.played for name, record in elsewhere.items() if record.played >= LEAST_OTHER_MATCHES
+    }
 
 
 def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> list[tuple[str, Highlight]]:
@@ -184,14 +189,14 @@ def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> l
 
     No two of one match overlap. The score of a kind that was taken k times is multiplied by REPEAT_FACTOR ** k.
     """
-    left = [(place, one) for place in sorted(found) for one in found[place]]
+    left = [(place, highlight) for place in sorted(found) for highlight in found[place]]
     chosen: list[tuple[str, Highlight]] = []
     taken = dict.fromkeys(KINDS, 0)
     while left and len(chosen) < count:
-        place, one = max(left, key=lambda item: item[1].score * REPEAT_FACTOR ** taken[item[1].kind])
-        chosen.append((place, one))
-        taken[one.kind] += 1
-        left = [item for item in left if item[0] != place or not item[1].overlaps(one)]
+        place, highlight = max(left, key=lambda item: item[1].score * REPEAT_FACTOR ** taken[item[1].kind])
+        chosen.append((place, highlight))
+        taken[highlight.kind] += 1
+        left = [item for item in left if item[0] != place or not item[1].overlaps(highlight)]
     return chosen[::-1]
 
 
@@ -205,20 +210,22 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
         first, second = events.hunters[winner.seat], events.hunters[loser.seat]
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
-            what = f"{first} beats {second} by lot"
-            why = f"Both were {distances}: the lowest lot wins (R5.5)"
+            event = f"{first} beats {second} by lot"
+            reason = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
-            what = f"{first} beats {second} by {short_length(contest.margin_um)}"
-            why = f"It was {distances}, the other {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
-        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, what, why)
+            event = f"{first} beats {second} by {short_length(contest.margin_um)}"
+            reason = (
+                f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
+            )
+        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, event, reason)
 
 
 def _captures(events: MatchEvents) -> Iterable[Highlight]:
-    for one in events.captures:
-        what = f"{events.hunters[one.seat]} catches {events.prey[one.prey]}"
-        place = "" if one.distance_um is None else f", from {metres(one.distance_um)}"
-        why = f"It had got away for {seconds(one.in_play_ms)}{place} (R12.3)"
-        yield _highlight("capture", (one.in_play_ms, events.duration_ms), one.judged_ms, what, why)
+    for capture in events.captures:
+        event = f"{events.hunters[capture.seat]} catches {events.prey[capture.prey]}"
+        place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
+        reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
+        yield _highlight("capture", (capture.in_play_ms, events.duration_ms), capture.judged_ms, event, reason)
 
 
 def _leads(events: MatchEvents) -> Iterable[Highlight]:
@@ -228,13 +235,15 @@ def _leads(events: MatchEvents) -> Iterable[Highlight]:
     for at_ms, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
         made = list(step)
         scores = made[-1].scores
-        new = next((one.contender for one in made if scores[one.contender] > _best_other(scores, one.contender)), None)
+        new = next(
+            (catch.contender for catch in made if scores[catch.contender] > _best_other(scores, catch.contender)), None
+        )
         if new is None or new == leader:
             continue
         if leader is not None:
-            what = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
-            why = f"{events.names[leader]}, who was in front from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
-            yield _highlight("lead", (at_ms, events.duration_ms), at_ms, what, why)
+            event = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
+            reason = f"{events.names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
+            yield _highlight("lead", (at_ms, events.duration_ms), at_ms, event, reason)
         leader, since_ms = new, at_ms
 
 
@@ -245,26 +254,26 @@ def _streaks(events: MatchEvents) -> Iterable[Highlight]:
         times = [catch.judged_ms for catch in run]
         if len(times) < STREAK:
             continue
-        what = f"{events.hunters[seat]} catches {len(times)} in a row"
-        why = f"For {seconds(times[-1] - times[0])} nobody else catches any (R6.1)"
+        event = f"{events.hunters[seat]} catches {len(times)} in a row"
+        reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
         start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
-        yield _highlight("streak", (len(times),), times[-1], what, why, start_ms=start_ms)
+        yield _highlight("streak", (len(times),), times[-1], event, reason, start_ms=start_ms)
 
 
 def _finish(events: MatchEvents) -> Iterable[Highlight]:
     """Yield the final part of a close match."""
     ranked = sorted(range(len(events.names)), key=lambda contender: -events.scores[contender])[:2]
-    most, second = (events.scores[contender] for contender in (ranked[0], ranked[-1]))
-    difference = most - second
-    if len(ranked) == 1 or most == 0 or difference > CLOSE_CATCHES:
+    best, second = (events.scores[contender] for contender in (ranked[0], ranked[-1]))
+    difference = best - second
+    if len(ranked) == 1 or best == 0 or difference > CLOSE_CATCHES:
         return
-    what = f"{', '.join(f'{events.names[one]} {events.scores[one]}' for one in ranked)} at the end"
+    event = f"{', '.join(f'{events.names[contender]} {events.scores[contender]}' for contender in ranked)} at the end"
     lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
-    why = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
+    reason = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
     start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + _AFTER_MS
-    late = [one.judged_ms for one in events.catches if one.judged_ms >= start_ms and one.contender in ranked]
+    late = [catch.judged_ms for catch in events.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
-    yield _highlight("finish", (difference, most), decisive_ms, what, why, start_ms=start_ms, end_ms=end_ms)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms=start_ms, end_ms=end_ms)
 
 
 def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highlight]:
@@ -282,21 +291,21 @@ def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highligh
         if catch.scores[winner] <= _best_other(catch.scores, winner):
             break
         at_ms = catch.judged_ms
-    what = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
-    mine, theirs = shares[winner], shares[favourite]
-    why = (
-        f"Of its other matches it won {100 * mine:.0f} %, {names[favourite]} {100 * theirs:.0f} %; "
-        "from here on it leads (R6.1)"
+    event = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
+    winners_share, favourites_share = shares[winner], shares[favourite]
+    reason = (
+        f"It won {100 * winners_share:.0f} % of its other matches, and {names[favourite]} "
+        f"{100 * favourites_share:.0f} %; from here on it leads (R6.1)"
     )
-    yield _highlight("upset", (theirs, mine), at_ms, what, why)
+    yield _highlight("upset", (favourites_share, winners_share), at_ms, event, reason)
 
 
 def _highlight(
     kind: Kind,
     numbers: Sequence[float],
     decisive_ms: int,
-    what: str,
-    why: str,
+    event: str,
+    reason: str,
     *,
     start_ms: int | None = None,
     end_ms: int | None = None,
@@ -304,9 +313,9 @@ def _highlight(
     """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
     start_ms = max(0, decisive_ms - _BEFORE_MS) if start_ms is None else start_ms
     end_ms = decisive_ms + _AFTER_MS if end_ms is None else end_ms
-    return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), what, why)
+    return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), event, reason)
 
 
 def _best_other(scores: Sequence[int], contender: int) -> int:
     """Return the best score of all but one contender; -1 if there is no other."""
-    return max((score for other, score in enumerate(scores) if other != contender), default=-1)
+    return max((score for rival, score in enumerate(scores) if rival != contender), default=-1)

@@ -66,13 +66,13 @@ class Explanation:
         summaries of the hunters and prey, with an empty line between these parts.
         """
         prey = self.prey_by_target
-        events = [(one.step, 0, contest_sentence(one, self.names, prey.get(one.target))) for one in self.contests]
+        events = [(fact.step, 0, contest_sentence(fact, self.names, prey.get(fact.target))) for fact in self.contests]
         events += [(run.first_step, 1, refusals_sentence(run, self)) for run in self.refusals]
-        events += [(one.step, 2, capture_sentence(one, self)) for one in self.captures]
+        events += [(fact.step, 2, capture_sentence(fact, self)) for fact in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
             found.append(no_contest_sentence(self))
-        summaries = [*(summary_sentence(one, self.policy) for one in self.records), *map(prey_sentence, self.prey)]
+        summaries = [*(summary_sentence(fact, self.policy) for fact in self.records), *map(prey_sentence, self.prey)]
         return [opening_sentence(self), "", *found, "", *summaries]
 
     def to_dict(self) -> dict[str, Any]:
@@ -155,7 +155,7 @@ def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
     teams = replay.config.teams or ()
     sums = [sum(scores[seat] for seat in seats) for seats in teams]
     return tuple(
-        TeamSummary(team_label(replay, seats), seats, score, 1 + sum(other > score for other in sums))
+        TeamSummary(team_label(replay, seats), seats, score, 1 + sum(rival_score > score for rival_score in sums))
         for seats, score in zip(teams, sums, strict=True)
     )
 
@@ -205,7 +205,7 @@ class _SeenInMatch:
         caught = [(str(ruling.target), ruling.hunter) for ruling in world.rulings if ruling.success]
         names = np.array([target.name for target in world.targets], dtype=object)
         for summary, seen in zip(summaries, self._seen, strict=True):
-            missed = sum(by != summary.seat and name not in seen for name, by in caught)
+            missed = sum(catcher != summary.seat and name not in seen for name, catcher in caught)
             summary.never_seen = (summary.never_seen or 0) + missed
             if not world.hunters[summary.seat].withdrawn:
                 seen.update(names[self._targets.of(world, summary.seat)].tolist())
@@ -231,7 +231,7 @@ def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequ
 
 def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Contest]) -> None:
     """Add to the summaries the numbers of contests won and lost, and the mean margins."""
-    decided = [one for one in contests if one.clause != "R9.1"]  # under R9.1 every claim wins
+    decided = [contest for contest in contests if contest.clause != "R9.1"]  # under R9.1 every claim wins
     for summary in summaries:
         won, lost = [], []
         for contest in decided:

@@ -46,12 +46,12 @@ class Subjects(NamedTuple):
     """Indices of the prey."""
 
 
-def find_subjects(replay: Replay, who: int | str | None) -> Subjects:
+def find_subjects(replay: Replay, name: int | str | None) -> Subjects:
     """Return the hunters and prey that a name means; all of them for None.
 
     Args:
         replay: the recorded match.
-        who: a seat's number, `hunter_{seat}`, `prey_{index}`, or the name of an agent or a team; a name selects all
+        name: a seat's number, `hunter_{seat}`, `prey_{index}`, or the name of an agent or a team; a name selects all
             that have it.
 
     Raises:
@@ -60,26 +60,26 @@ def find_subjects(replay: Replay, who: int | str | None) -> Subjects:
     require_type("replay", replay, Replay, "Replay.load(path)")
     config = replay.config
     seats = tuple(range(config.hunters))
-    if who is None:
+    if name is None:
         return Subjects(seats, tuple(range(config.prey)))
-    if str(who) in map(str, seats):
-        return Subjects((int(who),), ())
-    if not isinstance(who, str) or who.isdecimal():
-        raise ConfigError(f"hunter must be a seat from 0 to {seats[-1]}, got {who!r}")
+    if str(name) in map(str, seats):
+        return Subjects((int(name),), ())
+    if not isinstance(name, str) or name.isdecimal():
+        raise ConfigError(f"hunter must be a seat from 0 to {seats[-1]}, got {name!r}")
     teams = {team_label(replay, members): members for members in config.teams or ()}
-    if who in teams:
-        return Subjects(teams[who], ())
+    if name in teams:
+        return Subjects(teams[name], ())
     # agents' names come first, since an agent may be called hunter_1 in another seat
     for hunters, prey in (replay.hunter_names, replay.prey_names), (config.hunter_names, config.prey_names):
-        found = Subjects(_called(hunters, who), _called(prey, who))
+        found = Subjects(_called(hunters, name), _called(prey, name))
         if any(found):
             return found
     known = {*replay.hunter_names, *replay.prey_names, *config.hunter_names, *config.prey_names, *teams}
-    raise ConfigError(f"unknown hunter {who!r}: {suggest(who, known)}")
+    raise ConfigError(f"unknown hunter {name!r}: {suggest(name, known)}")
 
 
-def _called(names: Sequence[str], who: str) -> tuple[int, ...]:
-    return tuple(index for index, name in enumerate(names) if name == who)
+def _called(names: Sequence[str], wanted: str) -> tuple[int, ...]:
+    return tuple(index for index, name in enumerate(names) if name == wanted)
 
 
 def find_seat(replay: Replay, hunter: int | str) -> int:
@@ -90,7 +90,9 @@ def find_seat(replay: Replay, hunter: int | str) -> int:
     """
     seats, _ = find_subjects(replay, hunter)
     if not seats:
-        raise ConfigError(f"hunter must be no prey, which has no view to draw, got {hunter!r}")
+        raise ConfigError(f"hunter must be a hunter, since prey has no view to draw, got {hunter!r}")
     if len(seats) > 1:
-        raise ConfigError(f"hunter must be one of the seats {', '.join(map(str, seats))}: {hunter!r} means all of them")
+        raise ConfigError(
+            f"hunter must be one of the seats {', '.join(map(str, seats))}: {hunter!r} is the name of all of them"
+        )
     return seats[0]

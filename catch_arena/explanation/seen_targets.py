@@ -69,8 +69,8 @@ class SeenTargets:
         me = world.hunters[seat]
         sine, cosine = sincos(me.theta)
 
-        def order(other: int) -> tuple[float, ...]:
-            rival = world.hunters[other]
+        def order(rival_seat: int) -> tuple[float, ...]:
+            rival = world.hunters[rival_seat]
             dx, dy = rival.x - me.x, rival.y - me.y
             its_sine, its_cosine = sincos(rival.theta)
             return (
@@ -82,13 +82,13 @@ class SeenTargets:
                 -rival.linear_velocity,
                 -rival.score,
                 rival.team != me.team,
-                other,
+                rival_seat,
             )
 
         seen = (
-            other
-            for other, rival in enumerate(world.hunters)
-            if other != seat
+            rival_seat
+            for rival_seat, rival in enumerate(world.hunters)
+            if rival_seat != seat
             and not rival.withdrawn
             and is_seen(rival.x - me.x, rival.y - me.y, sine, cosine, self._reach_limits_m2[seat], self._settings)
         )
@@ -106,4 +106,4 @@ class SeenTargets:
             # a target within the radius can only be outside the cone
             outside = not too_far or abs(math.degrees(off)) > config.view_angle_deg / 2.0
             found.append(Unseen(target.name, um, abs(math.degrees(off)), too_far, outside))
-        return sorted(found, key=lambda one: one.distance_um)
+        return sorted(found, key=lambda target: target.distance_um)

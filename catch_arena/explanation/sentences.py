@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from catch_arena.explanation.match_summary import Explanation
     from catch_arena.explanation.step_explanation import StepExplanation
 
-_EMPTY_RANK: Final = "a rank that no target in its view has"
+_EMPTY_RANK: Final = "a rank without a target in its view"
 _LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
 _MOST_UNSEEN: Final = 3
 
@@ -48,10 +48,10 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
         prey: the label of the prey that played the target; None if no prey did.
     """
     winner, *losers = contest.claims
-    asked = _listed(names[claim.seat] for claim in contest.claims)
-    asked = f"At {seconds(contest.judged_ms)} (step {contest.step}) {asked} asked for {_called(contest.target, prey)}"
+    intro = _listed(names[claim.seat] for claim in contest.claims)
+    intro = f"At {seconds(contest.judged_ms)} (step {contest.step}) {intro} asked for {_called(contest.target, prey)}"
     if contest.clause == "R9.1":
-        return f"{asked}: the capstone's service says yes to each of them, GRANTED (R9.1)."
+        return f"{intro}: the capstone's service grants each of them, GRANTED (R9.1)."
     places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
     places += [f"{names[claim.seat]} {metres(claim.distance_um)}, {_compared(claim, winner)}" for claim in losers]
     outcome = (
@@ -62,7 +62,7 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
     lost = (
         f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     )
-    sentence = f"{asked}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}"
+    sentence = f"{intro}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}"
     return f"{sentence}{_lost_to_mate(losers, names)}."
 
 
@@ -70,15 +70,15 @@ def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
     mates = [names[claim.seat] for claim in losers if claim.mate]
     if not mates:
         return ""
-    who = "it" if len(losers) == 1 else _listed(mates)
-    return f": {who} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
+    subject = "it" if len(losers) == 1 else _listed(mates)
+    return f": {subject} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
 
 
 def no_contest_sentence(match: "Explanation") -> str:
     """Return the sentence for no contest: in the match, or of the hunters and prey that the explanation is about."""
     if len(match.records) == len(match.names):
         return "No contest: in no step could two hunters have caught the same target."
-    sides = (("of", [one.name for one in match.records]), ("over", [one.name for one in match.prey]))
+    sides = (("of", [summary.name for summary in match.records]), ("over", [summary.name for summary in match.prey]))
     return f"No contest {' or '.join(f'{side} {_listed(called)}' for side, called in sides if called)}."
 
 
@@ -94,7 +94,7 @@ def _decision(contest: Contest, names: Sequence[str]) -> str:
 def _compared(claim: Claim, winner: Claim) -> str:
     more = (claim.distance_um or 0) - (winner.distance_um or 0)
     if more == 0:
-        return "just as far"
+        return "the same distance"
     return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
 
 
@@ -102,17 +102,17 @@ def refusals_sentence(run: Refusals, match: "Explanation") -> str:
     """Return one run of refusals in words: times, hunter, target and reason."""
     name, reach_um, prey = match.names[run.seat], match.reaches_um[run.seat], match.prey_by_target.get(run.target or "")
     if run.times == 1:
-        when, often = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
+        when, request_phrase = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
     else:
         when = f"From {seconds(run.first_ms)} to {seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
-        often = f"asked {run.times} times"
+        request_phrase = f"asked {run.times} times"
     farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
     place = f"{_from(run.nearest_um)}{farthest}"
     if run.by_name:
         target = name_in_words(run.target)
     else:
         target = _EMPTY_RANK if run.target is None else _called(run.target, prey)
-    return f"{when} {name} {often} for {_answered(target, place, run.verdict, reach_um)}."
+    return f"{when} {name} {request_phrase} for {_answered(target, place, run.verdict, reach_um)}."
 
 
 def _called(target: str, prey: str | None) -> str:
@@ -129,14 +129,15 @@ def _answered(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
     return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
 
 
-def capture_sentence(one: Capture, match: "Explanation") -> str:
+def capture_sentence(capture: Capture, match: "Explanation") -> str:
     """Return one capture of prey in words: the hunter, the distance, and the time of the return."""
     after = "; it did not return"
-    if one.returned_ms is not None:
-        after = f"; it returned at {seconds(one.returned_ms)} as {one.returned_as}"
-    who = f"{match.names[one.seat]} caught {match.prey_names[one.prey]}, {one.target},{_from(one.distance_um)}"
-    when = f"At {seconds(one.judged_ms)} (step {one.step})"
-    return f"{when} {who} after {seconds(one.in_play_ms)} in play{after} (R12.3)."
+    if capture.returned_ms is not None:
+        after = f"; it returned at {seconds(capture.returned_ms)} as {capture.returned_as}"
+    hunter, prey = match.names[capture.seat], match.prey_names[capture.prey]
+    event = f"{hunter} caught {prey}, {capture.target},{_from(capture.distance_um)}"
+    when = f"At {seconds(capture.judged_ms)} (step {capture.step})"
+    return f"{when} {event} after {seconds(capture.in_play_ms)} in play{after} (R12.3)."
 
 
 def prey_sentence(summary: PreySummary) -> str:
@@ -157,12 +158,12 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
     """Return the summary of one hunter in words."""
     parts = [_counted(summary.catches, "catch", "catches")]
     if policy != "capstone":  # under capstone no hunter loses
-        for count, what, by in (
+        for count, outcome, margin_um in (
             (summary.contests_won, "won", summary.won_by_um),
             (summary.contests_lost, "lost", summary.lost_by_um),
         ):
-            average = "" if by is None or policy != "nearest" else f", by {exact_length(by)} on average"
-            parts.append(f"{_counted(count, 'contest')} {what}{average}")
+            average = "" if margin_um is None or policy != "nearest" else f", by {exact_length(margin_um)} on average"
+            parts.append(f"{_counted(count, 'contest')} {outcome}{average}")
         if summary.contests_lost_to_mates:
             parts[-1] += f", {summary.contests_lost_to_mates} of them to its own team-mates (R11.3)"
     if summary.refused:
@@ -173,73 +174,75 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
     if summary.never_seen:
         parts.append(f"{_counted(summary.never_seen, 'target')} that it never had in sight caught by others (R7.5)")
     if summary.withdrawn_ms is not None:
-        how = "dropped out at {} (R1.7)" if summary.dropped_out else "withdrawn at {} (R1.6)"
-        parts.append(how.format(seconds(summary.withdrawn_ms)))
+        departure = "dropped out at {} (R1.7)" if summary.dropped_out else "withdrawn at {} (R1.6)"
+        parts.append(departure.format(seconds(summary.withdrawn_ms)))
     return f"{with_seat(summary.name, summary.seat)}: {'; '.join(parts)}."
 
 
-def action_sentences(one: HunterAction, step: "StepExplanation") -> str:
+def action_sentences(hunter: HunterAction, step: "StepExplanation") -> str:
     """Return one hunter's action in a step in words, with its requests and the targets out of its sight."""
-    chosen = f" ({one.chosen})" if one.chosen else ""
-    said = [f"{with_seat(step.names[one.seat], one.seat)}, {one.control} control: {one.action}{chosen}."]
-    if one.out is not None:
-        said.append(f"{_LEFT[one.out]}.")
-    said.append(_requested(one, step))
-    if one.unseen:
-        said.append(_sight(one, step))
-    return " ".join(said)
+    chosen = f" ({hunter.chosen})" if hunter.chosen else ""
+    sentences = [
+        f"{with_seat(step.names[hunter.seat], hunter.seat)}, {hunter.control} control: {hunter.action}{chosen}."
+    ]
+    if hunter.out is not None:
+        sentences.append(f"{_LEFT[hunter.out]}.")
+    sentences.append(_requested(hunter, step))
+    if hunter.unseen:
+        sentences.append(_sight(hunter, step))
+    return " ".join(sentences)
 
 
-def prey_action_sentences(one: PreyAction, names: Sequence[str]) -> str:
+def prey_action_sentences(prey: PreyAction, names: Sequence[str]) -> str:
     """Return one prey's action in a step in words, with its capture and return."""
-    if one.withdrawn:
+    if prey.withdrawn:
         parts = ["withdrawn (R12.5)."]
-    elif one.target is None:
+    elif prey.target is None:
         parts = ["out (R12.3)."]
     else:
-        parts = [f"{one.action}, as {one.target}."]
-    if one.caught_by is not None:
-        parts.append(f"It was caught by {names[one.caught_by]} (R12.3).")
-    if one.returned_as is not None:
-        parts.append(f"It returned as {one.returned_as}.")
-    return f"{one.name}: {' '.join(parts)}"
+        parts = [f"{prey.action}, as {prey.target}."]
+    if prey.caught_by is not None:
+        parts.append(f"It was caught by {names[prey.caught_by]} (R12.3).")
+    if prey.returned_as is not None:
+        parts.append(f"It returned as {prey.returned_as}.")
+    return f"{prey.name}: {' '.join(parts)}"
 
 
-def _requested(one: HunterAction, step: "StepExplanation") -> str:
-    parts, reach_um = [], step.reaches_um[one.seat]
-    if (ruling := one.ruling) is not None:
+def _requested(hunter: HunterAction, step: "StepExplanation") -> str:
+    parts, reach_um = [], step.reaches_um[hunter.seat]
+    if (ruling := hunter.ruling) is not None:
         winner = ""
         if ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
-            mate = ", its own team-mate (R11.3)" if one.mate else ""
+            mate = ", its own team-mate (R11.3)" if hunter.mate else ""
             winner = f"; the winner is {step.names[ruling.winner]}{mate}"
         target = _EMPTY_RANK if ruling.target is None else str(ruling.target)
         parts.append(f"{_answered(target, _from(ruling.distance_um), ruling.verdict, reach_um)}{winner}")
-    for other in one.by_name:
-        name = name_in_words(None if other.target is None else str(other.target))
-        parts.append(_answered(name, _from(other.distance_um), other.verdict, reach_um))
+    for ruling_by_name in hunter.by_name:
+        name = name_in_words(None if ruling_by_name.target is None else str(ruling_by_name.target))
+        parts.append(_answered(name, _from(ruling_by_name.distance_um), ruling_by_name.verdict, reach_um))
     return f"It requested {'; then '.join(parts) or 'nothing'}."
 
 
-def _sight(one: HunterAction, step: "StepExplanation") -> str:
+def _sight(hunter: HunterAction, step: "StepExplanation") -> str:
     """Return the targets out of a hunter's sight in words, the nearest first, with the reasons."""
     limits = []
     if step.view_radius_m is not None:
         limits.append(f"nearer than {step.view_radius_m:g} m")
     if step.view_angle_deg < 360.0:
         limits.append(f"at most {step.view_angle_deg / 2.0:g} degrees off its heading")
-    shown = [_out_of_sight(target) for target in one.unseen[:_MOST_UNSEEN]]
-    if more := len(one.unseen) - len(shown):
+    shown = [_out_of_sight(target) for target in hunter.unseen[:_MOST_UNSEEN]]
+    if more := len(hunter.unseen) - len(shown):
         shown.append(f"{more} more")
-    saw = f"{one.seen} of {_counted(one.seen + len(one.unseen), 'target')}"
-    return f"It sees what is {_listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
+    saw = f"{hunter.seen} of {_counted(hunter.seen + len(hunter.unseen), 'target')}"
+    return f"It sees targets that are {_listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
 
 
-def _out_of_sight(one: Unseen) -> str:
-    why = ["too far"] if one.too_far else []
-    if one.outside_cone:
-        side = "behind it" if one.off_heading_deg > 90.0 else "to its side"
-        why.append(f"{side}, {one.off_heading_deg:.1f} degrees off its heading")
-    return f"{one.target}, {metres(one.distance_um)} away, {' and '.join(why)}"
+def _out_of_sight(target: Unseen) -> str:
+    why = ["too far"] if target.too_far else []
+    if target.outside_cone:
+        side = "to its rear" if target.off_heading_deg > 90.0 else "to its side"
+        why.append(f"{side}, {target.off_heading_deg:.1f} degrees off its heading")
+    return f"{target.target}, {metres(target.distance_um)} away, {' and '.join(why)}"
 
 
 def distances_sentence(target: str, step: "StepExplanation") -> str:
@@ -250,15 +253,15 @@ def distances_sentence(target: str, step: "StepExplanation") -> str:
     )
     distances = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
     prey = step.prey_by_target.get(target)
-    player = f", which {prey} plays" if prey is not None else ""
+    player = f", played by {prey}" if prey is not None else ""
     return f"Distances to {target}{player}: {distances}."
 
 
 def _listed(words: Iterable[str]) -> str:
     """Return words as a list, such as «a, b and c»."""
-    *most, last = words
-    return f"{', '.join(most)} and {last}" if most else last
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
 
 
-def _counted(count: int, one: str, many: str | None = None) -> str:
-    return f"{count} {one if count == 1 else many or one + 's'}"
+def _counted(count: int, singular: str, plural: str | None = None) -> str:
+    return f"{count} {singular if count == 1 else plural or singular + 's'}"

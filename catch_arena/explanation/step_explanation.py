@@ -57,10 +57,10 @@ class StepExplanation:
         begin, end, prey = seconds(self.begin_ms), seconds(self.end_ms), self.prey_by_target
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
-            *(action_sentences(one, self) for one in self.hunters),
-            *(prey_action_sentences(one, self.names) for one in self.prey),
+            *(action_sentences(fact, self) for fact in self.hunters),
+            *(prey_action_sentences(fact, self.names) for fact in self.prey),
             *(distances_sentence(target, self) for target in self.distances_um),
-            *(contest_sentence(one, self.names, prey.get(one.target)) for one in self.contests),
+            *(contest_sentence(fact, self.names, prey.get(fact.target)) for fact in self.contests),
         ]
 
     def to_dict(self) -> dict[str, Any]:
@@ -87,7 +87,9 @@ def step_at(replay: Replay, at_s: float) -> int:
     step = round(1000 * time_s) // period_ms + 1 if math.isfinite(time_s) else 0
     if not 1 <= step <= replay.steps:
         last = f"to {seconds((replay.steps - 1) * period_ms)}, when the last step is judged"
-        raise ConfigError(f"at must be from 0 {last if replay.steps else 'on, and in a step'}, got {time_s:g} s")
+        raise ConfigError(
+            f"at must be from 0 {last if replay.steps else 'on, but the match has no steps'}, got {time_s:g} s"
+        )
     return step
 
 
@@ -106,10 +108,10 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     require_type("replay", replay, Replay, "Replay.load(path)")
     number = whole_number(step)
     if number is None:
-        raise ConfigError(f"step must be a whole number, as of step_at(replay, at_s), got {step!r}")
+        raise ConfigError(f"step must be a whole number, such as step_at(replay, at_s) returns, got {step!r}")
     step = number
     if not 1 <= step <= replay.steps:
-        has = f"from 1 to {replay.steps}" if replay.steps else "one of the match, which has none"
+        has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
         raise ConfigError(f"step must be {has}, got {step}")
     seats, prey_indices = find_subjects(replay, hunter)
     before, after = islice(replay.worlds(), step - 1, step + 1)
@@ -120,11 +122,13 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         _hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat), by_name) for seat in seats
     )
     prey = tuple(_prey_action(replay, before, after, index) for index in prey_indices)
-    played = {one.target for one in prey if one.target is not None}
-    chosen = {one.chosen for one in hunters}
-    asked = {ruling.target for one in hunters for ruling in (one.ruling, *one.by_name) if ruling is not None}
-    named = {target.name for target in before.targets if target.name in played | chosen | asked}
-    unseen = [{one.target for one in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
+    played = {action.target for action in prey if action.target is not None}
+    chosen = {action.chosen for action in hunters}
+    requested = {
+        ruling.target for action in hunters for ruling in (action.ruling, *action.by_name) if ruling is not None
+    }
+    named = {target.name for target in before.targets if target.name in played | chosen | requested}
+    unseen = [{hidden.target for hidden in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
         step=step,
         begin_ms=before.time_ms,
@@ -133,9 +137,9 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         hunters=hunters,
         prey=prey,
         prey_by_target={
-            one.target: name
-            for one, name in zip(before.prey, prey_labels(replay), strict=True)
-            if one.target is not None
+            state.target: name
+            for state, name in zip(before.prey, prey_labels(replay), strict=True)
+            if state.target is not None
         },
         distances_um={
             target.name: tuple(int(measure_um(target.x - hunter.x, target.y - hunter.y)) for hunter in before.hunters)
@@ -198,5 +202,5 @@ def _hunter_action(
         out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,
-        by_name=tuple(one for one in by_name if one.hunter == seat),
+        by_name=tuple(ruling_by_name for ruling_by_name in by_name if ruling_by_name.hunter == seat),
     )

@@ -77,7 +77,7 @@ class MatchWindow:
         self._helped = seat is None
         self._speed = SPEEDS.index(1.0)
         self._note, self._note_until_s = "", 0.0
-        self.notify("H shows the keys")
+        self.notify("H: show the keys")
 
     @property
     def replay(self) -> Replay:
@@ -125,7 +125,7 @@ class MatchWindow:
         self._steps = 0
         self._paused = self._helping = False
         while not self._helped:
-            self._draw(motion, 0.0, self._keys_overlay("any key begins"))
+            self._draw(motion, 0.0, self._keys_overlay("press any key to begin"))
             for event in self._events():
                 if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
                     self._helped = True
@@ -150,7 +150,7 @@ class MatchWindow:
     def show_result(self, result: MatchResult) -> None:
         """Show the winner until the user quits or restarts, unless the user has quit; the panel has the standings."""
         title = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
-        card = overlays.card_overlay(self._area, title, (), "R: again    Ctrl-S: save    Esc: end")
+        card = overlays.card_overlay(self._area, title, (), "R: restart    Ctrl-S: save    Esc: quit")
         with suppress(MatchStopped):
             while not self._stopped:
                 self._draw(self._motions[-1], self._last.time_ms, [*card, *self._note_shapes()])
@@ -195,7 +195,7 @@ class MatchWindow:
         """Switch to the next view: the person's own first, then those of the other hunters, then none."""
         hunters = self._info.config.hunters
         if not self._info.config.limits_views:
-            self.notify("hunters see everything here")
+            self.notify("all hunters see the whole arena")
             return
         first = self._seat if self._seat is not None and self._seat < hunters else 0
         if self._view_of is None:
@@ -204,7 +204,7 @@ class MatchWindow:
             following = (self._view_of + 1) % hunters
             self._view_of = None if following == first else following
         self._renderer.view_of = self._view_of
-        self.notify("nobody's view" if self._view_of is None else f"what {self._info.names[self._view_of]} sees")
+        self.notify("no hunter's view" if self._view_of is None else f"the view of {self._info.names[self._view_of]}")
 
     def _save_replay(self) -> None:
         try:
@@ -220,9 +220,9 @@ class MatchWindow:
     def _overlays(self, motion: StepMotion, time_ms: float) -> list[Shape]:
         shapes = self._pointer(motion, time_ms)
         if self._helping:
-            return shapes + self._keys_overlay("H goes on")
+            return shapes + self._keys_overlay("H: continue")
         if self._paused:
-            return shapes + overlays.note_overlay(self._area, "paused    space: go on    N: one step    H: keys")
+            return shapes + overlays.note_overlay(self._area, "paused    space: continue    N: one step    H: keys")
         return shapes + (self._note_shapes() or self._out_shapes())
 
     def _out_shapes(self) -> list[Shape]:
@@ -244,7 +244,7 @@ class MatchWindow:
             place = poses.hunters[self._seat]
         else:
             name = self._info.config.prey_names[self._seat - self._info.config.hunters]
-            target = next((one for one in motion.after.targets if one.prey == name), None)
+            target = next((state for state in motion.after.targets if state.prey == name), None)
             if target is None:
                 return []
             place, since_ms = poses.targets[target.number], target.spawned_ms
@@ -265,7 +265,7 @@ class MatchWindow:
         return self._renderer.arena.width, self._renderer.arena.height
 
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
-        width, height = (min(max(SMALLEST, part), most) for part, most in zip(size, LARGEST, strict=True))
+        width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))
         self._drawn_for = size
         renderer = MatchRenderer(self._info, (width, height), "broadcast", self._seed)
         renderer.view_of = self._view_of

@@ -16,18 +16,18 @@ DRIVING: Final = (
     (("up", "W"), "ahead"),
     (("left", "A"), "turn left"),
     (("right", "D"), "turn right"),
-    (("down", "S"), "back, where hunters may"),
-    (("gamepad",), "the stick drives too"),
+    (("down", "S"), "back, if hunters may reverse"),
+    (("gamepad",), "the stick also drives"),
 )
 WINDOW: Final = (
-    (("space", "P"), "pause, and go on"),
-    (("N", "."), "one step, while it is paused"),
+    (("space", "P"), "pause, continue"),
+    (("N", "."), "one step, while paused"),
     (("+", "-"), "faster, slower"),
-    (("V",), "what a hunter sees; the next"),
-    (("R",), "the same match again"),
+    (("V",), "view of a hunter; next hunter"),
+    (("R",), "restart the match"),
     (("Ctrl-S",), "save the replay"),
-    (("H",), "these keys"),
-    (("Esc",), "end"),
+    (("H",), "show these keys"),
+    (("Esc",), "quit"),
 )
 _YOU: Final = "you"
 
@@ -42,9 +42,9 @@ def card_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> l
     pad = 1.6 * size
     line = min(2.0 * size, (height - 4.0 - 2.0 * pad - 2.4 * big) / (len(rows) + 1.2))
     keys = max((sum(_key_width(key, size) + 0.4 * size for key in row[0]) for row in rows), default=0.0)
-    words = max((keys + 2.0 * size + text_width(row[1], size, 500) for row in rows), default=0.0)
-    words = max(words, text_width(title, big, 800), text_width(below, size, 500))
-    wide = min(width - 4.0, words + 2.0 * pad)
+    text_right = max((keys + 2.0 * size + text_width(row[1], size, 500) for row in rows), default=0.0)
+    text_right = max(text_right, text_width(title, big, 800), text_width(below, size, 500))
+    wide = min(width - 4.0, text_right + 2.0 * pad)
     high = len(rows) * line + 2.0 * pad + 2.4 * big + 1.2 * line
     left, top = (width - wide) / 2.0, max(2.0, (height - high) / 2.0)
     shapes: list[Shape] = [

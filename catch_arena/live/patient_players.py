@@ -35,7 +35,7 @@ class PatientPlayers(Players):
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
         """Return the answers of seats to their observations; call `wait` while they think."""
         answers: Future[dict[int, Answer]] = Future()
-        thread = Thread(target=self._ask, args=(observations, answers))
+        thread = Thread(target=self._act, args=(observations, answers))
         thread.start()
         thread.join(_AT_ONCE_S)
         try:
@@ -55,7 +55,7 @@ class PatientPlayers(Players):
         """Return the texts that agents have printed, by seat."""
         return self._players.logs()
 
-    def _ask(self, observations: Mapping[int, Observation], answers: "Future[dict[int, Answer]]") -> None:
+    def _act(self, observations: Mapping[int, Observation], answers: "Future[dict[int, Answer]]") -> None:
         try:
             answers.set_result(self._players.act(observations))
         except BaseException as error:  # noqa: BLE001 - reading the answers raises it

@@ -111,7 +111,9 @@ def show_match(
                         title=title,
                         record=BytesIO(),  # a recorded match can be saved at any time
                         watch=window,
-                        on_forfeit=lambda seat, forfeit: window.notify(f"{lineup.names[seat]} is out: {forfeit}"),
+                        on_forfeit=lambda seat, forfeit: window.notify(
+                            f"{lineup.names[seat]} has forfeited: {forfeit}"
+                        ),
                     )
                     window.show_result(result)
                     names = tuple(info.called(seats[0]) for seats in Parties.of(config).seats)

@@ -103,16 +103,16 @@ class InputState:
         """Return the next step's command, linear and angular in [-1, 1]; a key that was tapped counts for one step."""
         down = self._held | self._tapped
         self._tapped = set()
-        ahead = _sign(bool(down & _AHEAD) or self._go or self._hat[1] > 0, bool(down & _BACK) or self._hat[1] < 0)
+        forward = _sign(bool(down & _AHEAD) or self._go or self._hat[1] > 0, bool(down & _BACK) or self._hat[1] < 0)
         turn = _sign(bool(down & _LEFT) or self._hat[0] < 0, bool(down & _RIGHT) or self._hat[0] > 0)
         self._steps = self._steps + 1 if turn and turn == self._turned else 0
         self._turned = turn
-        linear, angular = float(ahead), turn * _TURNS[min(self._steps, len(_TURNS) - 1)]
+        linear, angular = float(forward), turn * _TURNS[min(self._steps, len(_TURNS) - 1)]
         return linear or _beyond(-self._stick[1]), angular or _beyond(-self._stick[0])
 
 
-def _sign(one: bool, other: bool) -> int:
-    return int(one) - int(other)
+def _sign(positive: bool, negative: bool) -> int:
+    return int(positive) - int(negative)
 
 
 def _beyond(value: float) -> float:

@@ -70,7 +70,9 @@ def encode_bundle(replay: Replay) -> bytes:
             if hunter.withdrawn:
                 left.setdefault(seat, state - 1)  # R1.7: it dropped out before this step
         # requests are judged on the state before (R1.4), which has their targets
-        rulings += [[state - 1, one.hunter, one.verdict.name, numbers.get(one.target)] for one in world.rulings]
+        rulings += [
+            [state - 1, ruling.hunter, ruling.verdict.name, numbers.get(ruling.target)] for ruling in world.rulings
+        ]
         contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
         _follow(state, world, targets, numbers)
         for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):

@@ -15,7 +15,7 @@ _MODULE: Final = re.compile(r"^(import [^;]*;\n|export )", re.MULTILINE)
 """Pattern of the statements that make a file a module, as checkers and tests need; in a page all are one script."""
 _EVERY: Final = 2
 """Step between the points that are kept of a turtle's outline."""
-_FALLBACK: Final = "This replay plays where scripts may run."
+_FALLBACK: Final = "Allow scripts to see this replay."
 
 
 def player_html(replay: Replay) -> str:

@@ -44,7 +44,7 @@ class Rival(NamedTuple):
 
     seat: int
     distance_um: int
-    asked: bool
+    requested: bool
     """True if it requested the same target in the same step and lost the contest."""
 
 
@@ -91,16 +91,16 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
             continue  # it is drawn as out, and may go on requesting in every step (R1.7)
         position = targets.get(str(ruling.target))
         x, y = position or (hunter.x, hunter.y)
-        where = (before.time_ms, ruling.hunter, x, y)
+        origin = (before.time_ms, ruling.hunter, x, y)
         if ruling.verdict is Verdict.GRANTED:
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
             prey = played.get(str(ruling.target))
-            annotations.append(Annotation("catch", *where, "+1", rivals, ruling.distance_um, prey))
+            annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
-            annotations.append(Annotation("lost", *where, "by lot" if by_lot else margin_text(behind)))
+            annotations.append(Annotation("lost", *origin, "by lot" if by_lot else margin_text(behind)))
         else:
-            annotations.append(Annotation("refused", *where, SHORT_REASONS[ruling.verdict]))
+            annotations.append(Annotation("refused", *origin, SHORT_REASONS[ruling.verdict]))
     return tuple(annotations)
 
 
@@ -110,12 +110,12 @@ def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, position: tup
         for ruling in rulings
         if ruling.verdict is Verdict.LOST_CONTEST and ruling.target == won.target
     }
-    rivals = [Rival(seat, distance, asked=True) for seat, distance in lost.items()]
+    rivals = [Rival(seat, distance, requested=True) for seat, distance in lost.items()]
     for seat, hunter in enumerate(before.hunters):
         distance = round(1e6 * float(np.hypot(hunter.x - position[0], hunter.y - position[1])))
         if seat != won.hunter and seat not in lost and distance < NEAR_UM and not hunter.withdrawn:
-            rivals.append(Rival(seat, distance, asked=False))
-    return tuple(sorted(rivals, key=lambda rival: (not rival.asked, rival.distance_um, rival.seat)))
+            rivals.append(Rival(seat, distance, requested=False))
+    return tuple(sorted(rivals, key=lambda rival: (not rival.requested, rival.distance_um, rival.seat)))
 
 
 def margin_text(behind_um: int) -> str:
@@ -141,13 +141,13 @@ def annotation_shapes(
         part = (time_ms - annotation.time_ms) / annotation.visible_ms
         lines: list[tuple[int, float]] = []  # seat and relative width
         if annotation.rivals:
-            near = [(rival.seat, 0.8 if rival.asked else 0.35) for rival in annotation.rivals]
+            near = [(rival.seat, 0.8 if rival.requested else 0.35) for rival in annotation.rivals]
             lines = [(annotation.seat, 1.0), *near]
         elif annotation.kind == "lost":
             lines = [(annotation.seat, 0.8)]
         x, y = viewport.to_pixels(annotation.x, annotation.y)
-        for seat, much in lines:  # they become thinner, since strokes are opaque
-            width = max(0.8, 0.08 * viewport.hunter_length * much * (1.0 - part))
+        for seat, thickness in lines:  # they become thinner, since strokes are opaque
+            width = max(0.8, 0.08 * viewport.hunter_length * thickness * (1.0 - part))
             color = mix(info.color(seat), GROUND, 0.8 * part)
             shapes.append(Stroke(*viewport.to_pixels(*poses[seat][:2]), x, y, width, color))
         if annotation.kind == "catch":
@@ -218,7 +218,9 @@ def _text_shapes(
 
     Texts stay inside the picture. A text that would cover another one is moved on, farther for a larger overlap.
     """
-    taken = [_TextBox(one.x, one.y, 0.32 * len(one.text) * one.size, 0.45 * one.size) for one in numbers]
+    taken = [
+        _TextBox(number.x, number.y, 0.32 * len(number.text) * number.size, 0.45 * number.size) for number in numbers
+    ]
     length = viewport.hunter_length
     briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
     shapes: list[Shape] = []

@@ -37,8 +37,8 @@ class BlurredView:
             for rank, name in enumerate(self._seen.ranked(world, seat), start=1)
         ]
         return found + [
-            Belief(*self._place(world, seat, observation, f"rival_{rank}"), rival=other)
-            for rank, other in enumerate(self._seen.ranked_rivals(world, seat), start=1)
+            Belief(*self._place(world, seat, observation, f"rival_{rank}"), rival=rival_seat)
+            for rank, rival_seat in enumerate(self._seen.ranked_rivals(world, seat), start=1)
         ]
 
     def _place(self, world: World, seat: int, observation: NDArray[np.float32], seen: str) -> tuple[float, float]:

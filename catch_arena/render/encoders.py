@@ -93,8 +93,8 @@ def format_of(path: Path) -> Format:
     """
     found = FORMATS.get(path.suffix.lower())
     if found is None:
-        *others, last = FORMATS
-        raise ConfigError(f"path must end in {', '.join(others)} or {last}, got {str(path)!r}")
+        *endings, last = FORMATS
+        raise ConfigError(f"path must end in {', '.join(endings)} or {last}, got {str(path)!r}")
     return found
 
 

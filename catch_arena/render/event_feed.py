@@ -32,26 +32,28 @@ class FeedItem:
     contest: bool = False
     times: int = 1
 
-    def repeated_by(self, other: "FeedItem") -> bool:
+    def repeated_by(self, later: "FeedItem") -> bool:
         """True if `other` is another refusal of the same hunter for the same reason."""
-        return self.other is None and (self.seat, self.text, self.other) == (other.seat, other.text, other.other)
+        return self.other is None and (self.seat, self.text, self.other) == (later.seat, later.text, later.other)
 
 
 def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
     """Return the items of annotations: refusals, catches of prey, and catches with a rival near."""
     items = []
-    for one in annotations:
-        if one.kind == "refused":
-            items.append(FeedItem(one.time_ms, one.seat, one.text))
-        if one.rivals and one.distance_um is not None:
-            rival = one.rivals[0]
-            behind = rival.distance_um - one.distance_um
-            how = f"by {short_length(behind)}" if behind > 0 else "by lot"
-            if rival.asked or behind > 0:
-                text = "beat" if rival.asked else "ahead of"
-                items.append(FeedItem(one.time_ms, one.seat, text, rival.seat, how, contest=rival.asked))
-        if one.prey is not None:
-            items.append(FeedItem(one.time_ms, one.seat, "caught", one.prey, contest=True))
+    for annotation in annotations:
+        if annotation.kind == "refused":
+            items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
+        if annotation.rivals and annotation.distance_um is not None:
+            rival = annotation.rivals[0]
+            behind = rival.distance_um - annotation.distance_um
+            margin = f"by {short_length(behind)}" if behind > 0 else "by lot"
+            if rival.requested or behind > 0:
+                text = "beat" if rival.requested else "ahead of"
+                items.append(
+                    FeedItem(annotation.time_ms, annotation.seat, text, rival.seat, margin, contest=rival.requested)
+                )
+        if annotation.prey is not None:
+            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", annotation.prey, contest=True))
     return items
 
 
@@ -65,9 +67,9 @@ class EventFeed:
         """Add the items of the latest annotations."""
         for item in feed_items(annotations):
             same = [old for old in self.items if old.repeated_by(item)]
-            others = tuple(old for old in self.items if old not in same)
+            different = tuple(old for old in self.items if old not in same)
             times = item.times + sum(old.times for old in same)
-            self.items = (replace(item, times=times), *others)[:MOST_ITEMS]
+            self.items = (replace(item, times=times), *different)[:MOST_ITEMS]
 
 
 def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: float) -> list[Shape]:

@@ -66,7 +66,7 @@ def render_highlights(
         ReplayError: if a match does not play as recorded.
     """
     if not highlights:
-        raise ConfigError("clips must be one at least, got none")
+        raise ConfigError("highlights must have at least one entry, got none")
     kind = format_of(Path(path))
     fps, within = frame_rate(kind, fps), frame_size(kind, size)
     frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)
@@ -92,11 +92,11 @@ def _pictures(highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int]
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
         times = slow_motion(highlight, fps)
         pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
-        where = f"{Path(path).stem}   {number} of {len(highlights)}"
+        origin = f"{Path(path).stem}   {number} of {len(highlights)}"
         for done, (pixels, (_, slow)) in enumerate(zip(pictures, times, strict=True)):
             frame.pixels[: height - below] = pixels
             frame.clear(caption, hud.CARD)
-            frame.draw(caption_shapes(caption, highlight, where, slow=slow))
+            frame.draw(caption_shapes(caption, highlight, origin, slow=slow))
             seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
             yield (
                 frame.pixels
@@ -105,7 +105,7 @@ def _pictures(highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int]
             )
 
 
-def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bool) -> list[Shape]:
+def caption_shapes(area: hud.Rect, highlight: Highlight, origin: str, *, slow: bool) -> list[Shape]:
     """Return the shapes of a caption: the event, its reason, the match, and a note of slow motion."""
     unit = area.height / 94.0
     pad = 20.0 * unit
@@ -115,14 +115,16 @@ def caption_shapes(area: hud.Rect, highlight: Highlight, where: str, *, slow: bo
     heading = HEADINGS[highlight.kind]
     chip = text_width(heading, tag, 800) + 1.2 * tag
     right = area.left + area.width - pad
-    about = f"{where}   slow motion ¼" if slow else where
-    room = min(0.45 * area.width, text_width(about, small, 500)) + 2.0 * pad
+    note = f"{origin}   slow motion ¼" if slow else origin
+    room = min(0.45 * area.width, text_width(note, small, 500)) + 2.0 * pad
     beside = area.left + pad + chip + 0.7 * pad
     return [
         Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), _ACCENT),
         Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, _ACCENT, 0.4 * tag),
         Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
-        Label(beside, upper, highlight.what, big, hud.BRIGHT, 800, max_width=right - beside),
-        Label(area.left + pad, lower, highlight.why, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
-        Label(right, lower, about, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
+        Label(beside, upper, highlight.event, big, hud.BRIGHT, 800, max_width=right - beside),
+        Label(
+            area.left + pad, lower, highlight.reason, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad
+        ),
+        Label(right, lower, note, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
     ]

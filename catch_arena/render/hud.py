@@ -96,8 +96,10 @@ def standings_of(world: World, time_ms: float = math.inf) -> tuple[AgentScore, .
     in_play = {target.name for target in world.targets if target.spawned_ms <= time_ms}
     hunters = [AgentScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(world.hunters)]
     prey = [
-        AgentScore(agent, one.times_caught, one.withdrawn, hunted=True, out=one.target not in in_play)
-        for agent, one in enumerate(world.prey, start=len(hunters))
+        AgentScore(
+            agent, prey_state.times_caught, prey_state.withdrawn, hunted=True, out=prey_state.target not in in_play
+        )
+        for agent, prey_state in enumerate(world.prey, start=len(hunters))
     ]
     return (*hunters, *prey)
 
@@ -155,8 +157,8 @@ def _cards(panel: Rect, unit: float, agents: int, teams: int) -> tuple[Rect, Rec
         scores, left = _with_teams(panel._replace(width=half), unit, teams)
         return scores, *_with_feed(left, unit, agents, 0), right
     scores, panel = _with_teams(panel, unit, teams)
-    least = min(round(0.36 * panel.height), round(TIMELINE * unit))
-    standings, feed = _with_feed(panel, unit, agents, least + gap)
+    least_height = min(round(0.36 * panel.height), round(TIMELINE * unit))
+    standings, feed = _with_feed(panel, unit, agents, least_height + gap)
     last = feed if feed.height else standings
     top = last.top + last.height + gap
     height = min(panel.top + panel.height - top, round(0.95 * panel.width))
@@ -196,16 +198,18 @@ def clock(time_ms: float) -> str:
 
 def ranked(standings: Sequence[AgentScore]) -> list[AgentScore]:
     """Return the hunters and then the prey (R12.5), each with the best first; equal scores in the order of seats."""
-    return sorted(standings, key=lambda one: (one.hunted, one.score if one.hunted else -one.score, one.agent))
+    return sorted(
+        standings, key=lambda entry: (entry.hunted, entry.score if entry.hunted else -entry.score, entry.agent)
+    )
 
 
 def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str, unit: float) -> list[Shape]:
     """Return the shapes of the title, the match's title and seed, and the clock."""
     big, small = font_size(34 * unit, 15), font_size(15 * unit, 10)
     right = area.left + area.width
-    about = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
+    subtitle = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
-    middle = area.top + area.height * (0.36 if about else 0.5)
+    middle = area.top + area.height * (0.36 if subtitle else 0.5)
     shapes: list[Shape] = [
         Label(
             area.left,
@@ -219,10 +223,16 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
     ]
-    if about:
+    if subtitle:
         shapes.append(
             Label(
-                area.left, area.top + area.height * 0.86, about, small, DIM, 500, max_width=area.width - clock_room - 8
+                area.left,
+                area.top + area.height * 0.86,
+                subtitle,
+                small,
+                DIM,
+                500,
+                max_width=area.width - clock_room - 8,
             )
         )
     return shapes
@@ -271,7 +281,7 @@ def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: S
     shown: Sequence[AgentScore]
     if info.has_teams:
         wide = (0.66 * max(2, *(len(str(score)) for score in scores)) + 0.6) * size
-        names = _name_widths([one.name for one in info.contenders], size, wide + 0.9 * size, room)
+        names = _name_widths([contender.name for contender in info.contenders], size, wide + 0.9 * size, room)
         for contender, score, name in zip(info.contenders, scores, names, strict=True):
             if x + wide > area.left + room:
                 break
@@ -284,24 +294,24 @@ def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: S
                 shapes.append(label)
             x += wide + name + 0.9 * size
         names, digits = [0.0] * len(info.names), 0
-        shown = [one for one in standings if one.hunted]
+        shown = [entry for entry in standings if entry.hunted]
     else:
-        digits = max(len(str(one.score)) for one in standings)
+        digits = max(len(str(entry.score)) for entry in standings)
         step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
         coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
         names = _name_widths(info.names, size, step + coming, room)
         fits = max(1, int(room // step))
         shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
-    for one in shown:
-        step = chip_width(info, size) + (0.9 + 0.66 * max(digits, len(str(one.score)))) * size
+    for entry in shown:
+        step = chip_width(info, size) + (0.9 + 0.66 * max(digits, len(str(entry.score)))) * size
         if info.has_teams and x + step > area.left + room:
             break
-        shapes += chip(x, middle, info, one.agent, size, faded=one.faded)
+        shapes += chip(x, middle, info, entry.agent, size, faded=entry.faded)
         beside = x + chip_width(info, size) + 0.3 * size
-        if names[one.agent]:
-            shapes.append(Label(beside, middle, info.names[one.agent], small, DIM, 600))
-        shapes.append(Label(beside + names[one.agent], middle, str(one.score), size, BRIGHT, 700))
-        x += step + names[one.agent]
+        if names[entry.agent]:
+            shapes.append(Label(beside, middle, info.names[entry.agent], small, DIM, 600))
+        shapes.append(Label(beside + names[entry.agent], middle, str(entry.score), size, BRIGHT, 700))
+        x += step + names[entry.agent]
     return shapes
 
 
@@ -327,6 +337,6 @@ def _luminance(color: Color) -> float:
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
 
 
-def font_size(pixels: float, least: int) -> int:
+def font_size(pixels: float, smallest: int) -> int:
     """Return a text's size in whole pixels, at least `least` so that it can be read."""
-    return max(least, round(pixels))
+    return max(smallest, round(pixels))

@@ -71,7 +71,7 @@ class MatchInfo:
         called = agents if names is None else tuple(names)
         if len(called) != len(agents):
             prey = f" and {config.prey} prey" if config.prey else ""
-            raise ConfigError(f"names must be one for each of {config.hunters} hunters{prey}, got {len(called)}")
+            raise ConfigError(f"names must have one for each of {config.hunters} hunters{prey}, got {len(called)}")
         hunters = called[: config.hunters]
         return cls(
             config,
@@ -134,8 +134,8 @@ def _team_number(team: int) -> int:
 
 
 def _color(number: int) -> Color:
-    _, other, part = _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)]
-    return mix(HUNTER_COLORS[number % len(HUNTER_COLORS)], other, part)
+    _, shade, part = _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)]
+    return mix(HUNTER_COLORS[number % len(HUNTER_COLORS)], shade, part)
 
 
 def _color_name(number: int) -> str:

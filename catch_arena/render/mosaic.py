@@ -87,7 +87,7 @@ def fit_grid(count: int, size: tuple[int, int], extra: float) -> Grid:
         side = int(min(wide, high))
         return Grid(columns, rows, side - side % 2, round(extra * side), max(2, round(_GAP * side)))
 
-    return max(map(grid, range(1, count + 1)), key=lambda one: one.side)
+    return max(map(grid, range(1, count + 1)), key=lambda candidate: candidate.side)
 
 
 def render_mosaic(
@@ -127,7 +127,7 @@ def render_mosaic(
     within = frame_size(kind, grid.size if size is None else size)
     if grid.side < LEAST_SIDE:
         raise ConfigError(
-            f"size must give each of {len(replays)} arenas {LEAST_SIDE} pixels at least, "
+            f"size must give each of {len(replays)} arenas at least {LEAST_SIDE} pixels, "
             f"got {grid.side} in {within[0]} x {within[1]}"
         )
     views = viewed_seats(replays.values(), view_of)
@@ -187,7 +187,7 @@ class _Cell:
         try:
             pixels = next(self._frames, None)
         except ReplayError:
-            self._end("does not play as recorded", None)
+            self._end("replay differs", None)
             return
         leader, contenders = self._renderer.leader, self._renderer.info.contenders
         if pixels is None:

@@ -114,7 +114,11 @@ class MatchRenderer:
         """
         if self._blurred is not None:
             recent = range(step - _OBSERVED_AHEAD, step)
-            self._observations = {one: self._observations[one] for one in recent if one in self._observations}
+            self._observations = {
+                recent_step: self._observations[recent_step]
+                for recent_step in recent
+                if recent_step in self._observations
+            }
             self._observations[step] = observations.copy()
 
     def enter(self, motion: StepMotion) -> None:
@@ -137,7 +141,9 @@ class MatchRenderer:
             target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
         }
         self._record_standings(after, began_ms)
-        catchers = [self.info.contender_by_seat[one.seat] for one in annotations if one.kind == "catch"]
+        catchers = [
+            self.info.contender_by_seat[annotation.seat] for annotation in annotations if annotation.kind == "catch"
+        ]
         self._timeline.record(began_ms, catchers, self._scores)
 
     def draw(self, time_ms: float, poses: Poses) -> Pixels:
@@ -162,7 +168,7 @@ class MatchRenderer:
                 time_ms=time_ms,
                 view_of=self.view_of,
                 beliefs=self._beliefs(self._motion.before),
-                withdrawn_prey={one.agent for one in self._standings if one.hunted and one.withdrawn},
+                withdrawn_prey={score.agent for score in self._standings if score.hunted and score.withdrawn},
             )
         )
         self._draw_around(time_ms, min(time_ms, world.time_ms))
@@ -321,5 +327,5 @@ def png(pixels: Pixels) -> bytes:
 def png_html(config: ArenaConfig, world: World) -> str:
     """Return an HTML image of a world with its standings, which includes the picture's data."""
     content = png(ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world))
-    about = f"step {world.step}, {world.time_ms / 1000:.1f} s"
-    return f'<img alt="Catch Arena, {about}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'
+    caption = f"step {world.step}, {world.time_ms / 1000:.1f} s"
+    return f'<img alt="Catch Arena, {caption}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'

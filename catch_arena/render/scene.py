@@ -79,7 +79,7 @@ def arena_shapes(
     if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
         shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
     if view_of is not None and not hunters[view_of].withdrawn:
-        shapes += [shape for one in beliefs for shape in _belief(viewport, poses, one, info.color(view_of))]
+        shapes += [shape for belief in beliefs for shape in _belief(viewport, poses, belief, info.color(view_of))]
     places = dict(enumerate(poses.hunters))
     for target in targets:
         pose = poses.targets[target.number]

@@ -125,9 +125,9 @@ Shape = Ring | Sector | Stroke | Path | Polygon | Box | Turtle | Label
 
 
 @lru_cache(maxsize=4096)
-def mix(one: Color, other: Color, part: float) -> Color:
-    """Return `one` mixed with a part in [0, 1] of `other`."""
-    red, green, blue = (round(a + (b - a) * part) for a, b in zip(one, other, strict=True))
+def mix(color: Color, added: Color, part: float) -> Color:
+    """Return a colour mixed with a part in [0, 1] of `added`."""
+    red, green, blue = (round(a + (b - a) * part) for a, b in zip(color, added, strict=True))
     return red, green, blue
 
 

@@ -18,7 +18,7 @@ CLIMB_MS: Final = 400.0
 class AnimatedLine(NamedTuple):
     """Line of one agent at an instant."""
 
-    who: AgentScore
+    agent_score: AgentScore
     position: float
     """Position from 0, the best; between two positions while the line moves."""
     share: float
@@ -37,11 +37,11 @@ class StandingsAnimation:
     def record(self, time_ms: float, standings: Sequence[AgentScore]) -> None:
         """Set the standings from an instant on; lines whose position or bar differs begin to move."""
         now = self.lines(time_ms)
-        best = max(1, *(one.score for one in standings if not one.hunted)) if standings else 1
-        positions = {one.agent: position for position, one in enumerate(ranked(standings))}
+        best = max(1, *(entry.score for entry in standings if not entry.hunted)) if standings else 1
+        positions = {entry.agent: position for position, entry in enumerate(ranked(standings))}
         goal = tuple(
-            AnimatedLine(one, float(positions[one.agent]), 0.0 if one.hunted else one.score / best)
-            for one in sorted(standings)
+            AnimatedLine(entry, float(positions[entry.agent]), 0.0 if entry.hunted else entry.score / best)
+            for entry in sorted(standings)
         )
         if goal == self._goal:
             return
@@ -56,7 +56,7 @@ class StandingsAnimation:
         eased = part * part * (3.0 - 2.0 * part)
         return tuple(
             AnimatedLine(
-                goal.who,
+                goal.agent_score,
                 start.position + (goal.position - start.position) * eased,
                 start.share + (goal.share - start.share) * eased,
                 goal.position < start.position,
@@ -87,7 +87,7 @@ def standings_shapes(
         return area.left + pad + column * width, area.top + pad + row * height
 
     shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
-    best = max(line.who.score for line in lines)
+    best = max(line.agent_score.score for line in lines)
     for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # climbing lines are drawn on top
         if line.position <= shown - 1:
             (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
@@ -95,7 +95,7 @@ def standings_shapes(
             box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
             if line.climbs:
                 shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))
-            shapes += _line_shapes(box, info, line, best, unit, followed=line.who.agent == view_of)
+            shapes += _line_shapes(box, info, line, best, unit, followed=line.agent_score.agent == view_of)
     if shown < len(lines):
         x, y = corner(shown)
         left_out = f"and {len(lines) - shown} more"
@@ -113,26 +113,28 @@ def _line_shapes(
     followed: bool,
 ) -> list[Shape]:
     left, top, width, height = area
-    one = line.who
+    entry = line.agent_score
     middle = top + height / 2.0
     size = min(font_size(0.54 * height, 10), font_size(21 * unit, 11), font_size(0.1 * width, 9))
-    color = info.color(one.agent)
+    color = info.color(entry.agent)
     x = left + 0.3 * size
-    shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=one.faded)]
+    shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=entry.faded)]
     x += 2.1 * size
     number_size = font_size(0.8 * size, 9)
     widest = max(len(info.number(agent)) for agent in range(len(info.names)))
     number_room = 0.62 * number_size * (widest + 0.3 * (info.config.prey > 0))  # a P is wider than a digit
-    shapes.append(Label(x + number_room, middle, info.number(one.agent), number_size, DIM, 600, "right"))
+    shapes.append(Label(x + number_room, middle, info.number(entry.agent), number_size, DIM, 600, "right"))
     x += number_room + 0.6 * size
     right = left + width - 0.5 * size
     bar_end = right - (0.78 * len(str(best)) + 0.6) * size
     has_bar = width >= 21 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
-    name = info.names[one.agent] + ("  (out)" if one.faded else "  (its view)" if followed else "")
-    shapes.append(Label(x, middle, name, size, DIM if one.faded else BRIGHT, 500, max_width=bar_start - x - 0.5 * size))
-    shapes.append(Label(right, middle, str(one.score), font_size(1.1 * size, 11), BRIGHT, 800, "right"))
-    if one.hunted and has_bar:
+    name = info.names[entry.agent] + ("  (out)" if entry.faded else "  (its view)" if followed else "")
+    shapes.append(
+        Label(x, middle, name, size, DIM if entry.faded else BRIGHT, 500, max_width=bar_start - x - 0.5 * size)
+    )
+    shapes.append(Label(right, middle, str(entry.score), font_size(1.1 * size, 11), BRIGHT, 800, "right"))
+    if entry.hunted and has_bar:
         shapes.append(Label(bar_end, middle, "caught", font_size(0.8 * size, 9), DIM, 500, "right"))
     elif has_bar:
         thick = max(3.0, 0.48 * size)
@@ -146,7 +148,7 @@ def _line_shapes(
                     middle - thick / 2,
                     filled,
                     thick,
-                    mix(legible(color), CARD, 0.5 * one.withdrawn),
+                    mix(legible(color), CARD, 0.5 * entry.withdrawn),
                     thick / 2,
                 )
             )

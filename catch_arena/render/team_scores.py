@@ -68,11 +68,15 @@ def _between(area: Rect, contenders: Sequence[Contender], scores: Sequence[int],
     if text_width("catches", small, 500) > room or 0.18 * area.height < 0.4 * (small + size):
         return []
     shapes: list[Shape] = [Label(middle, area.top + 0.4 * area.height, "catches", small, DIM, 500, "center")]
-    leader, by = lead(scores)
+    leader, margin = lead(scores)
     if leader >= 0:
-        said = f" +{by}"
-        name_room = room - text_width(said, size, 700)
-        text = truncated(contenders[leader].name, size, 700, name_room) + said if name_room > 2 * size else said.strip()
+        lead_text = f" +{margin}"
+        name_room = room - text_width(lead_text, size, 700)
+        text = (
+            truncated(contenders[leader].name, size, 700, name_room) + lead_text
+            if name_room > 2 * size
+            else lead_text.strip()
+        )
         color = legible(contenders[leader].color)
         shapes.append(Label(middle, area.top + 0.58 * area.height, text, size, color, 700, "center"))
     return shapes

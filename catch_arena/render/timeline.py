@@ -89,10 +89,10 @@ class _Chart:
         self.top = self.lane_top + (self.lanes - 1) * self.pitch + self.lane + max(4.0, 0.05 * area.height)
         self.has_lines = self.base - self.top >= 8
         values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
-        most, least = max(2.0, *values), 0.0 if self.alone else min(-2.0, *values)
-        self.pixels = (self.base - self.top) / (most - least)
+        highest, lowest = max(2.0, *values), 0.0 if self.alone else min(-2.0, *values)
+        self.pixels = (self.base - self.top) / (highest - lowest)
         """Height of a lead of one catch over the average [pixels]."""
-        self.zero = self.base + least * self.pixels
+        self.zero = self.base + lowest * self.pixels
 
     def x(self, time_ms: float) -> float:
         """Return the horizontal place of an instant [pixels]."""
@@ -123,23 +123,23 @@ class _Chart:
     def title_shapes(self) -> list[Shape]:
         """Return the title, the leader with its lead, and the number of catches."""
         left, right = self.area.left + 16 * self.unit, self.left + self.width
-        many = "1 catch" if self.timeline.catches == 1 else f"{self.timeline.catches} catches"
-        leader, by = lead(self.timeline.scores[-1]) if self.timeline.scores else (-1, 0)
+        catches = "1 catch" if self.timeline.catches == 1 else f"{self.timeline.catches} catches"
+        leader, margin = lead(self.timeline.scores[-1]) if self.timeline.scores else (-1, 0)
         title = "Catches" if self.alone else "Catches and lead"
-        room = right - left - text_width(many, self.text, 500) - self.text
+        room = right - left - text_width(catches, self.text, 500) - self.text
         shapes: list[Shape] = [
             Label(left, self.head, title, self.text, DIM, 500, max_width=room),
-            Label(right, self.head, many, self.text, DIM, 500, "right"),
+            Label(right, self.head, catches, self.text, DIM, 500, "right"),
         ]
-        said = f"  +{by}"
+        lead_text = f"  +{margin}"
         used = text_width(title, self.text, 500) + self.text
-        name_room = room - used - text_width(said, self.text, 700)
+        name_room = room - used - text_width(lead_text, self.text, 700)
         if leader >= 0 and not self.alone and name_room > 3 * self.text:
             name, color = self.info.contenders[leader].name, self.colors[leader]
             width = text_width(truncated(name, self.text, 700, name_room), self.text, 700)
             shapes += [
                 Label(left + used, self.head, name, self.text, color, 700, max_width=name_room),
-                Label(left + used + width, self.head, said, self.text, color, 700),
+                Label(left + used + width, self.head, lead_text, self.text, color, 700),
             ]
         return shapes
 
@@ -164,21 +164,21 @@ class _Chart:
 
     def lead_area(self, scores: Sequence[int], left: float, right: float) -> list[Shape]:
         """Return the area under the leader's line, down to the second's; no shapes for a tie."""
-        leader, by = lead(scores)
+        leader, margin = lead(scores)
         left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
         if leader < 0 or right <= left:
             return []
         top = self.y(over_average(scores)[leader])
-        return [Box(left, top, right - left, by * self.pixels, mix(self.colors[leader], CARD, 0.7))]
+        return [Box(left, top, right - left, margin * self.pixels, mix(self.colors[leader], CARD, 0.7))]
 
     def line_styles(self) -> list[tuple[int, Color, float]]:
         """Return contender, colour and width of each line, the lowest first."""
         scores = self.timeline.scores[-1]
         order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
         faint, bright = order[:-_BRIGHT_LINES], order[-_BRIGHT_LINES:]
-        return [(one, mix(self.colors[one], CARD, 0.65), max(1.0, 1.2 * self.unit)) for one in faint] + [
-            (one, self.colors[one], max(1.0, 2.2 * self.unit)) for one in bright
-        ]
+        return [
+            (contender, mix(self.colors[contender], CARD, 0.65), max(1.0, 1.2 * self.unit)) for contender in faint
+        ] + [(contender, self.colors[contender], max(1.0, 2.2 * self.unit)) for contender in bright]
 
 
 def _span(area: Rect, unit: float) -> tuple[float, float]:
@@ -219,17 +219,20 @@ def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: flo
     heights = [chart.y(value) for value in over_average(timeline.scores[-1])]
     lines, dot = chart.line_styles(), max(3.0, 7.0 * unit)
     shapes = chart.lead_area(timeline.scores[-1], start, x)
-    shapes += [Stroke(min(start, x), heights[one], x, heights[one], thick, color) for one, color, thick in lines]
+    shapes += [
+        Stroke(min(start, x), heights[contender], x, heights[contender], thick, color)
+        for contender, color, thick in lines
+    ]
     shapes.append(present)
-    for one, color, _ in lines[-_BRIGHT_LINES:]:
-        shapes.append(Box(x - dot / 2, heights[one] - dot / 2, dot, dot, color, dot / 2))
+    for contender, color, _ in lines[-_BRIGHT_LINES:]:
+        shapes.append(Box(x - dot / 2, heights[contender] - dot / 2, dot, dot, color, dot / 2))
     return shapes
 
 
-def tick_seconds(duration_s: float, most: float) -> list[float]:
-    """Return round times from 0 to the end [s], at most `most` of them, or 2 if `most` is smaller."""
+def tick_seconds(duration_s: float, max_ticks: float) -> list[float]:
+    """Return round times from 0 to the end [s], at most `max_ticks` of them, or 2 if that is smaller."""
     for step in (step * 10.0**power for power in range(-1, 8) for step in (1.0, 2.0, 3.0, 6.0)):
-        if duration_s / step + 1 <= max(2.0, most):
+        if duration_s / step + 1 <= max(2.0, max_ticks):
             return [step * count for count in range(math.floor(duration_s / step + 1e-9) + 1)]
     return [0.0]
 

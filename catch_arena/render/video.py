@@ -133,7 +133,7 @@ def _viewed_seat(replay: Replay, hunter: int | str) -> int:
     seat = find_seat(replay, hunter)
     if not replay.config.limits_views:
         raise ConfigError(
-            "view_of needs a match whose hunters do not see everything as it is "
+            "view_of needs a match that limits or blurs its hunters' views "
             f"(view_radius_m, view_angle_deg, view_noise_m), got {hunter!r}"
         )
     return seat
@@ -157,10 +157,10 @@ def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequen
 
     Steps before the first frame are played too, so that their trails and catches are shown.
     """
-    for span in frame_spans(worlds, times_ms):
-        renderer.enter(span.motion)
-        for time_ms in span.times_ms:
-            yield renderer.draw(time_ms, span.motion.at(time_ms, span.next_tick))
+    for step_frames in frame_spans(worlds, times_ms):
+        renderer.enter(step_frames.motion)
+        for time_ms in step_frames.times_ms:
+            yield renderer.draw(time_ms, step_frames.motion.at(time_ms, step_frames.next_tick))
 
 
 def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:
@@ -174,9 +174,9 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
     whole_s = replay.duration_ms / 1000.0
     until_s = whole_s if end_s is None else end_s
     if not 0.0 <= start_s <= whole_s:
-        raise ConfigError(f"the start must lie in the match, [0, {whole_s:g}] s, got {start_s!r}")
+        raise ConfigError(f"the start must be from 0 to {whole_s:g} s, the match's length, got {start_s!r}")
     if not start_s < until_s and whole_s > 0.0:
-        raise ConfigError(f"the end must lie after the start, {start_s:g} s, got {until_s!r}")
+        raise ConfigError(f"the end must be after the start, {start_s:g} s, got {until_s!r}")
     end_ms = round(1000.0 * min(whole_s, until_s))
     return Clip(round(1000.0 * start_s), end_ms, fps, pace)
 
@@ -200,5 +200,5 @@ def pace_of(speed: float) -> Fraction:
         ConfigError: for a speed outside [SLOWEST, FASTEST].
     """
     if not SLOWEST <= speed <= FASTEST:
-        raise ConfigError(f"speed must lie in [{float(SLOWEST):g}, {float(FASTEST):g}], got {speed!r}")
+        raise ConfigError(f"speed must be from {float(SLOWEST):g} to {float(FASTEST):g}, got {speed!r}")
     return Fraction(speed).limit_denominator(1000)

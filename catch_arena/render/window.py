@@ -40,9 +40,9 @@ class Screen:
             # SDL falls back to this driver if there is no display, though it was not asked for
             if interactive:
                 self.close()
-                raise _no_display("there is none")
+                raise _no_display("none was found")
             sys.stderr.write(
-                'catch_arena: there is no display, so that nobody sees the window; "rgb_array" needs none\n'
+                'catch_arena: there is no display, so the window cannot be seen; use render_mode "rgb_array"\n'
             )
         pygame.display.set_caption(title)
 
@@ -76,7 +76,7 @@ class Screen:
 
 
 def _no_display(reason: str) -> OutputError:
-    return OutputError(f'a window needs a display to open on: {reason}; render_mode "rgb_array" and videos do not')
+    return OutputError(f'a window needs a display: {reason}; render_mode "rgb_array" and videos work without one')
 
 
 class Window:

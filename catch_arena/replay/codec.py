@@ -47,7 +47,7 @@ class Reader:
     def take(self, size: int) -> bytes:
         """Return the next `size` bytes."""
         if size > len(self._body) - self._at:
-            raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, and more are announced")
+            raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, before the end of its parts")
         self._at += size
         return bytes(self._body[self._at - size : self._at])
 
@@ -56,15 +56,15 @@ class Reader:
         (number,) = LENGTH.unpack(self.take(LENGTH.size))
         return int(number)
 
-    def json(self, what: str, longest: int) -> Any:
-        """Return the value of the next JSON text, of at most `longest` bytes; `what` names it in errors."""
+    def json(self, part: str, longest: int) -> Any:
+        """Return the value of the next JSON text, of at most `longest` bytes; `part` names it in errors."""
         length = self.length()
         if length > longest:
-            raise ReplayError(f"is damaged: its {what} is {length} bytes long, more than {longest}")
+            raise ReplayError(f"is damaged: its {part} is {length} bytes long, more than {longest}")
         try:
             return json.loads(self.take(length).decode())
         except (ValueError, RecursionError):
-            raise ReplayError(f"is damaged: it has no readable {what}") from None
+            raise ReplayError(f"is damaged: it has no readable {part}") from None
 
     def columns(self, count: int, size: int) -> NDArray[np.int64]:
         """Return the next `count` columns as a table: (size, count)."""

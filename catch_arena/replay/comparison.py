@@ -12,49 +12,54 @@ from catch_arena.replay.state_differences import first_lines, state_differences,
 from catch_arena.replay.states import scores
 
 
-def replay_differences(one: Replay, other: Replay) -> list[str]:
+def replay_differences(first: Replay, second: Replay) -> list[str]:
     """Return a line for each difference of two replays: of headers, first actions, first state with its numbers, and
     scores; [] for equal replays. The recorded data are compared; `verification.verify` checks them.
     """
-    found = [f"{name}: {ours} in A, {theirs} in B" for name, ours, theirs in _headers(one, other)]
-    for what in ("hunters", "prey"):
-        if getattr(one.config, what) != getattr(other.config, what):
-            return [*found, f"with different numbers of {what}, actions and states are not compared"]
-    steps = min(one.steps, other.steps)
-    found += _first_actions(one, other, steps)
-    if one.config.targets_move == other.config.targets_move:
-        found += _first_state(one, other, steps)
+    found = [
+        f"{name}: {first_values} in A, {second_values} in B"
+        for name, first_values, second_values in _headers(first, second)
+    ]
+    for kind in ("hunters", "prey"):
+        if getattr(first.config, kind) != getattr(second.config, kind):
+            return [*found, f"with different numbers of {kind}, actions and states cannot be compared"]
+    steps = min(first.steps, second.steps)
+    found += _first_actions(first, second, steps)
+    if first.config.targets_move == second.config.targets_move:
+        found += _first_state(first, second, steps)
     else:
-        found.append(f"targets move in {'A' if one.config.targets_move else 'B'} alone: states are not compared")
-    if one.steps != other.steps:
-        found.append(f"steps: {one.steps} in A, {other.steps} in B")
+        found.append(f"targets move in {'A' if first.config.targets_move else 'B'} only, so states are not compared")
+    if first.steps != second.steps:
+        found.append(f"steps: {first.steps} in A, {second.steps} in B")
     if found:
-        ours, theirs = (scores(each.states[-1], each.config) for each in (one, other))
-        for what, *results in zip(("final scores", "times that prey was caught"), ours, theirs, strict=True):
+        first_values, second_values = (scores(match.states[-1], match.config) for match in (first, second))
+        for kind, *results in zip(
+            ("final scores", "number of catches of each prey"), first_values, second_values, strict=True
+        ):
             if results[0]:
                 shown = [", ".join(map(str, result)) for result in results]
                 same = "the same in both" if shown[0] == shown[1] else f"in A, {shown[1]} in B"
-                found.append(f"{what}: {shown[0]} {same}")
+                found.append(f"{kind}: {shown[0]} {same}")
     return found
 
 
-def _headers(one: Replay, other: Replay) -> Iterator[tuple[str, Any, Any]]:
-    """Yield each difference of the headers as (name, ours, theirs)."""
+def _headers(first: Replay, second: Replay) -> Iterator[tuple[str, Any, Any]]:
+    """Yield each difference of the headers as (name, value of the first replay, value of the second)."""
     for name in ("seed", "title"):
-        if getattr(one, name) != getattr(other, name):
-            yield name, repr(getattr(one, name)), repr(getattr(other, name))
-    for side, ours, theirs in (
-        ("hunter", one.hunter_names, other.hunter_names),
-        ("prey", one.prey_names, other.prey_names),
+        if getattr(first, name) != getattr(second, name):
+            yield name, repr(getattr(first, name)), repr(getattr(second, name))
+    for side, first_values, second_values in (
+        ("hunter", first.hunter_names, second.hunter_names),
+        ("prey", first.prey_names, second.prey_names),
     ):
-        for place, names in enumerate(zip_longest(ours, theirs)):
+        for place, names in enumerate(zip_longest(first_values, second_values)):
             if names[0] != names[1]:
                 yield f"the agent of {side}_{place}", repr(names[0]), repr(names[1])
-    settings, others = ({**flat_settings(each.config), "control": None} for each in (one, other))
-    for name in sorted(settings.keys() | others.keys()):
-        if settings.get(name) != others.get(name):
-            yield name, settings.get(name), others.get(name)
-    for seat, controls in enumerate(zip_longest(one.config.controls, other.config.controls)):
+    settings, second_settings = ({**flat_settings(match.config), "control": None} for match in (first, second))
+    for name in sorted(settings.keys() | second_settings.keys()):
+        if settings.get(name) != second_settings.get(name):
+            yield name, settings.get(name), second_settings.get(name)
+    for seat, controls in enumerate(zip_longest(first.config.controls, second.config.controls)):
         if controls[0] != controls[1]:
             yield f"control of hunter_{seat}", *controls
 
@@ -68,18 +73,20 @@ def flat_settings(config: ArenaConfig) -> dict[str, Any]:
     return flat
 
 
-def _first_actions(one: Replay, other: Replay, steps: int) -> list[str]:
+def _first_actions(first: Replay, second: Replay, steps: int) -> list[str]:
     """Return the differences of actions and withdrawals in the first step that has any; [] if there are none."""
-    agents = one.config.hunter_names + one.config.prey_names
+    agents = first.config.hunter_names + first.config.prey_names
     for step in range(steps + 1):
-        gone = [set(each.withdrawn_before(step)) for each in (one, other)]
+        gone = [set(match.withdrawn_before(step)) for match in (first, second)]
         found = [
-            f"before step {step + 1}: {agents[agent]} is withdrawn in {'A' if agent in gone[0] else 'B'} alone"
+            f"before step {step + 1}: {agents[agent]} is withdrawn in {'A' if agent in gone[0] else 'B'} only"
             for agent in sorted(gone[0] ^ gone[1])
         ]
-        for agent, ours, theirs in zip(agents, *(_actions(each, step) for each in (one, other)), strict=False):
-            if ours != theirs:
-                found.append(f"step {step + 1}: {agent} acts otherwise: {ours} in A, {theirs} in B")
+        for agent, first_action, second_action in zip(
+            agents, *(_actions(match, step) for match in (first, second)), strict=False
+        ):
+            if first_action != second_action:
+                found.append(f"step {step + 1}: {agent} acts differently: {first_action} in A, {second_action} in B")
         if found:
             return found
     return []
@@ -96,14 +103,15 @@ def _actions(replay: Replay, step: int) -> list[str]:
     return hunters + [replay.prey_action(step, index) for index in range(replay.config.prey)]
 
 
-def _first_state(one: Replay, other: Replay, steps: int) -> list[str]:
-    agents = one.config.hunter_names + one.config.prey_names
+def _first_state(first: Replay, second: Replay, steps: int) -> list[str]:
+    agents = first.config.hunter_names + first.config.prey_names
     for step in range(steps + 1):
-        ours, theirs = one.states[step], other.states[step]
-        if one.digests[step] != other.digests[step] or not np.array_equal(ours, theirs):
+        first_state, second_state = first.states[step], second.states[step]
+        if first.digests[step] != second.digests[step] or not np.array_equal(first_state, second_state):
             names = [
-                name if name == twin else seat for name, twin, seat in zip(one.names, other.names, agents, strict=True)
+                name if name == twin else seat
+                for name, twin, seat in zip(first.names, second.names, agents, strict=True)
             ]
-            lines = state_differences(one.config, names, ours, theirs, ("in A", "in B"))
-            return [f"{state_name(step)} is the first that differs", *first_lines(step, lines)]
+            lines = state_differences(first.config, names, first_state, second_state, ("in A", "in B"))
+            return [f"{state_name(step)} is the first difference", *first_lines(step, lines)]
     return []

@@ -93,7 +93,7 @@ def encode_replay(match: Replay) -> bytes:
     ]
     body = b"".join(parts)
     if len(parts[0]) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
-        raise ReplayError(f"is too long to be kept: {len(body)} bytes, {len(parts[0])} of them its header")
+        raise ReplayError(f"is too long for a file: {len(body)} bytes, of which {len(parts[0])} are its header")
     shrunk = zlib.compress(body, 9)
     form = _FORMAT + _PREY * bool(config.prey) + _NAMED_REQUESTS * bool(match.named_requests)
     content = _PREFIX.pack(_MAGIC, form, len(shrunk)) + shrunk
@@ -112,12 +112,12 @@ def decode_replay(content: bytes) -> Replay:
     config = match.config
     parts = form - _FORMAT
     if bool(parts & _PREY) != bool(config.prey):
-        raise ReplayError(f"is of format {form}, which is not that of a match with {config.prey} prey")
+        raise ReplayError(f"has format {form}, which does not fit a match with {config.prey} prey")
     choices = reader.columns(config.hunters, steps)
     for seat, control in enumerate(config.controls):
         highest = 0 if control == "velocity" else config.targets_seen
         if steps and not 0 <= choices[:, seat].min() <= choices[:, seat].max() <= highest:
-            raise ReplayError(f"holds actions of hunter_{seat} that no arena would have taken")
+            raise ReplayError(f"contains actions of hunter_{seat} that no arena would accept")
     driven = driven_seats(config)
     commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
     commands[:, driven] = _read_commands(reader, steps, len(driven))
@@ -146,11 +146,11 @@ def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float3
     bits = (turned >> 1) | ((turned & 1) << 31)
     commands = bits.astype(np.uint32).view(np.float32).reshape(steps, bodies, 2)
     if not np.all(np.abs(commands) <= 1.0):  # NaN too
-        raise ReplayError("holds velocity commands that no arena would have taken")
+        raise ReplayError("contains velocity commands that no arena would accept")
     return commands
 
 
-def checked_text(what: str, text: object) -> str:
+def checked_text(field: str, text: object) -> str:
     """Return a name or a title that can be shown in one line.
 
     Raises:
@@ -158,7 +158,7 @@ def checked_text(what: str, text: object) -> str:
     """
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]
-        raise ConfigError(f"{what} must be at most {_LONGEST_TEXT} printable characters, got {shown}")
+        raise ConfigError(f"{field} must be at most {_LONGEST_TEXT} printable characters, got {shown}")
     return text
 
 
@@ -170,8 +170,10 @@ def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
     """
     plain, wanted = plain_setting(names), config.hunters + config.prey
     if not isinstance(plain, tuple) or len(plain) != wanted:
-        each = "hunter and each prey" if config.prey else "hunter"
-        raise ConfigError(f"names must be {wanted}, one for each {each}, got {repr(names)[: _LONGEST_TEXT + 10]}")
+        agent_kinds = "hunter and each prey" if config.prey else "hunter"
+        raise ConfigError(
+            f"names must have {wanted} entries, one for each {agent_kinds}, got {repr(names)[: _LONGEST_TEXT + 10]}"
+        )
     return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(plain))
 
 
@@ -189,10 +191,10 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
         raise ReplayError(f"is longer than {LARGEST_FILE} bytes")
     _, form, length = _PREFIX.unpack_from(content)
     if not _FORMAT <= form <= _NEWEST:
-        raise ReplayError(f"is of format {form}, and this version reads formats {_FORMAT} to {_NEWEST}")
+        raise ReplayError(f"has format {form}, but this version reads formats {_FORMAT} to {_NEWEST}")
     whole = _PREFIX.size + length + _CHECKSUM_BYTES
     if len(content) != whole:
-        raise ReplayError(f"should be {whole} bytes long, got {len(content)}")
+        raise ReplayError(f"must be {whole} bytes long, got {len(content)}")
     checked = memoryview(content)[:-_CHECKSUM_BYTES]
     if _checksum(checked) != content[-_CHECKSUM_BYTES:]:
         raise ReplayError("is damaged: its checksum does not match")
@@ -215,7 +217,7 @@ def _read_header(reader: Reader) -> tuple[Replay, int, int]:
         raise ReplayError("is damaged: its header is not a table")
     if found.get("ruleset") != RULESET:
         ruleset = repr(found.get("ruleset"))[:_LONGEST_TEXT]
-        raise ReplayError(f"was recorded under ruleset {ruleset}, and this is {RULESET!r}")
+        raise ReplayError(f"was recorded under ruleset {ruleset}, but this version plays {RULESET!r}")
     try:
         header = msgspec.convert(found, _Header)
         config = ArenaConfig.from_dict(header.config)
@@ -230,19 +232,21 @@ def _read_header(reader: Reader) -> tuple[Replay, int, int]:
         raise ReplayError(f"has a header that cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
     _require_sizes(config, header.steps, header.spans)
     if header.steps > config.max_steps:
-        raise ReplayError(f"has a header that cannot be used: {header.steps} steps, and a match has {config.max_steps}")
+        raise ReplayError(
+            f"has a header that cannot be used: {header.steps} steps, but a match has at most {config.max_steps}"
+        )
     return match, header.steps, header.spans
 
 
 def _require_sizes(config: ArenaConfig, steps: int, spans: int = 0) -> None:
     """Raise ReplayError for a match that is too large for memory, or longer than a day."""
     if (steps + 1) * state_length(config) > _MOST_NUMBERS:
-        most = _MOST_NUMBERS // state_length(config) - 1
-        raise ReplayError(f"is too long to be kept: {steps} steps, and {most} are the most in such an arena")
+        max_steps = _MOST_NUMBERS // state_length(config) - 1
+        raise ReplayError(f"is too long for a file: {steps} steps, but at most {max_steps} fit for this arena")
     if steps * config.control_period_ms > _LONGEST_MS:
-        raise ReplayError(f"is too long to be kept: {steps} steps of {config.control_period_ms} ms are more than a day")
+        raise ReplayError(f"is too long for a file: {steps} steps of {config.control_period_ms} ms are more than a day")
     if spans > _MOST_SPANS:
-        raise ReplayError(f"is too long to be kept: {spans} targets, and {_MOST_SPANS} are the most")
+        raise ReplayError(f"is too long for a file: {spans} targets, but at most {_MOST_SPANS} fit")
 
 
 def _package_version() -> str:

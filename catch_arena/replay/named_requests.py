@@ -69,7 +69,7 @@ class RequestBudget:
 
 def requests_of_step(requests: Sequence[NamedRequest], step: int) -> Sequence[NamedRequest]:
     """Return the requests of one step, in their order."""
-    first, end = (bisect_left(requests, at, key=lambda one: one.step) for at in (step, step + 1))
+    first, end = (bisect_left(requests, bound, key=lambda request: request.step) for bound in (step, step + 1))
     return requests[first:end]
 
 
@@ -101,7 +101,7 @@ def judge_again(
     rulings = arbitrate(
         hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
         targets={target.name: (target.x, target.y) for target in before.targets},
-        requests=[*ranked, *((one.seat, one.name) for one in requests)],
+        requests=[*ranked, *((request.seat, request.name) for request in requests)],
         reach_m=config.reaches,
         policy=config.policy,
         seed=seed,
@@ -114,7 +114,7 @@ def judge_again(
         if ruling.verdict in _FOR_A_RANK:
             raise ReplayError(
                 f"step {before.step + 1}: hunter_{ruling.hunter} cannot have asked for "
-                f"{name_in_words(str(ruling.target))} by name alone: it is in reach, and the arena answered nothing"
+                f"{name_in_words(str(ruling.target))} by name alone: it was in reach, so the arena would have answered"
             )
     return rulings
 
@@ -122,7 +122,7 @@ def judge_again(
 def name_in_words(name: str | None) -> str:
     """Return a requested name in quotes, shortened and printable; a phrase for None."""
     if name is None:
-        return "what is no text"
+        return "a name that is not a string"
     short = name if len(name) <= _LONGEST_SHOWN else f"{name[:_LONGEST_SHOWN]}..."
     return f'"{printable(short)}"'
 
@@ -131,9 +131,9 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
     """Return a table of the names, each once, and three columns: the number of steps since the request before, the
     seat, and the name's index in the table.
     """
-    names = list(dict.fromkeys(one.name for one in requests))
+    names = list(dict.fromkeys(request.name for request in requests))
     places = {name: place for place, name in enumerate(names)}
-    numbers = np.array([(one.step, one.seat, places[one.name]) for one in requests], dtype=np.int64)
+    numbers = np.array([(request.step, request.seat, places[request.name]) for request in requests], dtype=np.int64)
     numbers[:, 0] = np.diff(numbers[:, 0], prepend=0)
     return pack_json(names) + LENGTH.pack(len(requests)) + pack_columns(numbers.T)
 
@@ -148,20 +148,20 @@ def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[Named
     if not isinstance(names, list) or any(
         name is not None and not (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
     ):
-        raise ReplayError("holds requests for names that no replay keeps")
+        raise ReplayError("contains requests for names that a replay cannot contain")
     count = reader.length()
     if not 0 < count <= MOST_REQUESTS:
-        raise ReplayError(f"holds {count} requests by name, and 1 to {MOST_REQUESTS} can be kept")
+        raise ReplayError(f"contains {count} requests by name, but must contain 1 to {MOST_REQUESTS}")
     later, seats, places = reader.columns(3, count).T
-    at = np.cumsum(later)
-    if later.min() < 0 or later.max() >= steps or at[-1] >= steps:
-        raise ReplayError("holds requests by name that are not in the order of the steps")
+    request_steps = np.cumsum(later)
+    if later.min() < 0 or later.max() >= steps or request_steps[-1] >= steps:
+        raise ReplayError("contains requests by name that are not in the order of the steps")
     full = [seat for seat, control in enumerate(config.controls) if control == "full"]
     if not np.isin(seats, full).all() or not 0 <= places.min() <= places.max() < len(names):
-        raise ReplayError("holds requests by name that no hunter could have made")
+        raise ReplayError("contains requests by name that no hunter could have made")
     return [
         NamedRequest(step, seat, names[place])
-        for step, seat, place in zip(at.tolist(), seats.tolist(), places.tolist(), strict=True)
+        for step, seat, place in zip(request_steps.tolist(), seats.tolist(), places.tolist(), strict=True)
     ]
 
 

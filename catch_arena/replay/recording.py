@@ -83,13 +83,13 @@ class Replay:
         commanded = _in_words(self.commands[step][seat])
         if control == "velocity":
             return commanded
-        asked = f"rank {rank}" if rank else "by name" if self.asked_by_name(step, seat) else "nothing"
-        return f"{commanded}, catch {asked}"
+        request = f"rank {rank}" if rank else "by name" if self.asked_by_name(step, seat) else "nothing"
+        return f"{commanded}, catch {request}"
 
     def asked_by_name(self, step: int, seat: int) -> list[str]:
         """R8.4: return the names in a hunter's requests by name in a step, in their order, in words."""
         requests = requests_of_step(self.named_requests, step)
-        return [name_in_words(one.name) for one in requests if one.seat == seat]
+        return [name_in_words(request.name) for request in requests if request.seat == seat]
 
     def prey_action(self, step: int, index: int) -> str:
         """Return a prey's action in a step, counted from 0, in words."""
@@ -124,7 +124,7 @@ class Replay:
 
     def copy(self) -> "Replay":
         """Return a copy of the match so far; steps appended to one of the two do not appear in the other."""
-        values = (getattr(self, each.name) for each in fields(self))
+        values = (getattr(self, attribute.name) for attribute in fields(self))
         copied: list[Any] = [value.copy() if isinstance(value, list) else value for value in values]
         return Replay(*copied)
 
@@ -159,7 +159,7 @@ class Replay:
                 played = quantise(engine.state(), self.config)
                 found = state_differences(self.config, self.names, self.states[step], played)
                 raise ReplayError(
-                    f"the replay does not play as it was recorded: {state_name(step)} is the first that differs: "
+                    f"the replay does not play as it was recorded: {state_name(step)} is the first difference: "
                     f"{on_one_line(found)}"
                 )
             yield engine
@@ -173,7 +173,9 @@ class Replay:
         requests = requests_of_step(self.named_requests, before.step)
         if not requests:
             return []
-        gone = {one.name for one in requests if one.name is not None} - {target.name for target in before.targets}
+        gone = {request.name for request in requests if request.name is not None} - {
+            target.name for target in before.targets
+        }
         states = self.states[: before.step + 1]
         caught = {name for name in gone if has_appeared(name, states, self.config)}
         return judge_again(self.config, self.seed, requests, caught, before, after)
@@ -217,7 +219,7 @@ class Replay:
         from catch_arena.replay.fileformat import LARGEST_FILE, decode_replay
 
         if not isinstance(path, str | os.PathLike):
-            raise ReplayError(f"path must be a file's, as text or a Path, got {with_type(path)}")
+            raise ReplayError(f"path must be a string or a Path, got {with_type(path)}")
         try:
             with Path(path).open("rb") as file:
                 content = file.read(LARGEST_FILE + 1)

@@ -34,8 +34,8 @@ def first_lines(step: int, differences: Sequence[str]) -> list[str]:
 def state_differences(
     config: ArenaConfig,
     names: Sequence[str],
-    one: QuantisedState,
-    other: QuantisedState,
+    first: QuantisedState,
+    second: QuantisedState,
     labels: tuple[str, str] = ("as recorded", "as replayed"),
 ) -> list[str]:
     """Return a line for each number in which two states with different digests differ; at least one line.
@@ -43,25 +43,25 @@ def state_differences(
     Args:
         config: the arena's settings.
         names: the agents' names, of the hunters by seat and then of the prey by index.
-        one: the first state.
-        other: the second state.
+        first: the first state.
+        second: the second state.
         labels: the names of the states in the lines.
     """
     found = []
     tables = (ARENA, HUNTER, target_numbers(config), PREY)
-    ours, theirs = _rows(one, config), _rows(other, config)
-    for group, number in sorted(ours.keys() | theirs.keys()):
-        who = _called(config, names, group, number)
-        mine, yours = (rows.get((group, number)) for rows in (ours, theirs))
-        if mine is None or yours is None:
-            here, there = labels[::-1] if mine is None else labels
-            found.append(f"{who}: alive {here}, not {there}")
+    first_rows, second_rows = _rows(first, config), _rows(second, config)
+    for group, number in sorted(first_rows.keys() | second_rows.keys()):
+        subject = _called(config, names, group, number)
+        first_row, second_row = (rows.get((group, number)) for rows in (first_rows, second_rows))
+        if first_row is None or second_row is None:
+            here, there = labels[::-1] if first_row is None else labels
+            found.append(f"{subject}: alive {here}, not {there}")
             continue
-        for (what, unit), *values in zip(tables[group].items(), mine, yours, strict=True):
+        for (quantity, unit), *values in zip(tables[group].items(), first_row, second_row, strict=True):
             if values[0] != values[1]:
                 shown = [f"{_shown(config, unit, value)} {label}" for value, label in zip(values, labels, strict=True)]
-                found.append(f"{who}: {what} is {' and '.join(shown)}{_apart(what, unit, values)}")
-    return found or ["every number by less than a millionth of its unit"]
+                found.append(f"{subject}: {quantity} is {' and '.join(shown)}{_apart(quantity, unit, values)}")
+    return found or ["every number differs by less than a millionth of its unit"]
 
 
 def _rows(state: QuantisedState, config: ArenaConfig) -> dict[tuple[int, int], list[int]]:
@@ -83,12 +83,12 @@ def _called(config: ArenaConfig, names: Sequence[str], group: int, number: int) 
     return name if name == names[agent] else f"{name} ({names[agent]})"
 
 
-def _apart(what: str, unit: str, values: Sequence[int]) -> str:
+def _apart(quantity: str, unit: str, values: Sequence[int]) -> str:
     """Return the difference of two values in words; "" if it has no meaning."""
     if unit in ("target", "flag") or (unit == OUT and min(values) < 0):
         return ""
     apart = abs(values[1] - values[0])
-    if what == "theta":
+    if quantity == "theta":
         return f", {math.fabs(wrap(apart / 1e6)):.6f} rad apart"
     return f", {f'{apart / 1e6:.6f} {unit}' if unit in MICRO else f'{apart} {unit[:2]}'.strip()} apart"
 

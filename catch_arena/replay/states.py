@@ -136,12 +136,12 @@ def pack_states(
     arena, hunters, targets, prey = zip(*(parts_of(state, config) for state in states), strict=True)
     clock, by_seat, by_index = np.concatenate(arena), np.array(hunters), np.array(prey)
     packed = [pack_columns(_differences(clock).T)]
-    ticks, asked = _ticks(clock[:, 0]), _asked_of_hunters(config, commands)
+    ticks, commanded = _ticks(clock[:, 0]), _hunter_velocities(config, commands)
     for seat in range(config.hunters):
         rest = _without_motion(by_seat[:, seat], ticks)
         rest[:, _ACTIVE] = by_seat[:, seat, _ACTIVE]
         if seat in driven_seats(config):
-            rest[:, _VELOCITIES] = by_seat[:, seat, _VELOCITIES] - asked[:, seat]
+            rest[:, _VELOCITIES] = by_seat[:, seat, _VELOCITIES] - commanded[:, seat]
         packed.append(pack_columns(rest.T))
     packed.append(pack_columns(_differences(by_index.reshape(len(states), -1)).T))
     rows = np.concatenate(targets)
@@ -150,7 +150,7 @@ def pack_states(
     if config.targets_move:
         tracks = rows[order][:, _MOTION]
         rest = _without_motion(tracks, _ticks_of_targets(ticks, spans))
-        rest[:, _VELOCITIES] -= _differences(_asked_of_targets(config, prey_commands, by_index[:, :, 0], spans))
+        rest[:, _VELOCITIES] -= _differences(_target_velocities(config, prey_commands, by_index[:, :, 0], spans))
         packed.append(pack_columns(rest.T))
     return b"".join(packed), len(spans)
 
@@ -169,13 +169,13 @@ def unpack_states(
     """
     size = len(commands) + 1
     fixed = [_bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))]
-    ticks, asked = _ticks(fixed[0][:, 0]), _asked_of_hunters(config, commands)
+    ticks, commanded = _ticks(fixed[0][:, 0]), _hunter_velocities(config, commands)
     for seat in range(config.hunters):
         rest = reader.columns(len(HUNTER), size)
         numbers = np.cumsum(rest, axis=0)
         numbers[:, _ACTIVE] = rest[:, _ACTIVE]
         if seat in driven_seats(config):
-            numbers[:, _VELOCITIES] = rest[:, _VELOCITIES] + asked[:, seat]
+            numbers[:, _VELOCITIES] = rest[:, _VELOCITIES] + commanded[:, seat]
         fixed.append(_with_motion(numbers, ticks))
     prey = _bounded(np.cumsum(reader.columns(config.prey * len(PREY), size), axis=0))
     numbers_of_target = len(target_numbers(config))
@@ -185,7 +185,7 @@ def unpack_states(
     targets = np.repeat(table[:, 2:], table[:, 1], axis=0)
     if config.targets_move:
         tracks = np.cumsum(reader.columns(len(_MOTION), len(targets)), axis=0)
-        tracks[:, _VELOCITIES] += _asked_of_targets(config, prey_commands, prey[:, :: len(PREY)], table)
+        tracks[:, _VELOCITIES] += _target_velocities(config, prey_commands, prey[:, :: len(PREY)], table)
         moving = np.zeros((len(targets), numbers_of_target), dtype=np.int64)
         moving[:, _IDENTITY] = targets
         moving[:, _MOTION] = _with_motion(tracks, _ticks_of_targets(ticks, table))
@@ -207,7 +207,7 @@ def _rounded(numbers: NDArray[np.float64]) -> Matrix:
 
 def _bounded(numbers: Matrix) -> Matrix:
     if numbers.size and not -_LARGEST <= numbers.min() <= numbers.max() <= _LARGEST:
-        raise ReplayError("is damaged: a quantised state holds a number beyond 2^53")
+        raise ReplayError("is damaged: a quantised state contains a number beyond 2^53")
     return numbers
 
 
@@ -276,19 +276,21 @@ def _travel(
 # velocities that commands ask for
 
 
-def _asked(commands: NDArray[np.float32], high: NDArray[np.float64], *, reverse: bool) -> Matrix:
+def _commanded_velocities(commands: NDArray[np.float32], high: NDArray[np.float64], *, reverse: bool) -> Matrix:
     """R2.5: return the velocities that commands ask for, (steps, n, 2), with a row of zeros before the first."""
     low = -high if reverse else high * [0.0, -1.0]
-    asked = _rounded(1e6 * np.clip(commands.astype(np.float64) * high, low, high))
-    return np.concatenate((np.zeros((1, *asked.shape[1:]), dtype=np.int64), asked))
+    commanded = _rounded(1e6 * np.clip(commands.astype(np.float64) * high, low, high))
+    return np.concatenate((np.zeros((1, *commanded.shape[1:]), dtype=np.int64), commanded))
 
 
-def _asked_of_hunters(config: ArenaConfig, commands: NDArray[np.float32]) -> Matrix:
+def _hunter_velocities(config: ArenaConfig, commands: NDArray[np.float32]) -> Matrix:
     """Return the velocities that every seat's commands ask for: (steps + 1, H, 2)."""
-    return _asked(commands, np.array([config.max_speeds, config.max_turn_rates]).T, reverse=config.reverse)
+    return _commanded_velocities(
+        commands, np.array([config.max_speeds, config.max_turn_rates]).T, reverse=config.reverse
+    )
 
 
-def _asked_of_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], plays: Matrix, spans: Matrix) -> Matrix:
+def _target_velocities(config: ArenaConfig, prey_commands: NDArray[np.float32], plays: Matrix, spans: Matrix) -> Matrix:
     """R12.2: return the velocities that prey's commands ask for, state after state and span after span: (states, 2).
 
     They are 0 for targets without prey, and for the first state of a target, which stands still then (R3.8).
@@ -300,13 +302,13 @@ def _asked_of_targets(config: ArenaConfig, prey_commands: NDArray[np.float32], p
         spans: when each target is alive, and its number.
     """
     limits = np.array([config.target_speed_mps, config.target_turn_rate_radps])
-    asked = _asked(prey_commands, limits, reverse=config.reverse)
-    at, numbers = _ranges(spans[:, 0], spans[:, 1]), np.repeat(spans[:, 2], spans[:, 1])
-    found = np.zeros((len(at), 2), dtype=np.int64)
+    commanded = _commanded_velocities(prey_commands, limits, reverse=config.reverse)
+    state_of_row, numbers = _ranges(spans[:, 0], spans[:, 1]), np.repeat(spans[:, 2], spans[:, 1])
+    found = np.zeros((len(state_of_row), 2), dtype=np.int64)
     for index in range(config.prey):
-        led = plays[at, index] == numbers
+        led = plays[state_of_row, index] == numbers
         led[_beginnings(spans)] = False
-        found[led] = asked[at[led], index]
+        found[led] = commanded[state_of_row[led], index]
     return found
 
 
@@ -330,36 +332,38 @@ def _ticks_of_targets(ticks: NDArray[np.int64], spans: Matrix) -> NDArray[np.int
     return found
 
 
-def _spans_of(rows: Matrix, at: NDArray[np.int64], config: ArenaConfig) -> tuple[Matrix, NDArray[np.int64]]:
+def _spans_of(rows: Matrix, state_of_row: NDArray[np.int64], config: ArenaConfig) -> tuple[Matrix, NDArray[np.int64]]:
     """Return the spans of states in which a target's identity is constant (all its numbers, if targets stand still).
 
     A span is (first state, number of states, constant numbers). The order of the rows by spans is returned, too.
     """
     stays = rows[:, _IDENTITY] if config.targets_move else rows
-    order = np.lexsort((at, *stays.T[::-1]))
-    at, stays = at[order], stays[order]
-    fresh = np.concatenate(([True], (np.diff(at) != 1) | np.any(np.diff(stays, axis=0) != 0, axis=1)))[: len(at)]
+    order = np.lexsort((state_of_row, *stays.T[::-1]))
+    state_of_row, stays = state_of_row[order], stays[order]
+    fresh = np.concatenate(([True], (np.diff(state_of_row) != 1) | np.any(np.diff(stays, axis=0) != 0, axis=1)))[
+        : len(state_of_row)
+    ]
     first = np.flatnonzero(fresh)
-    length = np.diff(first, append=len(at))
-    spans = np.column_stack((at[first], length, stays[first]))
+    length = np.diff(first, append=len(state_of_row))
+    spans = np.column_stack((state_of_row[first], length, stays[first]))
     by_beginning = np.lexsort(spans.T[::-1])
     return spans[by_beginning], order[_ranges(first[by_beginning], length[by_beginning])]
 
 
-def _require_alive_together(spans: Matrix, size: int, most: int) -> None:
+def _require_alive_together(spans: Matrix, size: int, max_alive: int) -> None:
     """Raise ReplayError for impossible spans, before memory is allocated for a row for each of their states."""
     begin, end = spans[:, 0], spans[:, 0] + spans[:, 1]
     if np.any((begin < 0) | (begin >= end) | (end > size)):
         raise ReplayError("is damaged: its quantised states have a target outside the match")
     changes = np.bincount(begin, minlength=size + 1) - np.bincount(end, minlength=size + 1)
-    if np.cumsum(changes).max() > most:
+    if np.cumsum(changes).max() > max_alive:
         raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
 
 
-def _by_state(targets: Matrix, at: NDArray[np.int64], size: int) -> list[Matrix]:
+def _by_state(targets: Matrix, state_of_row: NDArray[np.int64], size: int) -> list[Matrix]:
     """Return the targets that are alive in each state, by number; `at` is the state of each row."""
-    order = np.lexsort((targets[:, 0], at))
-    targets, at = targets[order], at[order]
-    if np.any((np.diff(at) == 0) & (np.diff(targets[:, 0]) == 0)):
+    order = np.lexsort((targets[:, 0], state_of_row))
+    targets, state_of_row = targets[order], state_of_row[order]
+    if np.any((np.diff(state_of_row) == 0) & (np.diff(targets[:, 0]) == 0)):
         raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
-    return np.split(targets, np.searchsorted(at, np.arange(1, size)))
+    return np.split(targets, np.searchsorted(state_of_row, np.arange(1, size)))

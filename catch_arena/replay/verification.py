@@ -61,14 +61,14 @@ def _faults(replay: Replay, other_digests: Sequence[int], other_numbers: Mapping
             differs.append(stretch)
         else:
             altered += stretch
-    found = [f"{_altered('digest', altered)}: the match plays on as recorded"] if altered else []
+    found = [f"{_altered('digest', altered)}: the match itself plays as recorded"] if altered else []
     if numbers := sorted(other_numbers.keys() - set(other_digests)):
         difference = on_one_line(_differences(replay, numbers[0], other_numbers))
         found.append(f"{_altered('quantised state', numbers)}: the digest agrees, but {difference}")
     for stretch in differs:
         first, last = stretch[0], stretch[-1]
         again = "" if last == replay.steps else f"; from {state_name(last + 1)} on it plays as recorded"
-        found.append(f"{state_name(first)} is the first that differs{again}")
+        found.append(f"{state_name(first)} is the first difference{again}")
         found += first_lines(first, _differences(replay, first, other_numbers))
     return found
 
@@ -78,7 +78,7 @@ def _differences(replay: Replay, step: int, played: Mapping[int, QuantisedState]
     return state_differences(replay.config, replay.names, recorded, played.get(step, recorded))
 
 
-def _altered(what: str, steps: Sequence[int]) -> str:
+def _altered(kind: str, steps: Sequence[int]) -> str:
     later = len(steps) - 1
-    also = f", and that of {later} later {'step' if later == 1 else 'steps'}" if later else ""
-    return f"{state_name(steps[0])}: its {what} was altered{also}"
+    also = f", and those of {later} later {'step' if later == 1 else 'steps'}" if later else ""
+    return f"{state_name(steps[0])}: its {kind} was altered{also}"

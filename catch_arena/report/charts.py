@@ -46,27 +46,27 @@ class Axis:
         """Return the position of a value, in [0, 100]."""
         return round(100.0 * min(max((value - self.low) / (self.high - self.low), 0.0), 1.0), 2)
 
-    def whisker(self, one: Estimate) -> dict[str, float] | None:
+    def whisker(self, estimate: Estimate) -> dict[str, float] | None:
         """Return the left end and width of an interval, and the position of its mean; None if the mean is unknown."""
-        if not math.isfinite(one.mean):
+        if not math.isfinite(estimate.mean):
             return None
-        low, high = (one.low, one.high) if math.isfinite(one.low) else (one.mean, one.mean)
-        return {"left": self.at(low), "width": round(self.at(high) - self.at(low), 2), "mean": self.at(one.mean)}
+        low, high = (estimate.low, estimate.high) if math.isfinite(estimate.low) else (estimate.mean, estimate.mean)
+        return {"left": self.at(low), "width": round(self.at(high) - self.at(low), 2), "mean": self.at(estimate.mean)}
 
 
-def _round_step(least: float) -> float:
+def _round_step(smallest: float) -> float:
     """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `least`; 1 if `least` is not positive."""
-    if least <= 0.0:
+    if smallest <= 0.0:
         return 1.0
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= least * (1.0 - 1e-9))
+    power = 10.0 ** math.floor(math.log10(smallest))
+    return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= smallest * (1.0 - 1e-9))
 
 
 def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool) -> str:
     """Return a headline with the leaders of each side."""
     if len(tables) == 1:
         return headline(tables["hunter"], ended=ended)
-    return "; ".join(f"as {word}: {headline(table, ended=ended)}" for word, table in tables.items()).capitalize()
+    return "; ".join(f"as {side}: {headline(table, ended=ended)}" for side, table in tables.items()).capitalize()
 
 
 def headline(table: Sequence[Standing], *, ended: bool) -> str:
@@ -77,10 +77,10 @@ def headline(table: Sequence[Standing], *, ended: bool) -> str:
     if len(leaders) == 1:
         return f"{leaders[0]} comes first" if ended else f"{leaders[0]} leads so far"
     if len(leaders) == len(table):
-        return "Nobody can be told apart yet"
+        return "No difference between the agents is significant yet"
     if len(leaders) > 3:  # more names are too long for a headline
-        return f"{leaders[0]} leads, and {len(leaders) - 1} others cannot be told from the best"
-    return f"{', '.join(leaders[:-1])} and {leaders[-1]} lead and cannot be told apart"
+        return f"{leaders[0]} leads, but {len(leaders) - 1} others do not differ significantly"
+    return f"{', '.join(leaders[:-1])} and {leaders[-1]} lead without a significant difference"
 
 
 def rating_axis(table: Sequence[Standing]) -> Axis:
@@ -95,8 +95,8 @@ def lanes(table: Sequence[Standing]) -> list[list[str]]:
     A word is «begin», «within», «end» or empty. No two bars of a lane share a line, and the number of lanes is least.
     """
     bars: list[list[int]] = []
-    for group in range(1, 1 + max(one.groups[1] for one in table)):
-        members = [row for row, one in enumerate(table) if one.groups[0] <= group <= one.groups[1]]
+    for group in range(1, 1 + max(standing.groups[1] for standing in table)):
+        members = [row for row, standing in enumerate(table) if standing.groups[0] <= group <= standing.groups[1]]
         if len(members) > 1:
             bars.append(members)
     ends: list[int] = []  # the last line of each lane's last bar
@@ -116,9 +116,9 @@ def lanes(table: Sequence[Standing]) -> list[list[str]]:
 def distributions(data: SideData) -> dict[str, Any]:
     """Return each agent's distribution of scores, the best agent first: bars as a path in `bins` x 1, and quartiles."""
     outcomes = data.outcomes
-    most = int(outcomes.scores.max())
-    width = max(1, math.ceil((most + 1) / _BINS))
-    bins = most // width + 1
+    highest = int(outcomes.scores.max())
+    width = max(1, math.ceil((highest + 1) / _BINS))
+    bins = highest // width + 1
     counts = sums_by(outcomes.entrants, bins, outcomes.seating, outcomes.scores // width)
     parts = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
 
@@ -151,19 +151,20 @@ def encounters(data: SideData) -> dict[str, Any]:
     rows = []
     for name in names:
         cells: list[dict[str, Any] | None] = []
-        for other in names:
-            one = data.encounters.get((name, other))
-            if one is None or not one.matches:
+        for opponent in names:
+            encounter = data.encounters.get((name, opponent))
+            if encounter is None or not encounter.matches:
                 cells.append(None)
                 continue
+            losses = encounter.matches - encounter.wins - encounter.ties
             tooltip = (
-                f"{name} against {other}: {one.wins} won, {one.ties} tied, {one.matches - one.wins - one.ties} lost; "
-                f"{percent(one.share.mean)} ({interval(one.share, 100)}); probability of improvement "
-                f"{percent(one.improvement)}"
+                f"{name} against {opponent}: {encounter.wins} won, {encounter.ties} tied, {losses} lost; "
+                f"{percent(encounter.share.mean)} ({interval(encounter.share, 100)}); probability of improvement "
+                f"{percent(encounter.improvement)}"
             )
-            share = round(100 * one.share.mean)
+            share = round(100 * encounter.share.mean)
             cells.append(
-                {"share": share, "improvement": round(100 * one.improvement), "tooltip": tooltip if wordy else ""}
+                {"share": share, "improvement": round(100 * encounter.improvement), "tooltip": tooltip if wordy else ""}
             )
         rows.append({"name": name, "cells": cells})
     return {"names": names, "rows": rows, "small": len(names) > _ROOMY}
@@ -215,8 +216,8 @@ def refusals(data: ReportData) -> dict[str, str]:
 def move_times(data: ReportData) -> dict[str, tuple[float, float]]:
     """Return each agent's mean and longest time for a move [ms]."""
     found = {name: [0.0, 0.0, 0.0] for name in data.names}
-    for one in data.played:
-        for entrant, spent in zip(one.match.seating, one.result.thinking, strict=True):
+    for played_match in data.played:
+        for entrant, spent in zip(played_match.match.seating, played_match.result.thinking, strict=True):
             times = found[data.names[entrant]]
             times[0] += spent.moves
             times[1] += spent.total_s
@@ -231,11 +232,11 @@ def percent(share: float) -> str:
     return "–" if math.isnan(share) else f"{100 * share:.0f} %"
 
 
-def interval(one: Estimate, scale: float = 1.0, digits: int = 0) -> str:
+def interval(estimate: Estimate, scale: float = 1.0, digits: int = 0) -> str:
     """Return an interval as text, such as «43 to 57», or «interval unknown»."""
-    if not math.isfinite(one.low):
+    if not math.isfinite(estimate.low):
         return "interval unknown"
-    return f"{number(scale * one.low, digits)} to {number(scale * one.high, digits)}"
+    return f"{number(scale * estimate.low, digits)} to {number(scale * estimate.high, digits)}"
 
 
 def number(value: float, digits: int = 0) -> str:

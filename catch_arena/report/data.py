@@ -48,7 +48,7 @@ class SideData:
     def encounters(self) -> dict[tuple[str, str], Encounter]:
         """Results of each entrant against each other, by their names."""
         found = head_to_head(self.entrants, self.played, self.side)
-        return {(one.name, one.other): one for one in found}
+        return {(encounter.name, encounter.other): encounter for encounter in found}
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,9 @@ class ReportData:
         played, versions = [], {}
         with Store.read(folder) as store:
             tournament, planned, ended = store.tournament, store.count_planned(), store.ended
-            for one, by in store.records():
-                played.append(one)
-                versions[id(by)] = by
+            for played_match, version in store.records():
+                played.append(played_match)
+                versions[id(version)] = version
         if not played:
             raise StoreError(f"{folder}: no match has been played yet")
         return cls(folder, tournament, planned, played, list(versions.values()), ended)
@@ -112,7 +112,7 @@ class ReportData:
     @cached_property
     def recorded(self) -> frozenset[str]:
         """Ids of the matches whose replay was kept."""
-        return frozenset(one.match.id for one in self.played if one.replay)
+        return frozenset(played_match.match.id for played_match in self.played if played_match.replay)
 
     def replay(self, match: str) -> Replay:
         """Return the replay of a match that was recorded.
@@ -121,5 +121,5 @@ class ReportData:
             ReplayError: if the match was not recorded, or its file is no replay or a damaged one.
         """
         if match not in self.recorded:
-            raise ReplayError(f"match {match}: must be one that was played and recorded")
+            raise ReplayError(f"match {match}: cannot be shown; it must be a match that was played and recorded")
         return Replay.load(self.folder / REPLAYS / f"{match}.replay")

@@ -91,7 +91,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
         recorded=len(data.recorded),
         listed=min(len(data.played), MOST_LISTED),
         selected=selected,
-        selected_json=script_json({match: [one.bundle, one.why] for match, one in selected.items()}),
+        selected_json=script_json({match: [choice.bundle, choice.why] for match, choice in selected.items()}),
         matches=packed_text(script_json(_matches(data)).encode()),
         watched=watched,
         policy=content_policy(watched=watched),
@@ -141,26 +141,26 @@ def _matches(data: ReportData) -> dict[str, Any]:
         "names": [side.names for side in data.sides],
         "seats": len(data.parties),
         "hunting": data.parties.hunting,
-        "ids": [one.match.id for one in played],
-        "recorded": [int(one.match.id in data.recorded) for one in played],
-        "seating": [entrant for one in played for entrant in one.match.seating],
-        "scores": [score for one in played for score in one.result.scores],
-        "ranks": [rank for one in played for rank in one.result.ranks],
+        "ids": [played_match.match.id for played_match in played],
+        "recorded": [int(played_match.match.id in data.recorded) for played_match in played],
+        "seating": [entrant for played_match in played for entrant in played_match.match.seating],
+        "scores": [score for played_match in played for score in played_match.result.scores],
+        "ranks": [rank for played_match in played for rank in played_match.result.ranks],
     }
 
 
 def _forfeits(data: ReportData) -> list[dict[str, Any]]:
     """Return the ways in which agents forfeited, the most frequent first, each with its count and first case."""
     found: dict[tuple[str, str, str], dict[str, Any]] = {}
-    for one in data.played:
-        for party, forfeit in enumerate(one.result.forfeits):
+    for played_match in data.played:
+        for party, forfeit in enumerate(played_match.result.forfeits):
             if forfeit is None:
                 continue
-            entrant = data.tournament.entrants[one.match.seating[party]]
+            entrant = data.tournament.entrants[played_match.match.seating[party]]
             name, code = entrant.name, forfeit.code
             reason = without_folders(forfeit.reason.replace(entrant.spec, entrant.source))
-            where = f"match {one.match.id}, {data.parties.called(party)}"
-            first = {"where": where, "step": forfeit.step, "times": 0}
+            place = f"match {played_match.match.id}, {data.parties.called(party)}"
+            first = {"where": place, "step": forfeit.step, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1
     return sorted(found.values(), key=lambda way: -way["times"])

@@ -17,14 +17,14 @@ class SelectedMatch(NamedTuple):
     why: str
 
 
-def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> dict[str, SelectedMatch]:
-    """Return matches by their ids, until their bundles take `budget` bytes; `asked` matches come first, and always.
+def select_matches(data: ReportData, budget: int, requested: Sequence[str] = ()) -> dict[str, SelectedMatch]:
+    """Return matches by their ids, until their bundles take `budget` bytes; `requested` matches come first, and always.
 
     Raises:
-        ReplayError: if a match that was asked for was not recorded.
+        ReplayError: if a requested match was not recorded.
     """
-    selected = {match: SelectedMatch(bundle_text(data.replay(match)), "asked for") for match in asked}
-    taken = sum(len(one.bundle) for one in selected.values())
+    selected = {match: SelectedMatch(bundle_text(data.replay(match)), "requested") for match in requested}
+    taken = sum(len(choice.bundle) for choice in selected.values())
     for match, why in _by_interest(data):
         if match in selected:
             continue
@@ -41,29 +41,31 @@ def select_matches(data: ReportData, budget: int, asked: Sequence[str] = ()) -> 
 
 def _by_interest(data: ReportData) -> Iterator[tuple[str, str]]:
     """Yield each recorded match once: by turns one with many contests, a close one, a loss of the best, a forfeit."""
-    recorded = [one for one in data.played if one.match.id in data.recorded]
+    recorded = [played_match for played_match in data.played if played_match.match.id in data.recorded]
     best, hunting = data.names.index(data.standings[0].name), data.parties.hunting
-    lost = [one for one in recorded if _lost_by(one, best, hunting)]
+    lost = [played_match for played_match in recorded if _lost_by(played_match, best, hunting)]
     orders = {
-        "contests": sorted(recorded, key=lambda one: sum(one.result.contests_lost), reverse=True),
-        "close": sorted(recorded, key=lambda one: _margin(one, hunting)),
-        f"{data.names[best]} loses": sorted(lost, key=lambda one: _margin(one, hunting), reverse=True),
-        "forfeit": [one for one in recorded if any(one.result.forfeits)],
+        "contests": sorted(recorded, key=lambda played_match: sum(played_match.result.contests_lost), reverse=True),
+        "close": sorted(recorded, key=lambda played_match: _margin(played_match, hunting)),
+        f"{data.names[best]} loses": sorted(
+            lost, key=lambda played_match: _margin(played_match, hunting), reverse=True
+        ),
+        "forfeit": [played_match for played_match in recorded if any(played_match.result.forfeits)],
     }
     seen = set()
     for turn in zip_longest(*orders.values()):
-        for why, one in zip(orders, turn, strict=True):
-            if one is not None and one.match.id not in seen:
-                seen.add(one.match.id)
-                yield one.match.id, why
+        for why, played_match in zip(orders, turn, strict=True):
+            if played_match is not None and played_match.match.id not in seen:
+                seen.add(played_match.match.id)
+                yield played_match.match.id, why
 
 
-def _margin(one: PlayedMatch, hunting: int) -> int:
+def _margin(played_match: PlayedMatch, hunting: int) -> int:
     """Return the difference between the best two scores of the hunting parties."""
-    first, second, *_ = (*sorted(one.result.scores[:hunting], reverse=True), 0)
+    first, second, *_ = (*sorted(played_match.result.scores[:hunting], reverse=True), 0)
     return first - second
 
 
-def _lost_by(one: PlayedMatch, entrant: int, hunting: int) -> bool:
-    hunters = zip(one.match.seating[:hunting], one.result.ranks[:hunting], strict=True)
-    return any(who == entrant and rank > 1 for who, rank in hunters)
+def _lost_by(played_match: PlayedMatch, entrant: int, hunting: int) -> bool:
+    hunters = zip(played_match.match.seating[:hunting], played_match.result.ranks[:hunting], strict=True)
+    return any(player == entrant and rank > 1 for player, rank in hunters)

@@ -92,7 +92,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Answer with the page, its state, or a replay bundle."""
         name, port = self.headers.get("Host", ""), self.server.server_port
         if name not in (f"{HOST}:{port}", f"localhost:{port}"):  # a stranger's page, under a name that leads here
-            self._answer(403, "text/plain", "ask for 127.0.0.1")
+            self._answer(403, "text/plain", "use the address http://127.0.0.1")
             return
         path = self.path.partition("?")[0]
         try:
@@ -103,7 +103,7 @@ class _Handler(BaseHTTPRequestHandler):
             elif path.startswith("/bundles/"):
                 self._answer(200, "text/plain", self.server.report.bundle(unquote(path.removeprefix("/bundles/"))))
             else:
-                self._answer(404, "text/plain", "there is nothing here")
+                self._answer(404, "text/plain", "there is no page at this address")
         except CatchArenaError as error:
             self._answer(404, "text/plain", without_folders(printable(str(error))))
 

@@ -176,7 +176,7 @@ def half_blind(quiet, tmp_path):
 def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):
     """By the button and by the key; nobody's before somebody is picked."""
     half_blind.evaluate("document.querySelector('catch-replay').seek(3000)")
-    button = half_blind.get_by_role("button", name="What it sees")
+    button = half_blind.get_by_role("button", name="Show its view")
     assert button.is_disabled()
     half_blind.get_by_role("button", name="ann").click()
     before = picture(half_blind, "canvas.arena")

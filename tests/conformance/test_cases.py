@@ -122,7 +122,7 @@ def test_a_file_is_read():
         (
             "requests =",
             "under_nearest = [{ hunter = 1, name = 'a', verdict = 'GRANTED' }]\nrequests =",
-            "under_nearest must answer the requests of the case itself, in their order",
+            "under_nearest must have one ruling for each request of the case, in their order",
         ),
         ("requests =", 'policy = "farthest"\nrequests =', "Invalid enum value 'farthest' - at `$.policy`"),
         ("requests =", "reach_m = [0.3]\nrequests =", "reach_m must be a number, or one for each of 2 hunters"),

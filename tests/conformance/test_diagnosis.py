@@ -25,7 +25,7 @@ def count_in_full(text: str) -> int:
 
 
 @pytest.mark.parametrize(
-    "looks_like", ["first come, first served", "within reach is tested with <=", "yes to everybody"]
+    "looks_like", ["first come, first served", "reach is tested with <=", "every request is granted"]
 )
 def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(looks_like):
     """With one failure in full, why its case matters, and the others by name."""
@@ -85,7 +85,7 @@ def service(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: A
     ("student", "named"),
     [
         (minimal, "reach is tested in floats, with <="),
-        (service, "the distance is a square: the root is missing"),
+        (service, "the distance is squared: the square root is missing"),
     ],
 )
 def test_a_students_arbiter_is_told_its_mistakes(student, named):
@@ -143,7 +143,7 @@ def forgets_one_or_all(**case: Any) -> Any:
     [
         (crashes, r"KeyError is raised (test_diagnosis.py, line ", "exactly one verdict (R5.2)"),
         (grants_everything, "verdict cannot be read", "It must be one of MATCH_OVER"),
-        (forgets_one_or_all, "None or too few rulings are returned", "a list with one ruling for each request"),
+        (forgets_one_or_all, "too few rulings are returned, or None", "a list with one ruling for each request"),
     ],
 )
 def test_answers_that_cannot_be_read_are_grouped_by_what_is_wrong(arbiter, looks_like, rule):

@@ -256,16 +256,16 @@ def without(*evidence: str) -> PlainArbiter:
 KNOWN: dict[str, PlainArbiter] = {
     "first come, first served": PlainArbiter(winner=lambda _, eligible: eligible[0]),
     "last come, first served": PlainArbiter(winner=lambda _, eligible: eligible[-1]),
-    "yes to everybody": PlainArbiter(told=lambda _, rulings: list(map(granted, rulings))),
-    "yes to everybody who names a target that is there": PlainArbiter(
+    "every request is granted": PlainArbiter(told=lambda _, rulings: list(map(granted, rulings))),
+    "every request for an alive target is granted": PlainArbiter(
         told=lambda self, rulings: [
             granted(one) if one["target"] in list(self.case["targets"]) else one for one in rulings
         ]
     ),
-    "everybody within reach wins": PlainArbiter(
+    "every hunter within reach wins": PlainArbiter(
         decide=lambda self, name, eligible: [(one, self.won(name), seat(one)) for one in eligible]
     ),
-    "nobody wins where several ask": PlainArbiter(
+    "no hunter wins a contest": PlainArbiter(
         decide=lambda self, name, eligible: (
             [(one, "LOST_CONTEST", None) for one in eligible] if eligible[1:] else right.decide(self, name, eligible)
         )
@@ -273,48 +273,48 @@ KNOWN: dict[str, PlainArbiter] = {
     "the farthest wins": PlainArbiter(winner=lambda _, eligible: max(eligible, key=lambda one: one["distance_um"])),
     "the lowest seat wins": PlainArbiter(winner=lambda _, eligible: min(eligible, key=seat)),
     "the highest seat wins": PlainArbiter(winner=lambda _, eligible: max(eligible, key=seat)),
-    "only one catch in a step": PlainArbiter(told=only_the_first_grant),
-    "one after the other: after a catch the target is gone": PlainArbiter(decide=one_after_the_other),
-    "ALREADY_CAUGHT for LOST_CONTEST": PlainArbiter(
+    "only one catch per step": PlainArbiter(told=only_the_first_grant),
+    "requests are judged one by one: after a catch the target is gone": PlainArbiter(decide=one_after_the_other),
+    "ALREADY_CAUGHT instead of LOST_CONTEST": PlainArbiter(
         told=lambda _, rulings: [
             one | {"verdict": "ALREADY_CAUGHT"} if one["verdict"] == "LOST_CONTEST" else one for one in rulings
         ]
     ),
     "a loser gets another target": PlainArbiter(told=consoled),
-    "the nearest target is given, whichever was named": PlainArbiter(far=far_from_all),
-    "a withdrawn hunter nearby wins without asking": PlainArbiter(decide=guarded),
+    "the nearest target is caught, not the requested one": PlainArbiter(far=far_from_all),
+    "a withdrawn hunter nearby wins without a request": PlainArbiter(decide=guarded),
     "refused requests win contests": PlainArbiter(decide=refused_compete),
-    "within reach is tested with <=": PlainArbiter(within=lambda self, um, _: um <= max(1, self.whole(self.reach_m))),
+    "reach is tested with <=": PlainArbiter(within=lambda self, um, _: um <= max(1, self.whole(self.reach_m))),
     "reach is tested in floats": PlainArbiter(within=lambda self, _, metres: metres < self.reach_m),
     "reach is tested in floats, with <=": PlainArbiter(within=lambda self, _, metres: metres <= self.reach_m),
     "reach is not tested": PlainArbiter(within=lambda *_: True),
-    "reach is 0.3 m whatever reach_m says": PlainArbiter(within=lambda _self, um, _: um < 300_000),
-    "a reach of less than a micrometre lets nobody in": PlainArbiter(
+    "reach is always 0.3 m, and reach_m is ignored": PlainArbiter(within=lambda _self, um, _: um < 300_000),
+    "a reach below one micrometre catches nothing": PlainArbiter(
         within=lambda self, um, _: um < self.whole(self.reach_m)
     ),
-    "all have the longest reach": PlainArbiter(one_of=lambda _self, reaches, _: max(reaches)),
-    "all have the shortest reach": PlainArbiter(one_of=lambda _self, reaches, _: min(reaches)),
-    "all have the reach of hunter 0": PlainArbiter(one_of=lambda _self, reaches, _: reaches[0]),
-    "who reaches farther wins": PlainArbiter(winner=longest_reach),
-    "distances are cut off, not rounded": PlainArbiter(whole=lambda _, metres: int(1e6 * metres)),
+    "every hunter has the longest reach": PlainArbiter(one_of=lambda _self, reaches, _: max(reaches)),
+    "every hunter has the shortest reach": PlainArbiter(one_of=lambda _self, reaches, _: min(reaches)),
+    "every hunter has the reach of hunter 0": PlainArbiter(one_of=lambda _self, reaches, _: reaches[0]),
+    "the hunter with the longer reach wins": PlainArbiter(winner=longest_reach),
+    "distances are truncated, not rounded": PlainArbiter(whole=lambda _, metres: int(1e6 * metres)),
     "distances are rounded to millimetres": PlainArbiter(whole=lambda _, metres: 1000 * round(1e3 * metres)),
     "the distance is dx + dy": PlainArbiter(measure=lambda _, dx, dy: abs(dx) + abs(dy)),
-    "the distance is the larger one of dx and dy": PlainArbiter(measure=lambda _, dx, dy: max(abs(dx), abs(dy))),
+    "the distance is the larger of dx and dy": PlainArbiter(measure=lambda _, dx, dy: max(abs(dx), abs(dy))),
     "the distance is dx alone": PlainArbiter(measure=lambda _self, dx, _: abs(dx)),
-    "the distance is a square: the root is missing": PlainArbiter(measure=lambda _, dx, dy: dx * dx + dy * dy),
+    "the distance is squared: the square root is missing": PlainArbiter(measure=lambda _, dx, dy: dx * dx + dy * dy),
     "ties go to the lowest seat": PlainArbiter(of_tied=lambda _, tied: min(tied, key=seat)),
     "ties go to the first request": PlainArbiter(of_tied=lambda _, tied: tied[0]),
-    "everybody in a tie wins": PlainArbiter(decide=all_tied_win),
+    "every tied hunter wins": PlainArbiter(decide=all_tied_win),
     "a lot is drawn wrongly": PlainArbiter(of_tied=drawn_by_a_count),
     "the nearest is found in floats, not in whole micrometres": PlainArbiter(winner=nearest_in_floats),
-    "capital letters do not matter in names": known_alike(str.casefold),
-    "letters that look the same are the same (NFC)": known_alike(partial(unicodedata.normalize, "NFC")),
-    "letters that mean the same are the same (NFKC)": known_alike(partial(unicodedata.normalize, "NFKC")),
-    "spaces around names do not matter": PlainArbiter(known_as=lambda self, name: right.known_as(self, name.strip())),
+    "names are compared without regard to case": known_alike(str.casefold),
+    "names are normalised (NFC) before they are compared": known_alike(partial(unicodedata.normalize, "NFC")),
+    "names are normalised (NFKC) before they are compared": known_alike(partial(unicodedata.normalize, "NFKC")),
+    "spaces around names are ignored": PlainArbiter(known_as=lambda self, name: right.known_as(self, name.strip())),
     "a name ends at its first NUL": PlainArbiter(
         known_as=lambda self, name: right.known_as(self, name.partition("\0")[0])
     ),
-    "the beginning of a name is enough": PlainArbiter(
+    "a prefix of a name is accepted": PlainArbiter(
         known_as=lambda self, name: next((one for one in self.case["targets"] if one.startswith(name)), None)
     ),
     "the length of a name is counted in bytes": PlainArbiter(
@@ -345,12 +345,12 @@ KNOWN: dict[str, PlainArbiter] = {
     "HUNTER_INACTIVE is never given": with_case(inactive=()),
     "SERVICE_DOWN is never given": with_case(kill_service_up=True),
     "MATCH_OVER is never given": with_case(match_over=False),
-    "UNKNOWN_TARGET for ALREADY_CAUGHT": with_case(caught=()),
+    "UNKNOWN_TARGET instead of ALREADY_CAUGHT": with_case(caught=()),
     "a refused kill is GRANTED": PlainArbiter(won=lambda *_: "GRANTED"),
     "one refused kill refuses all of its step": PlainArbiter(
         won=lambda self, _: "KILL_FAILED" if self.case["kill_refused"] else "GRANTED"
     ),
-    "after a refused kill the others are told KILL_FAILED too": PlainArbiter(
+    "after a refused kill the losers get KILL_FAILED too": PlainArbiter(
         decide=lambda self, name, eligible: [
             (one, "KILL_FAILED" if name in self.case["kill_refused"] else verdict, winner)
             for one, verdict, winner in right.decide(self, name, eligible)
@@ -361,10 +361,10 @@ KNOWN: dict[str, PlainArbiter] = {
     "no evidence is given": without("distance_um", "winner"),
     "no distance is given": without("distance_um"),
     "no winner is given": without("winner"),
-    "only who is granted learns the winner": PlainArbiter(
+    "only a granted request has the winner": PlainArbiter(
         told=lambda _, rulings: [one if one["verdict"] == "GRANTED" else one | {"winner": None} for one in rulings]
     ),
-    "a distance is given to everybody": PlainArbiter(refuse=measured_for_all),
+    "every ruling has a distance": PlainArbiter(refuse=measured_for_all),
     "distances are in millimetres": PlainArbiter(
         told=lambda _, rulings: [
             one | {"distance_um": None if one["distance_um"] is None else round(one["distance_um"] / 1000)}

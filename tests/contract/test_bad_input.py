@@ -55,7 +55,7 @@ BAD_CONFIGS = [
     ({"faults": {"kill_down": 1.5}}, "faults.kill_down must be at least 0 and at most 1, got 1.5"),
     ({"gains": {"kp": 1.0}}, "unknown setting gains.kp: did you mean kp_"),
     ({"spawn_frequenzy_hz": 1}, "unknown setting 'spawn_frequenzy_hz': did you mean spawn_frequency_hz"),
-    ({"teams": ((0, 1), (2,))}, "teams must name each seat from 0 to 3 once, got none for seat 3"),
+    ({"teams": ((0, 1), (2,))}, "teams must name each seat from 0 to 3 once, got no team for seat 3"),
     ({"teams": ((0, 1), (1, 2, 3))}, "teams must name each seat from 0 to 3 once, got seat 1 more than once"),
     ({"teams": ((0, 1, 2, 3), ())}, "teams must name each seat from 0 to 3 once, and no team without a seat, got (("),
     ({"teams": ((0, 1.0), (2, 3))}, "teams must name each seat from 0 to 3 once, got 1.0"),
@@ -146,7 +146,7 @@ def test_a_step_at_the_wrong_time_is_refused():
     actions = good(env)
     env.step(actions)
     last = env.digest()
-    with pytest.raises(EpisodeError, match="this episode is over"):
+    with pytest.raises(EpisodeError, match="the episode is over"):
         env.step(actions)
 
     assert env.step({}) == ({}, {}, {}, {}, {})  # nobody is left to act
@@ -178,11 +178,11 @@ def test_steps_at_the_wrong_time_are_refused_under_aec_too():
     env.reset(seed=1)
     for _ in range(2):
         env.step(0)
-    with pytest.raises(ActionError, match="hunter_0: an action must be None after the end, got 1"):
+    with pytest.raises(ActionError, match="hunter_0: an action must be None after the agent's end, got 1"):
         env.step(1)
     for _ in env.agent_iter():
         env.step(None)
-    with pytest.raises(EpisodeError, match="this episode is over"):
+    with pytest.raises(EpisodeError, match="the episode is over"):
         env.step(0)
 
     assert env.world().step == 1
@@ -226,7 +226,7 @@ def test_limits_of_hunters_that_differ_need_a_seat():
     """R2.7: nobody is told the first one's, as if all had them."""
     config = catch_arena.scenario("unequal")
     with pytest.raises(
-        ConfigError, match=r"seat must be given where hunters differ, Limits.of\(config, seat\), got none"
+        ConfigError, match=r"the limits of these hunters differ: give a seat, Limits.of\(config, seat\)"
     ):
         catch_arena.Limits.of(config)
     assert [catch_arena.Limits.of(config, seat).reach_m for seat in range(4)] == [0.2, 0.3, 0.4, 0.5]
@@ -246,7 +246,7 @@ def test_limits_of_hunters_that_differ_need_a_seat():
 )
 @pytest.mark.parametrize("wrong", ["duel", []], ids=repr)
 def test_what_is_no_config_is_refused(call, wrong):
-    message = f"config must be an ArenaConfig, as of scenario(name), got {wrong!r}"
+    message = f"config must be an ArenaConfig, such as scenario(name) returns, got {wrong!r}"
     with pytest.raises(ConfigError, match=f"^{re.escape(message)}$"):
         call(wrong)
 

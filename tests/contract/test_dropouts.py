@@ -135,6 +135,6 @@ def test_actions_of_agents_that_have_left_are_ignored(action):
     (last,) = env.agents
     with pytest.raises(ActionError, match="unknown agent 'hunter_9'"):
         env.step({last: 1, "hunter_9": 1})
-    with pytest.raises(ActionError, match=f"actions must hold one for each agent, got none for {last}"):
+    with pytest.raises(ActionError, match=f"actions must have an action for each agent, got none for {last}"):
         env.step(dict.fromkeys(set(env.possible_agents) - {last}, 1))
     assert env.digest() == other.digest()

@@ -117,7 +117,7 @@ def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
     (still,) = (target for target in env.world().targets if target.prey == "prey_1")
     assert (still.x, still.y, still.theta) == (target.x, target.y, target.theta)
     assert env.world().prey[1].withdrawn
-    with pytest.raises(EpisodeError, match="prey_1 must be in play to be withdrawn"):
+    with pytest.raises(EpisodeError, match="cannot withdraw prey_1: it is not among the agents"):
         env.withdraw("prey_1")
     env.step(act(env, infos))
 

@@ -97,7 +97,7 @@ def test_an_exact_tie_tells_the_lots_of_the_tied(play):
     assert tied[0].verdict is Verdict.GRANTED
     (line,) = [line for line in explain(match).lines() if "lowest lot wins (R5.5)" in line]
     assert all(f"hunter_{claim.seat} {claim.lot:016x}" in line for claim in tied)
-    assert "just as far" in line
+    assert "the same distance" in line
 
 
 def test_first_come_tells_the_lots_of_the_step(play):
@@ -118,7 +118,7 @@ def test_the_capstones_service_is_said_to_refuse_nobody(play):
     """R9.1: nobody won, and nobody lost."""
     told = explain(play(chase=True, policy="capstone", **CLOSE))
     assert {contest.clause for contest in told.contests} == {"R9.1"}
-    assert any("says yes to each of them, GRANTED (R9.1)" in line for line in told.lines())
+    assert any("grants each of them, GRANTED (R9.1)" in line for line in told.lines())
     assert {(record.contests_won, record.contests_lost) for record in told.records} == {(0, 0)}
 
 
@@ -329,11 +329,11 @@ def test_a_step_says_what_was_out_of_sight(play):
     match = play("duel", hunter_poses=poses, seed=2, max_cycles=2, chase=True, view_radius_m=4.0, view_angle_deg=120.0)
     told = explain_step(match, 1)
     text = " ".join(told.lines())
-    assert "It sees what is nearer than 4 m and at most 60 degrees off its heading (R7.5): " in text
+    assert "It sees targets that are nearer than 4 m and at most 60 degrees off its heading (R7.5): " in text
     for one in told.hunters:
         for other in one.unseen:
             how = ["too far"] * other.too_far
-            where = "behind it" if other.off_heading_deg > 90 else "to its side"
+            where = "to its rear" if other.off_heading_deg > 90 else "to its side"
             how += [f"{where}, {other.off_heading_deg:.1f} degrees off its heading"] * other.outside_cone
             assert f"{other.target}, {other.distance_um / 1e6:.6f} m away, {' and '.join(how)}" in text
     assert json.loads(json.dumps(told.to_dict()))["hunters"][0]["unseen"][0].keys() == {
@@ -404,12 +404,12 @@ def test_rivals_are_ranked_as_the_engine_ranks_them():
 
 
 def test_what_is_no_replay_or_no_step_is_refused(crowded):
-    why = r"^replay must be a Replay, as of Replay\.load\(path\), got 'v\.replay'$"
+    why = r"^replay must be a Replay, such as Replay\.load\(path\) returns, got 'v\.replay'$"
     for call in (explain, lambda what: explain_step(what, 1), lambda what: step_at(what, 1.0)):
         with pytest.raises(ConfigError, match=why):
             call("v.replay")
     for step in (1.0, "1"):
-        with pytest.raises(ConfigError, match=f"^step must be a whole number, as of step_at.*, got {step!r}$"):
+        with pytest.raises(ConfigError, match=f"^step must be a whole number, such as step_at.*, got {step!r}$"):
             explain_step(crowded, step)
     assert explain_step(crowded, np.int64(3)) == explain_step(crowded, 3)
     with pytest.raises(ConfigError, match=r"^hunter must be a seat from 0 to 3, got 1\.5$"):

@@ -58,9 +58,9 @@ def test_a_quiet_match_has_none():
 
 def test_a_contest_says_who_won_by_how_much_and_why():
     (one,) = of_kind("contest", match_with(contests=[contest(213)]))
-    assert one.what == "bob beats ann by 213 µm"
-    assert one.why == (
-        "It was 0.120000 m from target_turtle_7, the other 0.120213 m: the smaller distance decides (R5.4)"
+    assert one.event == "bob beats ann by 213 µm"
+    assert one.reason == (
+        "bob was 0.120000 m from target_turtle_7, ann 0.120213 m: the smaller distance decides (R5.4)"
     )
     assert (one.decisive_ms, one.start_ms, one.end_ms) == (5000, 3000, 6500)
 
@@ -71,8 +71,8 @@ def test_the_closer_a_contest_the_better_and_a_lot_is_best():
     assert lot.score == 1.0 > scores[0]
     assert scores == sorted(scores, reverse=True)
     assert scores[-1] > 0
-    assert "by lot" in lot.what
-    assert "R5.5" in lot.why
+    assert "by lot" in lot.event
+    assert "R5.5" in lot.reason
 
 
 @pytest.mark.parametrize(
@@ -85,8 +85,8 @@ def test_contests_that_distance_did_not_decide_or_that_caught_nothing_are_none(o
 def test_the_lead_changes_where_another_leads_alone_ties_between_or_not():
     catches = [(1000, 0), (2000, 1), (3000, 0), (20_000, 1), (40_000, 1), (50_000, 1)]
     (one,) = of_kind("lead", match_with(catches))
-    assert (one.decisive_ms, one.what) == (40_000, "bob takes the lead, 3 : 2")
-    assert one.why == "ann, who was in front from 1.0 s on, has 2 (R6.1)"
+    assert (one.decisive_ms, one.event) == (40_000, "bob takes the lead, 3 : 2")
+    assert one.reason == "ann, which led from 1.0 s on, has 2 (R6.1)"
     assert one.score == pytest.approx((40 / 60) ** 2)
 
 
@@ -94,8 +94,8 @@ def test_a_streak_is_three_or_more_in_a_row():
     assert of_kind("streak", match_with([(1000, 0), (2000, 0), (3000, 1), (4000, 0)])) == []
     (three,) = of_kind("streak", match_with([(1000, 1), (2000, 1), (3000, 1), (4000, 0)]))
     (six,) = of_kind("streak", match_with([(1000 * k, 1) for k in range(1, 7)]))
-    assert three.what == "bob catches 3 in a row"
-    assert three.why == "For 2.0 s nobody else catches any (R6.1)"
+    assert three.event == "bob catches 3 in a row"
+    assert three.reason == "For 2.0 s no other hunter catches a target (R6.1)"
     assert 0 < three.score < six.score < 1
     assert six.decisive_ms == 6000
     assert six.start_ms == 3000  # its last catches, not the whole of it
@@ -106,10 +106,10 @@ def test_the_end_of_a_close_match_is_seen_and_of_no_other():
     (one,) = of_kind("finish", close)
     assert (one.start_ms, one.decisive_ms) == (55_000, 59_500)
     assert one.end_ms > 60_000  # the last picture stays
-    assert one.what == "ann 3, bob 2 at the end"
+    assert one.event == "ann 3, bob 2 at the end"
     tie = of_kind("finish", match_with([(1000, 0), (2000, 1)]))[0]
     assert tie.score == 1.0 > one.score
-    assert "share" in tie.why
+    assert "share" in tie.reason
     assert of_kind("finish", match_with([(1000 * k, 0) for k in range(1, 4)])) == []
 
 
@@ -117,9 +117,9 @@ def test_an_upset_is_a_win_over_who_won_more_of_the_other_matches():
     upset = match_with([(1000, 1), (2000, 0), (3000, 0)])
     rates = {"ann": 0.1, "bob": 0.8, "cy": 0.3}
     (one,) = of_kind("upset", upset, rates)
-    assert one.what == "ann beats bob, 2 : 1"
-    assert "10 %" in one.why
-    assert "80 %" in one.why
+    assert one.event == "ann beats bob, 2 : 1"
+    assert "10 %" in one.reason
+    assert "80 %" in one.reason
     assert one.score == pytest.approx(0.7)
     assert one.decisive_ms == 3000  # from here on it leads
     assert of_kind("upset", upset, {"ann": 0.9, "bob": 0.8, "cy": 0.3}) == []
@@ -166,10 +166,10 @@ def test_prey_that_is_caught_is_worth_the_more_the_longer_it_had_got_away():
     captures = [Capture(0, 51, 5000, 1, "target_turtle_1", 212_345, 5000, 7100, "target_turtle_9")]
     captures.append(Capture(0, 401, 40_000, 2, "target_turtle_9", None, 30_000))
     one, other = of_kind("capture", match_with(captures=captures))
-    assert (one.what, one.decisive_ms) == ("bob catches pip (prey_0)", 5000)
-    assert one.why == "It had got away for 5.0 s, from 0.212345 m (R12.3)"
-    assert other.what == "cy catches pip (prey_0)"
-    assert other.why == "It had got away for 30.0 s (R12.3)"
+    assert (one.event, one.decisive_ms) == ("bob catches pip (prey_0)", 5000)
+    assert one.reason == "The prey had escaped for 5.0 s, from 0.212345 m (R12.3)"
+    assert other.event == "cy catches pip (prey_0)"
+    assert other.reason == "The prey had escaped for 30.0 s (R12.3)"
     assert other.score == 0.5 > one.score
 
 

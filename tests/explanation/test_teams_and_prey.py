@@ -144,9 +144,9 @@ def test_prey_alone_hears_of_its_own_catches(hunted):
 def test_a_view_is_that_of_one_hunter(hunted):
     """Prey sees everything."""
     assert find_seat(hunted, "b") == 1
-    with pytest.raises(ConfigError, match="one of the seats 0, 2: 'a' means all of them"):
+    with pytest.raises(ConfigError, match="one of the seats 0, 2: 'a' is the name of all of them"):
         find_seat(hunted, "a")
-    with pytest.raises(ConfigError, match="no prey, which has no view to draw, got 'prey_0'"):
+    with pytest.raises(ConfigError, match="prey has no view to draw, got 'prey_0'"):
         find_seat(hunted, "prey_0")
 
 
@@ -166,7 +166,7 @@ def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
     name = told.prey_names[capture.prey]
     (line,) = (line for line in lines if line.startswith(f"{name}: "))
     assert line.endswith(f", as {capture.target}. It was caught by {told.names[capture.seat]} (R12.3).")
-    assert any(line.startswith(f"Distances to {capture.target}, which {name} plays: ") for line in lines)
+    assert any(line.startswith(f"Distances to {capture.target}, played by {name}: ") for line in lines)
     out = explain_step(hunted, capture.step + 1).lines()
     assert f"{name}: out (R12.3)." in out
     back = explain_step(hunted, capture.returned_ms // 100).lines()

@@ -24,7 +24,7 @@ def within(shapes, area) -> bool:
 @pytest.mark.parametrize("area", AREAS)
 def test_every_key_is_on_the_card(area):
     rows = (*overlays.DRIVING, *overlays.WINDOW)
-    shapes = overlays.card_overlay(area, "Keys", rows, "any key begins")
+    shapes = overlays.card_overlay(area, "Keys", rows, "press any key to begin")
     texts = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert {meaning for _, meaning in rows} <= set(texts)
     assert {"W", "A", "S", "D", "space", "P", "N", ".", "R", "Ctrl-S", "H", "Esc"} <= set(texts)

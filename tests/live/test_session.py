@@ -226,7 +226,7 @@ def test_v_says_where_there_is_nothing_to_show(session, monkeypatch):
     monkeypatch.setattr(match_window.MatchWindow, "notify", lambda _, text: notes.append(text))
     result = session(["watch", "nearest"], *nothing(3), pygame.K_v, *nothing(3))
     assert result.exit_code == 0, result.output
-    assert "hunters see everything here" in notes
+    assert "all hunters see the whole arena" in notes
 
 
 def test_an_agent_that_fails_comes_last_and_the_others_play_on(session, over, tmp_path):
@@ -270,7 +270,7 @@ def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monke
     )
 
     def out() -> bool:
-        return any(text.startswith("hangs is out") for text in said)
+        return any(text.startswith("hangs has forfeited") for text in said)
 
     (tmp_path / "hangs.py").write_text(HANGS)
     short = ["--limit", "init_s=120", "--limit", "step_ms=100", "--limit", "bank_s=0.1"]

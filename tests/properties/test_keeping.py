@@ -218,17 +218,17 @@ def test_what_callers_write_into_does_not_change_what_is_saved():
 def test_what_an_aec_env_cannot_go_on_from_is_refused():
     """In the words of the parallel env, and nothing changes."""
     env, other = catch_arena.env("duel"), catch_arena.env("standard")
-    with pytest.raises(EpisodeError, match="save must follow a reset: no episode has begun"):
+    with pytest.raises(EpisodeError, match=r"cannot call save\(\): no episode has begun; call reset\(\) first"):
         env.save()
     for one in (env, other):
         one.reset(seed=1)
         one.step(1)
     before = env.digest()
-    with pytest.raises(ConfigError, match="saved must be what save gives, got 3"):
+    with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned, got 3"):
         env.restore(3)
-    with pytest.raises(ConfigError, match="saved must be what save gives"):
+    with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned"):
         env.restore(env.unwrapped.save())
-    with pytest.raises(ConfigError, match="saved must come from an arena of equal config"):
+    with pytest.raises(ConfigError, match="saved must come from an arena with an equal config"):
         env.restore(other.save())
     assert (env.digest(), env.agent_selection) == (before, "hunter_1")
 

@@ -27,7 +27,7 @@ def test_a_contest_tells_who_won_and_by_how_much_the_others_lost():
     )
     catch, lost = annotations_of(a_world(step=4), after)
     assert (catch.text, lost.text) == ("+1", "−59 mm")
-    assert catch.rivals == (Rival(1, 200_000, asked=True),)
+    assert catch.rivals == (Rival(1, 200_000, requested=True),)
     assert catch.distance_um == 141_421
 
 
@@ -48,7 +48,7 @@ def test_who_was_near_without_asking_is_known_too_and_who_was_far_is_not():
     places = ((1.0, 2.0), (1.5, 2.1), (9.0, 9.0))
     after = a_world(Ruling(Verdict.GRANTED, 0, "target_turtle_7", 141_421, 0), places=places)
     (catch,) = annotations_of(a_world(step=4, places=places), after)
-    assert catch.rivals == (Rival(1, 400_000, asked=False),)
+    assert catch.rivals == (Rival(1, 400_000, requested=False),)
 
 
 @pytest.mark.parametrize("verdict", sorted(set(Verdict) - {Verdict.GRANTED, Verdict.LOST_CONTEST}))

@@ -10,8 +10,8 @@ from catch_arena.render.annotations import Annotation, Rival
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.shapes import Label
 
-CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, asked=True),), 143_000)
-NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, asked=False),), 143_000)
+CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, requested=True),), 143_000)
+NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, requested=False),), 143_000)
 
 
 def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotation:
@@ -30,7 +30,7 @@ def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catch
 
 def test_a_tie_is_won_by_lot():
     feed = EventFeed()
-    feed.record([Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, asked=True),), 143_000)])
+    feed.record([Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, requested=True),), 143_000)])
     assert feed.items[0].after == "by lot"
 
 

@@ -25,7 +25,7 @@ def texts(slow: bool) -> list[str]:
 
 
 def test_the_caption_says_what_and_why_and_where_it_is_from():
-    assert {"CONTEST", HIGHLIGHT.what, HIGHLIGHT.why, "m7   1 of 3"} <= set(texts(slow=False))
+    assert {"CONTEST", HIGHLIGHT.event, HIGHLIGHT.reason, "m7   1 of 3"} <= set(texts(slow=False))
     assert any("slow motion" in text for text in texts(slow=True))
     assert set(HEADINGS) == set(KINDS)
 
@@ -59,6 +59,6 @@ def test_the_video_has_every_frame_of_every_highlight(match, tmp_path):
 
 
 def test_without_highlights_there_is_no_video(tmp_path):
-    with pytest.raises(ConfigError, match="one at least"):
+    with pytest.raises(ConfigError, match="at least one entry"):
         render_highlights([], tmp_path / "best.mp4")
     assert list(tmp_path.iterdir()) == []

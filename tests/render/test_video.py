@@ -126,12 +126,12 @@ def test_an_end_after_the_end_is_the_end(match):
         ({"size": (100, 100)}, r"size must be two whole numbers from 320 x 320 to 3840 x 2160, got \(100, 100\)"),
         ({"fps": 0}, "fps must be a whole number from 1 to 240 for MP4, got 0"),
         ({"fps": 59.94}, "fps must be a whole number from 1 to 240 for MP4, got 59.94"),
-        ({"speed": 0.0}, r"speed must lie in \[0.01, 100\], got 0.0"),
-        ({"speed": float("nan")}, r"speed must lie in \[0.01, 100\], got nan"),
-        ({"start_s": 3.5}, r"the start must lie in the match, \[0, 3\] s, got 3.5"),
-        ({"start_s": -1.0}, r"the start must lie in the match, \[0, 3\] s, got -1.0"),
-        ({"start_s": 2.0, "end_s": 1.0}, r"the end must lie after the start, 2 s, got 1.0"),
-        ({"end_s": float("nan")}, r"the end must lie after the start, 0 s, got nan"),
+        ({"speed": 0.0}, "speed must be from 0.01 to 100, got 0.0"),
+        ({"speed": float("nan")}, "speed must be from 0.01 to 100, got nan"),
+        ({"start_s": 3.5}, r"the start must be from 0 to 3 s, the match's length, got 3.5"),
+        ({"start_s": -1.0}, r"the start must be from 0 to 3 s, the match's length, got -1.0"),
+        ({"start_s": 2.0, "end_s": 1.0}, r"the end must be after the start, 2 s, got 1.0"),
+        ({"end_s": float("nan")}, r"the end must be after the start, 0 s, got nan"),
         ({"layout": "brodcast"}, "layout must be one of broadcast, arena, got 'brodcast'; did you mean broadcast"),
     ],
 )
@@ -170,7 +170,7 @@ def test_without_the_encoder_there_is_no_file_and_one_line_says_what_to_install(
 @pytest.mark.parametrize(
     ("settings", "view_of", "says"),
     [
-        ({}, 0, "view_of needs a match whose hunters do not see everything"),
+        ({}, 0, "view_of needs a match that limits or blurs its hunters' views"),
         ({"view_radius_m": 2.0}, 4, "hunter must be a seat from 0 to 3, got 4"),
         ({"view_radius_m": 2.0}, "patrl", "unknown hunter 'patrl': did you mean patrol?"),
     ],

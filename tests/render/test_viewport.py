@@ -13,7 +13,7 @@ from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE
 
 
 def test_names_must_fit_the_seats():
-    with pytest.raises(ConfigError, match="names must be one for each of 4 hunters, got 3"):
+    with pytest.raises(ConfigError, match="names must have one for each of 4 hunters, got 3"):
         MatchInfo.of(ArenaConfig(), ["a", "b", "c"])
 
 

@@ -33,7 +33,7 @@ def test_headers_are_compared_setting_by_setting(play):
         "reach_m: 0.3 in A, 0.5 in B",
         "control of hunter_1: target in A, full in B",
     ]
-    assert "the initial state is the first that differs" in found
+    assert "the initial state is the first difference" in found
     assert any(re.match(r"the initial state: hunter_1: x is \d\.\d{6} m in A and ", line) for line in found)
 
 
@@ -47,18 +47,18 @@ def test_the_first_actions_that_differ_are_told_with_who_and_what(pair):
     one, other = pair
     other.choices[30][3] = (one.choices[30][3] + 1) % 9
     assert replay_differences(one, other)[0] == (
-        f"step 31: hunter_3 acts otherwise: {one.action(30, 3)} in A, {other.action(30, 3)} in B"
+        f"step 31: hunter_3 acts differently: {one.action(30, 3)} in A, {other.action(30, 3)} in B"
     )
     other.commands[20][1, 0] = np.nextafter(one.commands[20][1, 0], np.float32(0))
     first = replay_differences(one, other)[0]
     assert re.fullmatch(
-        r"step 21: hunter_1 acts otherwise: linear \S+, angular \S+ of the limits in A, linear .* in B",
+        r"step 21: hunter_1 acts differently: linear \S+, angular \S+ of the limits in A, linear .* in B",
         first,
     )
     assert f"{one.commands[20][1, 0]:+.9g}" in first
     assert f"{other.commands[20][1, 0]:+.9g}" in first
     other.withdrawals.insert(0, (10, 0))
-    assert replay_differences(one, other)[0] == "before step 11: hunter_0 is withdrawn in B alone"
+    assert replay_differences(one, other)[0] == "before step 11: hunter_0 is withdrawn in B only"
 
 
 def test_the_first_state_that_differs_is_told_with_its_numbers(play):
@@ -67,7 +67,7 @@ def test_the_first_state_that_differs_is_told_with_its_numbers(play):
     )
     found = replay_differences(one, other)
 
-    assert found[:2] == ["max_speed_mps: 2.0 in A, 1.5 in B", "step 1 is the first that differs"]
+    assert found[:2] == ["max_speed_mps: 2.0 in A, 1.5 in B", "step 1 is the first difference"]
     assert (
         "step 1: hunter_0 (ann): linear velocity is 2.000000 m/s in A and 1.500000 m/s in B, 0.500000 m/s apart"
         in found
@@ -81,8 +81,8 @@ def test_a_digest_alone_and_a_length_are_differences(pair):
     other.digests[80] = b"12345678"
     found = replay_differences(one, other)
     assert found[:2] == [
-        "step 80 is the first that differs",
-        "step 80: every number by less than a millionth of its unit",
+        "step 80 is the first difference",
+        "step 80: every number differs by less than a millionth of its unit",
     ]
     for part in (other.choices, other.commands, other.digests, other.states):
         part.pop()
@@ -120,11 +120,11 @@ def test_actions_names_and_captures_of_prey_are_compared(hunted):
 
     assert found[0] == "the agent of prey_2: 'p' in A, 'r' in B"
     assert re.match(
-        r"step 13: prey_2 acts otherwise: linear \S+, angular \S+ of the limits in A, "
+        r"step 13: prey_2 acts differently: linear \S+, angular \S+ of the limits in A, "
         r"linear \+0.5, angular -0.25 of the limits in B$",
         found[1],
     )
-    assert found[-1].startswith("times that prey was caught: ")
+    assert found[-1].startswith("number of catches of each prey: ")
     assert found[-1].endswith(" the same in both")
 
 
@@ -133,5 +133,5 @@ def test_matches_with_different_prey_have_only_their_headers_compared(play):
     assert replay_differences(one, other) == [
         "the agent of prey_1: None in A, 'prey_1' in B",
         "prey: 1 in A, 2 in B",
-        "with different numbers of prey, actions and states are not compared",
+        "with different numbers of prey, actions and states cannot be compared",
     ]

@@ -270,13 +270,13 @@ def test_every_flipped_bit_is_refused(small):
         (b"\x89CATCH\r\n" + bytes(9), "is truncated"),
         (
             b"\x89CATCH\r\n" + struct.pack("<IQ", 1, 5) + bytes(37),
-            "is of format 1, and this version reads formats 2 to 5",
+            "has format 1, but this version reads formats 2 to 5",
         ),
-        (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "should be 9223372036854775860 bytes long"),
+        (b"\x89CATCH\r\n" + struct.pack("<IQ", 2, 2**63) + bytes(37), "must be 9223372036854775860 bytes long"),
         (sealed(b"", packed_as=b"not zlib"), "its body does not unpack"),
         (sealed(b"", packed_as=zlib.compress(bytes(9))[:-1]), "is damaged"),
         (sealed(b"", packed_as=zlib.compress(bytes(9)) + b"more"), "4 bytes follow its body"),
-        (sealed(b""), "more are announced"),
+        (sealed(b""), "before the end of its parts"),
         (sealed(b"\x00\x00\x00\x00"), "no readable header"),
         (sealed(b"\xff\xff\xff\xff{}"), "its header is 4294967295 bytes long"),
         (sealed(b"\x02\x00\x00\x00\xff\xfe"), "no readable header"),
@@ -312,9 +312,9 @@ def test_requests_by_name_are_read_by_the_document_alone(named, tmp_path):
         (lambda asked: asked.__setitem__(0, asked[0]._replace(seat=1)), "that no hunter could have made"),
         (lambda asked: asked.__setitem__(0, asked[0]._replace(step=10**6)), "not in the order of the steps"),
         (lambda asked: asked.reverse(), "not in the order of the steps"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that no replay keeps"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that no replay keeps"),
-        (lambda asked: asked.extend([asked[-1]] * 2**16), "and 1 to 65536 can be kept"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that a replay cannot contain"),
+        (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that a replay cannot contain"),
+        (lambda asked: asked.extend([asked[-1]] * 2**16), "must contain 1 to 65536"),
     ],
 )
 def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, says):
@@ -328,9 +328,9 @@ def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, sa
         (struct.pack("<I", 2**31), "its table of names is 2147483648 bytes long"),
         (struct.pack("<I", 2) + b"\xff\xfe", "no readable table of names"),
         (struct.pack("<I", 9000) + b"[" * 9000, "no readable table of names"),
-        (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 0), "holds 0 requests by name"),
+        (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 0), "contains 0 requests by name"),
         (struct.pack("<I", 2) + b"[]" + struct.pack("<I", 1) + bytes(3), "that no hunter could have made"),
-        (struct.pack("<I", 2) + b"{}", "names that no replay keeps"),
+        (struct.pack("<I", 2) + b"{}", "names that a replay cannot contain"),
     ],
 )
 def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, says):
@@ -343,16 +343,14 @@ def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, says):
 
 def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, tmp_path):
     """Somebody has changed the number and sealed the file anew; or the number of prey."""
-    assert (
-        refusal(sealed(body_of(small), form=3), tmp_path) == "is of format 3, which is not that of a match with 0 prey"
-    )
+    assert refusal(sealed(body_of(small), form=3), tmp_path) == "has format 3, which does not fit a match with 0 prey"
     text = refusal(sealed(body_of(small_hunted), form=2), tmp_path)
-    assert text == "is of format 2, which is not that of a match with 2 prey"
-    assert "is of format 6, and this version reads formats 2 to 5" in refusal(sealed(b"", form=6), tmp_path)
+    assert text == "has format 2, which does not fit a match with 2 prey"
+    assert "has format 6, but this version reads formats 2 to 5" in refusal(sealed(b"", form=6), tmp_path)
     names = ["a", "b"]
     config = {**decode(small_hunted)["config"], "prey": 0}
     text = refusal(with_header(small_hunted, config=config, names=names, withdrawals=[]), tmp_path)
-    assert text == "is of format 3, which is not that of a match with 0 prey"
+    assert text == "has format 3, which does not fit a match with 0 prey"
 
 
 CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()

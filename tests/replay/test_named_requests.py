@@ -73,9 +73,9 @@ def test_one_name_that_differs_is_told(named):
     at = next(at for at, one in enumerate(other.named_requests) if one.name == "x")
     step, seat, _ = other.named_requests[at]
     other.named_requests[at] = other.named_requests[at]._replace(name="z")
-    (line,) = [line for line in replay_differences(named, other) if "acts otherwise" in line]
+    (line,) = [line for line in replay_differences(named, other) if "acts differently" in line]
 
-    assert line.startswith(f"step {step + 1}: hunter_{seat} acts otherwise: ")
+    assert line.startswith(f"step {step + 1}: hunter_{seat} acts differently: ")
     assert '"x"' in line
     assert '"z"' in line
 

@@ -62,9 +62,9 @@ def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(data
     [
         ([(1, 1), (2, 2)], True, "a comes first"),
         ([(1, 1), (2, 2)], False, "a leads so far"),
-        ([(1, 1), (1, 2), (2, 2)], True, "a and b lead and cannot be told apart"),
-        ([(1, 1), (1, 1)], True, "Nobody can be told apart yet"),
-        ([(1, 1), (1, 1), (1, 1), (1, 1), (2, 2)], True, "a leads, and 3 others cannot be told from the best"),
+        ([(1, 1), (1, 2), (2, 2)], True, "a and b lead without a significant difference"),
+        ([(1, 1), (1, 1)], True, "No difference between the agents is significant yet"),
+        ([(1, 1), (1, 1), (1, 1), (1, 1), (2, 2)], True, "a leads, but 3 others do not differ significantly"),
         ([(1, 1)], True, "a played alone"),
     ],
 )

@@ -56,7 +56,9 @@ def test_a_match_that_is_asked_for_is_there_whatever_the_budget(played):
     data = ReportData.of(played)
     last = max(data.recorded)
     assert list(select_matches(data, 0, [last])) == [last]
-    with pytest.raises(ReplayError, match="match nothing: must be one that was played and recorded"):
+    with pytest.raises(
+        ReplayError, match="match nothing: cannot be shown; it must be a match that was played and recorded"
+    ):
         select_matches(data, 0, ["nothing"])
 
 

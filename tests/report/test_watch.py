@@ -52,7 +52,7 @@ def test_the_seed_is_served_when_play_has_ended_and_not_before(tmp_path):
     with serve(LiveReport(tmp_path), 0) as address:
         tournament(tmp_path, 1, most=60)  # --until-separated stands like this between two looks
         assert digits not in fetched(address)
-        assert "shown when all has been played" in fetched(address)
+        assert "shown when the tournament has ended" in fetched(address)
         tournament(tmp_path, 1)
         assert f"<code>{digits}</code>" in fetched(address)
 
@@ -64,7 +64,7 @@ def test_any_recorded_match_can_be_fetched_and_nothing_else(played):
         fetched(address)
         assert fetched(f"{address}bundles/{match}") == bundle_text(data.replay(match))
         assert refused(f"{address}bundles/..%2F..%2Fsecret")[0] == 404
-        assert refused(f"{address}tournament.sqlite") == (404, "there is nothing here")
+        assert refused(f"{address}tournament.sqlite") == (404, "there is no page at this address")
 
 
 def test_only_this_machine_is_answered_under_its_own_name(tmp_path):

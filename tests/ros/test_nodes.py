@@ -90,7 +90,7 @@ def test_a_right_referee_passes_what_it_is_asked(outcomes):
 def test_a_wrong_referee_is_told_its_mistake(outcomes):
     code, stdout, stderr = outcomes["yes"]
     assert code == 1, stderr
-    assert 'looks like "yes to everybody"' in stdout
+    assert 'looks like "every request is granted"' in stdout
 
 
 def test_the_exercises_spawner_which_keeps_the_list_is_asked_for_its_own_targets(outcomes):
@@ -109,7 +109,9 @@ def test_the_marks_say_which_clause_failed(outcomes, folder):
     assert (
         "failed  0/4  within reach: 2 of 3 cases\n        R5.3: 1 case: reach.300000-that-floats-call-less\n" in stdout
     )
-    assert "hint: it looks like «reach is tested in floats». Within reach is distance_um < reach_um" in stdout
+    assert (
+        "hint: it looks like «reach is tested in floats». A target is within reach if distance_um < reach_um" in stdout
+    )
     assert "passed  2/2  names: 3 of 3 cases" in stdout
     assert stdout.endswith("The referee: ros:/catch_turtle has 2 of 6 points\n")
     told = json.loads((folder / "g.json").read_text())

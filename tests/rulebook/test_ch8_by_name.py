@@ -79,7 +79,7 @@ def test_the_service_keeps_its_own_settings_and_times():
     assert service.over
     assert [ruling.verdict for ruling in service.step(requests=[("hunter_0", NAMED("x"))])] == [Verdict.MATCH_OVER]
 
-    with pytest.raises(EpisodeError, match="under way"):
+    with pytest.raises(EpisodeError, match="the episode is over"):
         service.spawn(1.0, 1.0)
 
 

@@ -269,8 +269,8 @@ def test_what_a_batch_cannot_go_on_from_is_refused():
     for message, num_envs, arguments in (
         ("saved must come from a batch with learners=2, got 1", 2, {"opponents": "random"}),
         ("saved must come from a batch with learners=2, got 4", 2, {}),
-        ("must be one of 2 arenas here, got one of 3 arenas", 3, {"opponents": "random", "learners": 2}),
-        ("must come from an arena of equal config", 2, {"opponents": "random", "learners": 2, "max_cycles": 9}),
+        ("must be that of 2 arenas here, got that of 3 arenas", 3, {"opponents": "random", "learners": 2}),
+        ("must come from an arena with an equal config", 2, {"opponents": "random", "learners": 2, "max_cycles": 9}),
     ):
         other = LearnerBatch("standard", num_envs, **arguments)
         other.reset(seed=1)

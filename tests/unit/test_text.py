@@ -74,7 +74,7 @@ class Odd:
 
 
 def test_what_cannot_even_be_written_is_named_by_its_kind():
-    assert reason(LyingError()) == "LyingError: its own text cannot be had"
+    assert reason(LyingError()) == "LyingError: its message cannot be read"
     assert in_short(10**9999) == "<int>"
     deep = []
     for _ in range(100_000):

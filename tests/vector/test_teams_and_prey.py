@@ -138,7 +138,7 @@ def test_shapes_and_spaces_are_those_of_the_agents():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda actions: {**actions, "commands": None}, "commands must be (4, 6, 2) numbers where agents drive"),
+        (lambda actions: {**actions, "commands": None}, "commands must be (4, 6, 2) numbers if agents drive"),
         (
             lambda actions: {**actions, "commands": actions["commands"][:, :3]},
             "commands must have the shape (4, 6, 2)",

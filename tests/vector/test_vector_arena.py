@@ -161,7 +161,7 @@ def test_controls_that_cannot_be_are_refused(controls, arenas):
     arena = VectorArena("duel", 3, any_control=True)
     with pytest.raises(ConfigError, match="controls must be "):
         arena.set_controls(controls, arenas)
-    with pytest.raises(ConfigError, match="any_control must be True"):
+    with pytest.raises(ConfigError, match="make it with any_control=True"):
         VectorArena("duel", 3).set_controls([[0, 0]] * 3)
 
 
@@ -186,7 +186,7 @@ def test_controls_are_kept_with_a_state():
     plain = VectorArena("duel", 3)
     plain.reset(seed=1)
     for take in (lambda: plain.restore(saved), lambda: plain.restore_row(0, row)):
-        with pytest.raises(ConfigError, match="any_control must be True for arenas to have controls of their own"):
+        with pytest.raises(ConfigError, match="cannot differ in their controls: make it with any_control=True"):
             take()
     arena.restore(plain.save())
     assert (arena._engine.controls == 0).all()
@@ -390,7 +390,7 @@ ILLEGAL = [
     ("target", [[[0.0, 1.0], [0.0, 1.0]]], "choices must be whole numbers, got [[0.0, 1.0], ["),
     ("target", [{"hunter": 1}], "choices must be whole numbers, got {'hunter': 1}"),
     ("target", [[[1, 2], [1]]], "choices must be rows of equal length"),
-    ("target", [], "choices must be (2, 2) whole numbers where hunters choose, got None"),
+    ("target", [], "choices must be (2, 2) whole numbers if hunters choose targets, got None"),
     ("target", [[[0, 1], [0, 1]], NAN], "commands must be two finite numbers, got [0.0, nan]"),
     ("velocity", [None, NAN], "commands must be two finite numbers, got [0.0, nan] in arena 1 for hunter_0"),
     ("velocity", [None, np.ones((2, 2, 2), dtype=bool)], "commands must be numbers, got an array of bool"),
@@ -425,12 +425,13 @@ def test_what_else_is_wrong_is_told_in_one_line():
     for name, call in {
         "step": lambda: arena.step([[0, 0]] * 3),
         "digest": lambda: arena.digest(0),
-        "reset of single arenas": lambda: arena.reset(arenas=[1]),
         "restore_row": lambda: arena.restore_row(1, None),
         "save": arena.save,
     }.items():
-        with pytest.raises(EpisodeError, match=f"^{name} must follow a reset"):
+        with pytest.raises(EpisodeError, match=rf"^cannot call {name}\(\): no episode has begun"):
             call()
+    with pytest.raises(EpisodeError, match=r"^cannot reset single arenas: no episode has begun; call reset\(\)"):
+        arena.reset(arenas=[1])
     arena.reset(seed=1)
     with pytest.raises(ConfigError, match="arena must be a row from 0 to 2, got 3"):
         arena.digest(3)

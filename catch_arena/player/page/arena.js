@@ -18,24 +18,24 @@
  * @property {string} targetTrail
  * @property {string} ink
  * @property {number[]} gridSteps in metres
- * @property {number} gridGap in the page's pixels, between two lines at least
+ * @property {number} gridGap least distance of two lines, in the page's pixels
  * @property {number} hunterLength in metres
  * @property {number} targetLength in metres
  * @property {number} preyLength in metres
- * @property {number} preyPieces of its ring
+ * @property {number} preyPieces number of arcs of its ring
  * @property {number} margin part of the side
  * @property {[own: number, white: number, points: [number, number][]][]} turtle
  */
 
 /**
- * What is being painted: an instant of a replay, and how metres become dots of the canvas.
+ * The instant of a replay that is painted, and the scale from metres to dots of the canvas.
  * @typedef {object} Scene
  * @property {CanvasRenderingContext2D} context
  * @property {Replay} replay
  * @property {number} time in milliseconds
  * @property {number} size of the canvas, in dots
- * @property {number} scale dots in a metre
- * @property {number} dots of the canvas in one of the page's pixels
+ * @property {number} scale dots per metre
+ * @property {number} dots of the canvas per pixel of the page
  * @property {(point: Point) => [number, number]} place
  * @property {number} length of a hunter, in dots
  * @property {number | null} picked
@@ -44,7 +44,7 @@
 const CLOSE_UP_M = 1.1;
 const LASTS_MS = 900;
 const TRAIL_MS = 1800;
-/** The softness of a view's edge: so many layers, one smaller than the other. */
+/** Number of layers, each smaller than the one before, that make a view's edge soft. */
 const LAYERS = 8;
 
 /** Paints an instant of a replay, as render/ does: `look` comes from its tables. */
@@ -63,13 +63,13 @@ export class Painter {
   }
 
   /**
-   * The whole arena.
+   * Paint the whole arena.
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {number} time
-   * @param {number | null} picked the seat of the hunter that is picked
-   * @param {boolean} calm whether nothing should pulse
-   * @param {boolean} viewed whether it is shown what the hunter that is picked sees
+   * @param {number | null} picked the seat of the selected hunter
+   * @param {boolean} calm true to paint nothing that pulses
+   * @param {boolean} viewed true to show the view of the selected hunter
    */
   paint(canvas, replay, time, picked, calm, viewed) {
     const margin = this.look.margin * replay.side;
@@ -93,7 +93,7 @@ export class Painter {
   }
 
   /**
-   * A contest from near by: how far each claimant is from the target, and the circle in which it is within reach.
+   * Paint a close-up of a contest: each claimant's distance from the target, and the circles of reach.
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {Contest} contest
@@ -132,7 +132,7 @@ export class Painter {
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {number} time
-   * @param {Point & { side: number }} view the square to be seen: its lower left corner
+   * @param {Point & { side: number }} view the lower left corner and the side of the visible square
    * @param {number | null} picked
    * @returns {Scene}
    */
@@ -150,7 +150,7 @@ export class Painter {
 
   /**
    * @param {Scene} scene
-   * @param {boolean} [bare] whether prey has no ring
+   * @param {boolean} [bare] true to paint prey without its ring
    */
   #targets(scene, bare = false) {
     const { replay, time, length } = scene;
@@ -162,11 +162,11 @@ export class Painter {
   }
 
   /**
-   * A target that somebody plays: larger and darker than the others, and in a ring that reaches for nothing.
+   * Paint a target that an agent plays: larger and darker than others, in a ring that is not a reach.
    * @param {Scene} scene
    * @param {Target} target
    * @param {number} index
-   * @param {boolean} bare whether it has no ring
+   * @param {boolean} bare true to paint it without its ring
    */
   #prey(scene, target, index, bare) {
     const { context, replay, time, place } = scene;
@@ -193,7 +193,7 @@ export class Painter {
   }
 
   /**
-   * A circle's line in so many pieces.
+   * Paint a circle as a number of arcs.
    * @param {Scene} scene
    * @param {number} x
    * @param {number} y
@@ -216,7 +216,7 @@ export class Painter {
   }
 
   /**
-   * A claimant's number at its place, and the way to the target.
+   * Paint a claimant's number at its place, and a line to the target.
    * @param {Scene} scene
    * @param {number} seat
    * @param {[number, number]} target in dots
@@ -280,12 +280,12 @@ export class Painter {
   }
 
   /**
-   * A body's latest way, which fades.
+   * Paint a body's trail, which fades.
    * @param {Scene} scene
    * @param {Body} body
    * @param {string} color
    * @param {number} width in dots
-   * @param {number} fainter so many times
+   * @param {number} fainter the divisor of the opacity
    */
   #trail({ context, replay, time, place }, body, color, width, fainter) {
     context.strokeStyle = color;
@@ -302,7 +302,7 @@ export class Painter {
   }
 
   /**
-   * What a hunter sees: a soft cone or circle.
+   * Paint a hunter's view: a cone or circle with a soft edge.
    * @param {Scene} scene
    * @param {number} seat
    */
@@ -404,7 +404,7 @@ export class Painter {
   }
 
   /**
-   * The colour of each part of a turtle: so much of its own, so much white; the less contrast, the less dark.
+   * Return the colour of each part of a turtle: a mix of its own colour and white; less contrast makes it lighter.
    * @param {string} color
    * @param {number} contrast from 0 to 1
    */
@@ -417,14 +417,14 @@ export class Painter {
         const lit = channel * (1 - contrast);
         return Math.round(own * channel * contrast + white * (255 - lit) + lit);
       };
-      inks = this.turtle.map(({ own, white }) => `rgb(${rgb(color).map((one) => part(own, white, one))})`);
+      inks = this.turtle.map(({ own, white }) => `rgb(${rgb(color).map((channel) => part(own, white, channel))})`);
       this.dyes.set(key, inks);
     }
     return inks;
   }
 
   /**
-   * A catch is a ring about the target, a lost contest a dashed line to it.
+   * Paint a ruling: a ring around the target for a catch, a dashed line to it for a lost contest.
    * @param {Scene} scene
    * @param {Ruling} ruling
    * @param {boolean} calm
@@ -455,7 +455,7 @@ export class Painter {
   }
 
   /**
-   * Bright and outlined dark on a hunter, and the other way round on prey.
+   * Paint an agent's number: bright with a dark outline on a hunter, the reverse on prey.
    * @param {Scene} scene
    * @param {string} text
    * @param {Pose} pose
@@ -475,7 +475,7 @@ export class Painter {
   }
 
   /**
-   * The catches of a match, a lane for each hunter, and its contests as diamonds above them.
+   * Paint the timeline: the catches in a lane for each hunter, and the contests as diamonds above.
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {number | null} picked
@@ -498,11 +498,11 @@ export class Painter {
     context.globalAlpha = 1;
     for (const contest of replay.contests) {
       const [x, y, half] = [across(contest.time), 6 * dots, 4 * dots];
-      const ours = picked === null || contest.parties.includes(picked);
+      const involved = picked === null || contest.parties.includes(picked);
       context.beginPath();
       [[0, -half], [half, 0], [0, half], [-half, 0]].forEach(([right, down]) => context.lineTo(x + right, y + down));
       context.closePath();
-      context.fillStyle = ours ? "#ffffff" : "#ffffff55";
+      context.fillStyle = involved ? "#ffffff" : "#ffffff55";
       context.fill();
     }
   }
@@ -511,7 +511,7 @@ export class Painter {
 /** @param {HTMLCanvasElement} canvas */
 function brush(canvas) {
   const context = canvas.getContext("2d");
-  if (!context) throw new Error("This browser has no canvas.");
+  if (!context) throw new Error("This browser does not support canvas.");
   return context;
 }
 
@@ -519,19 +519,19 @@ function brush(canvas) {
 const rgb = (color) => [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
 
 /**
- * A colour with a part of another one.
- * @param {string} one
- * @param {string} other
+ * Mix a colour with a part of another one.
+ * @param {string} color
+ * @param {string} added
  * @param {number} part
  */
-function mixed(one, other, part, opacity = 1) {
-  const [from, to] = [rgb(one), rgb(other)];
+function mixed(color, added, part, opacity = 1) {
+  const [from, to] = [rgb(color), rgb(added)];
   const channels = from.map((channel, index) => Math.round(channel + (to[index] - channel) * part));
   return `rgb(${channels.join(" ")} / ${opacity})`;
 }
 
 /**
- * Dark or bright, whichever stands out from that colour: the formula of render/hud.py.
+ * Return the dark or the bright text colour, whichever stands out from a colour, as render/hud.py does.
  * @param {string} color
  * @param {string} dark
  */

@@ -7,16 +7,16 @@ import { Replay, unpacked } from "./replay.js";
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 const KEYS = [
   ["Space", "play, pause"],
-  ["← →", "a second back, on; with Shift a step"],
+  ["← →", "1 s back, forward; with Shift one step"],
   ["P N", "previous, next contest"],
-  ["H, 0 to 9, Esc", "pick the next hunter, one by its number, none"],
-  ["V", "what the picked hunter sees, where it does not see everything"],
+  ["H, 0 to 9, Esc", "select the next hunter, one by number, none"],
+  ["V", "view of the selected hunter, if views are limited"],
   ["+ −", "faster, slower"],
   ["Home End", "the beginning, the end"],
 ];
 
 /**
- * An element with its properties and children.
+ * Make an element with its properties and children.
  * @template {keyof HTMLElementTagNameMap} Tag
  * @param {Tag} tag
  * @param {Partial<HTMLElementTagNameMap[Tag]>} [properties]
@@ -34,13 +34,13 @@ const seconds = (time, digits = 1) => `${(time / 1000).toFixed(digits)} s`;
 /** @param {number | null} micrometres */
 const metres = (micrometres) => (micrometres === null ? "not measured" : `${(micrometres / 1e6).toFixed(6)} m`);
 /** @param {{ caught: number, out: boolean }} prey */
-const plight = ({ caught, out }) => `${out ? "out, " : ""}caught ${caught}`;
+const preyStatus = ({ caught, out }) => `${out ? "out, " : ""}caught ${caught}`;
 /** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
-/** <catch-replay bundle="…">: a recorded match that plays. It needs nothing from the page around it. */
+/** Element <catch-replay bundle="…">: plays a recorded match. It needs nothing from the page around it. */
 export class CatchReplay extends HTMLElement {
-  /** `film` was the name of `bundle`, and stands in saved notebooks. */
+  /** `film` is the former name of `bundle`, which saved notebooks contain. */
   static observedAttributes = ["bundle", "film"];
   static unpacked = unpacked;
   static style = "";
@@ -49,19 +49,19 @@ export class CatchReplay extends HTMLElement {
 
   /** @type {Replay | null} */
   replay = null;
-  /** What is shown: an instant of the replay in milliseconds, and the seat of the hunter that is followed. */
+  /** The instant that is shown, in milliseconds. */
   time = 0;
-  /** @type {number | null} */
+  /** @type {number | null} the seat of the selected hunter */
   picked = null;
-  /** Whether it is shown what that hunter sees. */
+  /** True if the view of the selected hunter is shown. */
   viewed = false;
   speed = 1;
   playing = false;
-  /** Whether it plays as soon as the replay has been read. */
+  /** True if playing begins when the replay has been read. */
   waiting = false;
-  /** The latest frame that was asked for. */
+  /** The id of the requested frame. */
   frame = 0;
-  /** @type {number | null} when the frame before was painted */
+  /** @type {number | null} the time of the previous frame */
   last = null;
   /** @type {import("./replay.js").Contest | null} the contest that is explained */
   explained = null;
@@ -83,7 +83,7 @@ export class CatchReplay extends HTMLElement {
   toggle = make("button", { type: "button", className: "toggle" });
   previous = make("button", { type: "button", textContent: "Previous", ariaLabel: "Previous contest" });
   next = make("button", { type: "button", textContent: "Next contest" });
-  sight = make("button", { type: "button", textContent: "What it sees", ariaPressed: "false", hidden: true });
+  sight = make("button", { type: "button", textContent: "Show its view", ariaPressed: "false", hidden: true });
   clock = make("output", { className: "clock" });
   pace = make("select", { ariaLabel: "Speed" });
   whole = make("div", { className: "player", role: "group", ariaLabel: "Replay" });
@@ -96,7 +96,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * A replay may come with the element, or later, or be changed for another.
+   * Load the replay of a new attribute value, which may be set at any time.
    * @param {string} name
    * @param {string | null} before
    * @param {string | null} text
@@ -107,7 +107,7 @@ export class CatchReplay extends HTMLElement {
     this.replay = null;
     try {
       const replay = await Replay.of(text);
-      if (this.getAttribute(name) !== text) return; // another one was asked for meanwhile
+      if (this.getAttribute(name) !== text) return; // another replay was requested meanwhile
       this.replay = replay;
     } catch (error) {
       this.note.textContent = `The replay cannot be shown. ${error instanceof Error ? error.message : error}`;
@@ -151,7 +151,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * Follow one hunter, or none.
+   * Select one hunter, or none.
    * @param {number | null} seat
    */
   pick(seat) {
@@ -162,11 +162,11 @@ export class CatchReplay extends HTMLElement {
     this.#describe();
   }
 
-  /** Show what the hunter that is followed sees, or no longer. */
+  /** Show or hide the view of the selected hunter. */
   toggleView() {
     if (!this.replay) return;
     if (!this.replay.view || this.picked === null) {
-      this.spoken.textContent = this.replay.view ? "Pick a hunter first." : "Hunters see everything here.";
+      this.spoken.textContent = this.replay.view ? "Select a hunter first." : "All hunters see the whole arena.";
       return;
     }
     this.viewed = !this.viewed;
@@ -175,7 +175,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * The next contest of the picked hunter, or the one before.
+   * Go to the next or the previous contest of the selected hunter.
    * @param {1 | -1} direction
    */
   jump(direction) {
@@ -185,7 +185,7 @@ export class CatchReplay extends HTMLElement {
       ? contests.find(({ time }) => time > this.time)
       : contests.findLast(({ time }) => time < this.time);
     if (!found) {
-      this.spoken.textContent = direction > 0 ? "No contest after this." : "No contest before this.";
+      this.spoken.textContent = direction > 0 ? "There is no later contest." : "There is no earlier contest.";
       return;
     }
     this.pause();
@@ -244,7 +244,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * The hunters' list: each line picks one.
+   * Fill the lists of hunters, teams and prey; a line of the first selects its hunter.
    * @param {Replay} replay
    */
   #cast({ hunters, teams, prey, duration, period, title, seed, contests, view }) {
@@ -308,7 +308,7 @@ export class CatchReplay extends HTMLElement {
     else this.frame = requestAnimationFrame((later) => this.#advance(later));
   }
 
-  /** Canvases have as many dots as the screen. */
+  /** Give the canvases the resolution of the screen. */
   #fit() {
     for (const canvas of [this.arena, this.closeUp, this.strip]) {
       canvas.width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
@@ -327,7 +327,7 @@ export class CatchReplay extends HTMLElement {
     const teamScores = replay.teamScores(time);
     this.teams.querySelectorAll("b").forEach((node, team) => (node.textContent = String(teamScores[team])));
     const hunted = replay.hunted(time);
-    this.hunted.querySelectorAll(".score").forEach((node, index) => (node.textContent = plight(hunted[index])));
+    this.hunted.querySelectorAll(".score").forEach((node, index) => (node.textContent = preyStatus(hunted[index])));
     this.clock.textContent = `${seconds(time)} of ${seconds(replay.duration, 0)}`;
     this.scrub.value = String(time);
     this.scrub.ariaValueText = this.clock.textContent;
@@ -335,25 +335,25 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * The latest contest: who was how far away, what decided, who won.
+   * Show the latest contest: distances, deciding rule and winner.
    * @param {Replay} replay
    */
   #explain(replay) {
     const { time, picked } = this;
     const contests = replay.contestsOf(picked);
-    const contest = contests.findLast((one) => one.time <= time);
+    const contest = contests.findLast(({ time: judged }) => judged <= time);
     this.contest.hidden = !contest;
-    const who = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
+    const owner = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
     if (!contests.length) {
-      this.note.textContent = `No contest${who}: in no step could two catch the same target.`;
+      this.note.textContent = `No contest${owner}: in no step could two hunters catch the same target.`;
     } else if (contest) {
-      const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${who}`;
+      const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${owner}`;
       const { prey } = contest.place;
       const whose = prey === null ? "" : `, P${prey}`;
       this.note.textContent = `${which}${whose}, step ${contest.state + 1} (${contest.clause})`;
     } else {
       const count = contests.length === 1 ? "1 contest" : `${contests.length} contests`;
-      this.note.textContent = `${count}${who}, the first at ${seconds(contests[0].time)}`;
+      this.note.textContent = `${count}${owner}, the first at ${seconds(contests[0].time)}`;
     }
     if (!contest || contest === this.explained) return;
     this.explained = contest;
@@ -388,21 +388,23 @@ export class CatchReplay extends HTMLElement {
     );
   }
 
-  /** For those who cannot see the arena. */
+  /** Update the description of the arena for screen readers. */
   #describe() {
     if (!this.replay) return;
     const scores = this.replay.scores(this.time);
-    const told = [`Catches: ${this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ")}.`];
+    const sentences = [
+      `Catches: ${this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ")}.`,
+    ];
     const { teams, prey } = this.replay;
     if (teams) {
       const sums = this.replay.teamScores(this.time);
-      told.unshift(`Teams: ${teams.map(({ name }, team) => `${name} ${sums[team]}`).join(", ")}.`);
+      sentences.unshift(`Teams: ${teams.map(({ name }, team) => `${name} ${sums[team]}`).join(", ")}.`);
     }
     if (prey.length) {
       const hunted = this.replay.hunted(this.time);
-      told.push(`Prey: ${prey.map(({ name }, index) => `${name} ${plight(hunted[index])}`).join(", ")}.`);
+      sentences.push(`Prey: ${prey.map(({ name }, index) => `${name} ${preyStatus(hunted[index])}`).join(", ")}.`);
     }
-    this.arena.ariaLabel = `The arena at ${seconds(this.time)}. ${told.join(" ")}`;
+    this.arena.ariaLabel = `The arena at ${seconds(this.time)}. ${sentences.join(" ")}`;
   }
 
   /** @param {KeyboardEvent} event */
@@ -419,7 +421,7 @@ export class CatchReplay extends HTMLElement {
   }
 
   /**
-   * What a key does, all but the one that plays and pauses: that one counts before the replay has been read, too.
+   * Return the action of a key. The space bar is not here, since it works before the replay has been read, too.
    * @param {KeyboardEvent} event
    * @param {Replay} replay
    * @returns {(() => void) | undefined}
@@ -456,7 +458,7 @@ export class CatchReplay extends HTMLElement {
 }
 
 /**
- * An agent's number in its colour.
+ * Make a chip: an agent's number on its colour.
  * @param {string} number
  * @param {string} color
  */

@@ -8,11 +8,11 @@
  * @property {number} steps
  * @property {number} grid parts of the side
  * @property {number} turn parts of a full turn
- * @property {ViewLimits | null} view what hunters see; null where they see everything
+ * @property {ViewLimits | null} view limits of the hunters' views; null if they see the whole arena
  * @property {Cast[]} hunters by seat
- * @property {Team[] | null} teams null where each hunter is for itself
- * @property {{ name: string, targets: number[] }[]} prey by index, and the numbers of the targets that it played
- * @property {[number: number, first: number, length: number][]} targets each one's number, and the states that it was in
+ * @property {Team[] | null} teams null if there are no teams
+ * @property {{ name: string, targets: number[] }[]} prey by index: name, and numbers of the targets that it played
+ * @property {[number: number, first: number, length: number][]} targets number, first state and number of states of each
  * @property {[step: number, agent: number][]} withdrawals agents are the hunters by seat, then the prey by index
  * @property {[state: number, seat: number, verdict: string, number: number | null][]} rulings
  * @property {Judged[]} contests
@@ -28,28 +28,28 @@
  * @property {string} sentence
  */
 
-/** @typedef {{ name: string, color: string, reach: number, pieces: number }} Cast reach in metres, a ring in pieces */
+/** @typedef {{ name: string, color: string, reach: number, pieces: number }} Cast reach in metres, pieces: number of arcs of the ring */
 /** @typedef {{ name: string, color: string, seats: number[] }} Team */
 
 /** @typedef {[seat: number, verdict: string, micrometres: number | null]} Claim */
 
-/** @typedef {{ radius: number | null, angle: number }} ViewLimits how far one sees, in metres, and how wide, in degrees */
+/** @typedef {{ radius: number | null, angle: number }} ViewLimits radius in metres, full angle in degrees */
 
 /**
- * Where one was in each state from `first` to `last`: x and y in metres, theta in radians.
+ * Poses of a body in each state from `first` to `last`: x and y in metres, theta in radians.
  * @typedef {{ first: number, last: number, x: Float32Array, y: Float32Array, theta: Float32Array }} Body
  */
 
 /** @typedef {Body & Cast} Hunter */
-/** @typedef {Body & { number: number, moves: boolean, prey: number | null }} Target prey: which plays it */
+/** @typedef {Body & { number: number, moves: boolean, prey: number | null }} Target prey: index of the prey that plays it */
 /** @typedef {{ name: string, lives: Target[] }} Prey */
 /** @typedef {{ time: number, seat: number, verdict: string, target: Target | null }} Ruling */
 /** @typedef {Judged & { time: number, parties: number[], place: Target }} Contest */
 
-/** Nothing is larger when it is unpacked, in bytes. */
+/** Largest size of an unpacked replay, in bytes. */
 const LARGEST = 256 << 20;
 
-/** What the settings allow (config.py), and no more: a wrong one would keep a page drawing for ever. */
+/** Limits of the settings (config.py): a value beyond them could keep a page drawing for ever. */
 const FARTHEST = 10_000;
 const RANGES = {
   side: [2, 5000],
@@ -63,7 +63,7 @@ const RANGES = {
 const damaged = (why) => new Error(`It is damaged: ${why}.`);
 
 /**
- * What Python's `packed_text` packed: base64 of gzip, as bytes. Throws an Error of one line.
+ * Unpack the result of Python's `packed_text`, base64 of gzip, to bytes. Throws an Error with one line.
  * @param {string} text
  */
 export async function unpacked(text) {
@@ -80,14 +80,14 @@ export async function unpacked(text) {
   } catch {
     throw damaged("it cannot be unpacked");
   }
-  if (size > LARGEST) throw damaged(`it has more than ${LARGEST} bytes when it is unpacked`);
+  if (size > LARGEST) throw damaged(`it has more than ${LARGEST} bytes when unpacked`);
   return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
-/** One match: who was where in every state, and what the arbiter answered. Times are in milliseconds. */
+/** One match: all poses in every state, and the arbiter's answers. Times are in milliseconds. */
 export class Replay {
   /**
-   * Throws an Error of one line where the text is no replay.
+   * Read a replay. Throws an Error with one line if the text is not a replay.
    * @param {string} text
    */
   static async of(text) {
@@ -118,7 +118,7 @@ export class Replay {
     this.duration = this.steps * this.period;
     const states = facts.hunters.length * (this.steps + 1) +
       facts.targets.reduce((sum, [, , length]) => sum + length, 0);
-    if (tracks.length !== 6 * states) throw damaged(`its tracks must have ${6 * states} bytes, not ${tracks.length}`);
+    if (tracks.length !== 6 * states) throw damaged(`its tracks must have ${6 * states} bytes, got ${tracks.length}`);
     const numbers = Replay.numbers(tracks);
     const metres = this.side / facts.grid;
     let at = 0;
@@ -148,7 +148,7 @@ export class Replay {
     this.prey = facts.prey.map(({ name, targets }, index) => {
       const lives = targets.map((number) => {
         const target = numbered.get(number);
-        if (!target) throw damaged(`prey[${index}] plays target ${number}, which it does not have`);
+        if (!target) throw damaged(`prey[${index}] plays target ${number}, which is not in the replay`);
         target.prey = index;
         return target;
       });
@@ -157,7 +157,9 @@ export class Replay {
     /** @type {Ruling[]} */
     this.rulings = facts.rulings.map(([state, seat, verdict, number], index) => {
       const target = number === null ? null : numbered.get(number);
-      if (target === undefined) throw damaged(`rulings[${index}] is about target ${number}, which it does not have`);
+      if (target === undefined) {
+        throw damaged(`rulings[${index}] is about target ${number}, which is not in the replay`);
+      }
       return { time: state * this.period, seat, verdict, target };
     });
     this.catches = this.rulings.filter((ruling) => ruling.verdict === "GRANTED");
@@ -166,13 +168,13 @@ export class Replay {
       const time = contest.state * this.period;
       const parties = contest.claims.map(([seat]) => seat);
       const place = this.rulings.find((ruling) => ruling.time === time && parties.includes(ruling.seat))?.target;
-      if (!place) throw damaged(`contests[${index}] is about no ruling that it has`);
+      if (!place) throw damaged(`contests[${index}] belongs to no ruling in the replay`);
       return { ...contest, time, parties, place };
     });
   }
 
   /**
-   * 16-bit numbers: the sign is the lowest bit; all low bytes come first, then all high ones.
+   * Read 16-bit numbers: the sign is the lowest bit; all low bytes come first, then all high ones.
    * @param {Uint8Array} bytes
    */
   static numbers(bytes) {
@@ -184,7 +186,7 @@ export class Replay {
   }
 
   /**
-   * Where a body is at an instant, between the states before and after.
+   * Return a body's pose at an instant, between the states before and after.
    * @param {Body} body
    * @param {number} time
    */
@@ -198,7 +200,7 @@ export class Replay {
   }
 
   /**
-   * The targets that are there: one that is caught leaves after the state on which that was judged (R1.4).
+   * Return the alive targets: a caught target leaves after the state on which its catch was judged (R1.4).
    * @param {number} time
    */
   alive(time) {
@@ -207,17 +209,17 @@ export class Replay {
   }
 
   /**
-   * Each hunter's catches before an instant.
+   * Return each hunter's number of catches before an instant.
    * @param {number} time
    */
   scores(time) {
     const scores = this.hunters.map(() => 0);
-    for (const one of this.catches) if (one.time < time) scores[one.seat] += 1;
+    for (const caught of this.catches) if (caught.time < time) scores[caught.seat] += 1;
     return scores;
   }
 
   /**
-   * Each team's catches before an instant; none where there are no teams.
+   * Return each team's number of catches before an instant; empty if there are no teams.
    * @param {number} time
    */
   teamScores(time) {
@@ -226,7 +228,7 @@ export class Replay {
   }
 
   /**
-   * How often each prey was caught before an instant, and whether it is out then.
+   * Return how many times each prey was caught before an instant, and if it is out then.
    * @param {number} time
    */
   hunted(time) {
@@ -238,16 +240,16 @@ export class Replay {
   }
 
   /**
-   * Whether an agent is, where those count the hunters by seat and then the prey by index.
+   * Return true if an agent is withdrawn; agents are the hunters by seat, then the prey by index.
    * @param {number} agent
    * @param {number} time
    */
   withdrawn(agent, time) {
-    return this.withdrawals.some(([step, who]) => who === agent && step * this.period <= time);
+    return this.withdrawals.some(([step, left]) => left === agent && step * this.period <= time);
   }
 
   /**
-   * The contests that a hunter took part in; all of them where none is picked.
+   * Return the contests of a hunter; all contests if no hunter is selected.
    * @param {number | null} seat
    */
   contestsOf(seat) {
@@ -256,7 +258,7 @@ export class Replay {
 }
 
 /**
- * Throws an Error that names the first field that is not as bundle.py writes it.
+ * Throw an Error that names the first field that is not as bundle.py writes it.
  * @param {any} facts
  * @returns {asserts facts is Facts}
  */
@@ -265,7 +267,7 @@ function check(facts) {
   /** @type {(fits: boolean, field: string, value: unknown, requirement: string) => void} */
   const must = (fits, field, value, requirement) => {
     if (!fits) {
-      throw damaged(`${field} must be ${requirement}, not ${(JSON.stringify(value) ?? "missing").slice(0, 60)}`);
+      throw damaged(`${field} must be ${requirement}, got ${(JSON.stringify(value) ?? "no value").slice(0, 60)}`);
     }
   };
   /** @type {Fits} */
@@ -308,13 +310,13 @@ function check(facts) {
       (one) =>
         isText(one?.name) && isColor(one.color) && isWithin(one.reach, FARTHEST) && isCount(one.pieces) &&
         one.pieces > 0,
-      "a name, a colour, a reach and a ring's pieces",
+      "a name, a colour, a reach and the number of a ring's arcs",
     ],
     ["prey", (one) => isText(one?.name) && isListOf(isCount)(one.targets), "a name and the numbers of its targets"],
     [
       "targets",
       (row) => isRow(isCount, isState, isCount)(row) && row[2] > 0 && row[1] + row[2] <= facts.steps + 1,
-      "a number, the first of its states, and how many it has",
+      "a number, its first state, and the number of its states",
     ],
     ["withdrawals", isRow(isState, isAgent), "a step and an agent"],
     [

@@ -3,15 +3,15 @@
 /** @typedef {typeof import("../../player/page/player.js").CatchReplay} CatchReplay */
 
 /**
- * The matches of a tournament in columns, as page.py writes them; what is by party (a team, a hunter where there are
- * none, or a prey) stands match after match.
+ * The matches of a tournament in columns, as page.py writes them. Values by party (a team, a hunter if there are no
+ * teams, or a prey) follow each other, match after match.
  * @typedef {object} Columns
- * @property {string[][]} names of the agents as hunters and, where there is prey, as prey
+ * @property {string[][]} names of the agents as hunters and, with prey, as prey
  * @property {number} seats parties in a match
- * @property {number} hunting how many of these hunt; the others are prey
+ * @property {number} hunting number of parties that hunt; the others are prey
  * @property {string[]} ids
  * @property {number[]} recorded 1 or 0
- * @property {number[]} seating an agent by its place in `names`
+ * @property {number[]} seating index of each agent in `names`
  * @property {number[]} scores
  * @property {number[]} ranks
  */
@@ -19,12 +19,12 @@
 const PAGE = 10;
 const NEWS_MS = 2000;
 /**
- * The part of the page with this id, of which there is one.
+ * Return the element with this id, which the page must have.
  * @param {string} id
  */
 function at(id) {
   const part = document.getElementById(id);
-  if (!part) throw new Error(`The page has no part with the id ${id}.`);
+  if (!part) throw new Error(`The page has no element with the id ${id}.`);
   return part;
 }
 const who = /** @type {HTMLSelectElement} */ (at("who"));
@@ -68,9 +68,9 @@ class Matches {
   bundles = JSON.parse(at("bundles").textContent);
   /** @type {Columns} */
   data = { names: [[]], seats: 0, hunting: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
-  /** The first one of the list's page. */
+  /** Index of the first match on the list's page. */
   first = 0;
-  /** The id of the one that is shown. */
+  /** Id of the match that is shown. */
   shown = "";
 
   constructor() {
@@ -93,7 +93,7 @@ class Matches {
     return this.data.ids[index] in this.bundles || (watched && Boolean(this.data.recorded[index]));
   }
 
-  /** The matches that are asked for; those that play here in the order in which these were chosen. */
+  /** Return the selected matches; those that play here in the order of the report's choice. */
   found() {
     const { ids, names, seating, seats } = this.data;
     const agent = names[0].indexOf(who.value);
@@ -131,7 +131,7 @@ class Matches {
     for (let seat = index * seats; seat < (index + 1) * seats; seat++) {
       const hunts = seat % seats < hunting;
       const who = `${names[hunts ? 0 : 1][seating[seat]]} ${scores[seat]}`;
-      const wins = ranks[seat] === 1 && (hunts ? hunting : seats - hunting) > 1; // who is alone beats nobody
+      const wins = ranks[seat] === 1 && (hunts ? hunting : seats - hunting) > 1; // a party without rivals beats no other
       cast.append(part(wins ? "first" : "", hunts ? who : `prey ${who}`));
     }
     const name = part("id", id);
@@ -153,7 +153,7 @@ class Matches {
   /**
    * Show a match.
    * @param {string} id
-   * @param {boolean} moved whether the page moves to the player
+   * @param {boolean} moved true to scroll to the player
    */
   async open(id, moved = false) {
     const player = at("player");
@@ -170,7 +170,7 @@ class Matches {
   }
 
   /**
-   * Where the page is served, any match that was recorded can be had.
+   * Fetch the bundle of any recorded match from the server.
    * @param {string} id
    */
   async fetched(id) {
@@ -180,7 +180,7 @@ class Matches {
       if (answer.ok) return await answer.text();
       at("showing").textContent = await answer.text();
     } catch {
-      at("showing").textContent = "The server has ended.";
+      at("showing").textContent = "The server has stopped.";
     }
     return null;
   }
@@ -194,7 +194,7 @@ matches.read(at("matches").textContent).then(() => {
 });
 
 /**
- * While a tournament runs, its page asks for news, and takes over what has changed; the replays stay as they are.
+ * While a tournament runs, request changes and replace the changed parts; the replays stay as they are.
  * @param {string | null} known the state that the page shows
  */
 async function news(known) {
@@ -214,7 +214,7 @@ async function news(known) {
     }
     at("news").textContent = "live";
   } catch {
-    at("news").textContent = "no longer live: the server has ended";
+    at("news").textContent = "no longer live: the server has stopped";
   }
   setTimeout(news, NEWS_MS, now);
 }
