@@ -144,6 +144,6 @@ def kept(compiled: Any) -> Any:
 def _tell_not_kept(reason: str) -> None:
     """Print once for each reason that the cache cannot be written."""
     sys.stderr.write(
-        f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them anew, "
+        f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them again, "
         "unless NUMBA_CACHE_DIR names a folder with room\n"
     )

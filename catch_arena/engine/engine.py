@@ -359,12 +359,12 @@ class Engine:
             raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
         if saved.config != self._config_digest:
             raise ConfigError(
-                f"saved must come from an arena of equal config, {self._config_digest}, got {saved.config}"
+                f"saved must come from an arena with an equal config (digest {self._config_digest}), got {saved.config}"
             )
         num_envs = None if alone else self.num_arenas
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
-            raise ConfigError(f"a saved state must be one of {wanted} here, got one of {got}")
+            raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
         size, of_finished = len(self._saved), len(self._finished)
         if alone:
             size = self._column(0).nbytes + sum(rows.shape[1] for rows in self._saved_rows)

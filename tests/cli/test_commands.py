@@ -121,9 +121,9 @@ def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
     assert re.search(r"after \d\d matches, the order is clear", clear.output)
     words[2] = "nearest"
     spent = catch_arena(*words, "--until-separated", "0.95", "--max-matches", "21", "--out", "b")
-    assert re.search("after 20 matches, nearest.* cannot be told apart yet", spent.output)
+    assert re.search("after 20 matches, nearest.* are not yet significantly different", spent.output)
     more = catch_arena(*words, "--until-separated", "0.95", "--max-matches", "30", "--out", "b", "--resume")
-    assert re.search("after 30 matches, nearest.* cannot be told apart yet", more.output)
+    assert re.search("after 30 matches, nearest.* are not yet significantly different", more.output)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +160,10 @@ def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
         (["match", "nearest", "idle", "--set", "teams=((0,1),(2,3))"], "or a list such as [[0, 1], [2, 3]], got '((0,"),
         (["match", "nearest", "idle", "--set", "prey_returns_s=None"], "must be a number, a word, true, false, null"),
         (["match", "nearest", "idle", "-s", "tag"], "at least 4 to play the 3 hunters and the 1 prey of tag, got 2"),
-        (["tournament", "nearest", "idle", "-s", "tag"], "the 1 prey of tag in a tournament, where whoever is alone"),
+        (
+            ["tournament", "nearest", "idle", "-s", "tag"],
+            "of tag in a tournament (a side with one place needs",
+        ),
         (["match", "nearest", "-s", "pairs"], "agents must be at least 2 to be the teams of pairs, got 1"),
         (["compare", "nearest", "idle", "-s", "tag"], "the field (--against) must be of 1 or 3 or 4 agents, got 0: a"),
         (["match", "nearest", *QUICK], "agents must be at least 2"),

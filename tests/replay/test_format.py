@@ -408,11 +408,11 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda match: match.choices[3].__setitem__(0, 9), "holds actions of hunter_0"),
-        (lambda match: match.choices[3].__setitem__(1, 1), "holds actions of hunter_1"),
-        (lambda match: match.choices[3].__setitem__(3, 2**62), "holds actions of hunter_3"),
-        (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "holds velocity commands"),
-        (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "holds velocity commands"),
+        (lambda match: match.choices[3].__setitem__(0, 9), "contains actions of hunter_0"),
+        (lambda match: match.choices[3].__setitem__(1, 1), "contains actions of hunter_1"),
+        (lambda match: match.choices[3].__setitem__(3, 2**62), "contains actions of hunter_3"),
+        (lambda match: match.commands[3].__setitem__((1, 0), np.nan), "contains velocity commands"),
+        (lambda match: match.commands[3].__setitem__((2, 1), -1.0000001), "contains velocity commands"),
         (lambda match: match.states[3].__setitem__(9, 2**60), "a number beyond 2^53"),
         (lambda match: match.states[3].__setitem__(-5, match.states[3][-10]), "cannot be alive together"),
     ],

@@ -190,20 +190,23 @@ def packed(facts, tracks):
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"steps": -1}, "steps must be a number from 0 to 8388608, not -1"),
-        ({"side": "11"}, 'side must be a number from 2 to 5000, not "11"'),
-        ({"hunters": {}}, "hunters must be a list, not {}"),
+        ({"steps": -1}, "steps must be a number from 0 to 8388608, got -1"),
+        ({"side": "11"}, 'side must be a number from 2 to 5000, got "11"'),
+        ({"hunters": {}}, "hunters must be a list, got {}"),
         (
             {"hunters": [{"name": "a"}]},
             'hunters[0] must be a name, a colour, a reach and the number of a ring\'s arcs, got {"name":"a"}',
         ),
-        ({"teams": [{"name": "a", "color": "red"}]}, "teams must be names, colours and seats, or null, not [{"),
-        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name and the numbers of its targets, not {"name":"a"}'),
-        ({"prey": [{"name": "a", "targets": [1, 999]}]}, "prey[0] plays target 999, which it does not have"),
-        ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, not {"radius":2}'),
-        ({"targets": [[1, 0]]}, "targets[0] must be a number, the first of its states, and how many it has, not [1,0]"),
-        ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, not [0,99]"),
-        ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which it does not have"),
+        ({"teams": [{"name": "a", "color": "red"}]}, "teams must be names, colours and seats, or null, got [{"),
+        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name and the numbers of its targets, got {"name":"a"}'),
+        ({"prey": [{"name": "a", "targets": [1, 999]}]}, "prey[0] plays target 999, which is not in the replay"),
+        ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, got {"radius":2}'),
+        (
+            {"targets": [[1, 0]]},
+            "targets[0] must be a number, its first state, and the number of its states, got [1,0]",
+        ),
+        ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, got [0,99]"),
+        ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which is not in the replay"),
         ({"steps": 10**6}, "its tracks must have "),
     ],
 )

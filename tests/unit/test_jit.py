@@ -151,7 +151,7 @@ def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
     assert finished.stdout.startswith("nothing noticed /")
     (line,) = finished.stderr.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}/cache/core-")
-    assert ": File too large; every start compiles them anew" in line
+    assert ": File too large; every start compiles them again" in line
 
 
 def total_of(row):

@@ -149,7 +149,7 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
         return
     task = f"{Parties.of(config).task} of {scenario}"
     if least > len(Parties.of(config)):
-        task += " in a tournament, where whoever is alone on a side takes turns with one more, to be compared"
+        task += " in a tournament (a side with one place needs one agent more, to compare with)"
     fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
     advice = f"; or try --scenario {fitting[0]}" if fitting else ""
     raise ConfigError(

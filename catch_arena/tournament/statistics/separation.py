@@ -34,7 +34,8 @@ class Separation:
         """Return the result in words."""
         if self.clear:
             return "the order is clear"
-        return f"{' and '.join(self.pair)} cannot be told apart yet (p = {self.p:.3g}, to be below {self.level:.2g})"
+        pair = " and ".join(self.pair)
+        return f"{pair} are not yet significantly different (p = {self.p:.3g}, to be below {self.level:.2g})"
 
 
 def p_values(ratings: Ratings) -> Floats:

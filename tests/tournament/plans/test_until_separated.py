@@ -33,7 +33,7 @@ def test_it_ends_when_the_budget_is_spent_and_says_who_is_not_apart():
     assert len(run(SHORT, EQUAL, plays)) == plays.size == 60
     assert not plays.last.clear
     assert set(plays.last.pair) == {"nearest", "nearest#2"}
-    assert "cannot be told apart yet (p = " in str(plays.last)
+    assert "are not yet significantly different (p = " in str(plays.last)
 
 
 def test_what_cannot_be_is_refused():
