@@ -33,5 +33,5 @@ class SavedState(NamedTuple):  # noqa: PLW1641 - a tuple that holds arrays has n
 def require_bytes(given: object, size: int) -> None:
     """Raise ConfigError unless a part of a saved state is an array of that many bytes."""
     if not isinstance(given, np.ndarray) or given.dtype != np.uint8 or given.shape != (size,):
-        got = f"one of {given.dtype} {given.shape}" if isinstance(given, np.ndarray) else type(given).__name__
+        got = f"an array of {given.dtype} {given.shape}" if isinstance(given, np.ndarray) else type(given).__name__
         raise ConfigError(f"a saved state must be an array of uint8 ({size},), got {got}")

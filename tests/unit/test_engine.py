@@ -191,6 +191,7 @@ def test_a_target_comes_and_goes_by_name_in_one_row_alone():
         assert engine.spawn(row, 1.0, 2.0, 0.0) == 0
         assert engine.kill(row, 3)
         assert not engine.kill(row, 1)
+        assert not engine.kill(row, 99)
     assert engine.spawn(31, 3.0, 2.0, 0.0) == 5
     assert not engine.kill(33, 1)
     assert engine.kill(33, 3)

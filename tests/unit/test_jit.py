@@ -116,6 +116,13 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
     assert len(folders) == 1 + len(read)
 
 
+def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
+    """The folder can be read, but not written."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
+    assert cache._cache_directory() is None
+
+
 @pytest.fixture
 def without_a_home(tmp_path, monkeypatch):
     """Nothing can be written there; temporary files go to a folder that is returned."""
@@ -226,3 +233,12 @@ def test_numba_writes_no_debug_lines_for_the_root_logger(caplog):
 
     assert numba.njit(lambda number: number + 1)(1) == 2
     assert [record.name for record in caplog.records] == []
+
+
+def test_a_level_that_somebody_gave_numbas_logger_stays():
+    """A program that sets the level itself gets these lines."""
+    given = "import logging; log = logging.getLogger('numba'); log.setLevel(logging.DEBUG); "
+    code = f"{given}import catch_arena.core.jit; print(log.level == logging.DEBUG)"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert result.stdout == "True\n"

@@ -446,7 +446,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     larger.reset(seed=1)
     for restore, saved, message in (
         (arena.restore, other.save(), "saved must come from an arena with an equal config"),
-        (arena.restore, None, "saved must be what save gives"),
+        (arena.restore, None, "saved must be a state that save() returned"),
         (arena.restore, larger.save(), "a saved state must be that of 3 arenas here, got that of 40 arenas"),
         (arena.restore, arena.save_row(0), "a saved state must be that of 3 arenas here, got that of a single row"),
         (lambda saved: arena.restore_row(0, saved), larger.save(), "must be that of a single row here, got that of 40"),
