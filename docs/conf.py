@@ -25,12 +25,16 @@ version = release = installed_version("catch-arena")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
 
 myst_heading_anchors = 4
+myst_enable_extensions = ["attrs_block"]
 default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
 
+DOCS = Path(__file__).parent
 html_theme = "furo"
 html_title = "Catch Arena"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 REPOSITORY = "https://github.com/OWNER/catch-arena/"
 html_theme_options = {"source_repository": REPOSITORY, "source_branch": "main", "source_directory": "docs/"}
 
@@ -67,8 +71,26 @@ def link_to_repository(_app: Any, page: str, source: list[str]) -> None:
     source[0] = re.sub(rf"\]\({up}([^)]*)\)", rf"]({REPOSITORY}blob/main/\1)", source[0])
 
 
+def link_clauses(_app: Any, page: str, source: list[str]) -> None:
+    """Add to each clause of the rulebook the places in the code and the tests that cite it."""
+    if page not in {"reference/rulebook", "reference/bit_exact"}:
+        return
+    cited: dict[str, dict[str, None]] = {}
+    for folder in ("catch_arena/core", "tests/rulebook"):
+        for path in sorted((DOCS.parent / folder).glob("*.py")):
+            for clause in re.findall(r"\b[RA]\d*\.\d+", path.read_text(encoding="utf-8")):
+                cited.setdefault(clause, {})[path.relative_to(DOCS.parent).as_posix()] = None
+
+    def with_places(heading: re.Match[str]) -> str:
+        places = ", ".join(f"[{path}]({REPOSITORY}blob/main/{path})" for path in cited.get(heading[1], ()))
+        return f"{heading[0]}\n\n{{.cited}}\nCited in {places}.\n" if places else heading[0]
+
+    source[0] = re.sub(r"^#+ ([RA]\d*\.\d+)\b.*$", with_places, source[0], flags=re.MULTILINE)
+
+
 def setup(app: Any) -> None:
     """Add the directives, and the links."""
+    app.connect("source-read", link_clauses)
     app.add_directive("replay", PlayedMatch)
     app.add_directive("commands", CommandList)
     app.connect("source-read", link_to_repository)
