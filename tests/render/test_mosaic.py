@@ -72,7 +72,7 @@ def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
 
 
 def test_a_view_that_no_match_has_is_refused(matches, tmp_path):
-    for who, said in ((0, "do not see everything"), ("eve", "unknown hunter 'eve'")):
+    for who, said in ((0, "view_of needs a match that limits"), ("eve", "unknown hunter 'eve'")):
         with pytest.raises(ConfigError, match=said):
             render_mosaic(matches, tmp_path / "grid.mp4", size=(480, 320), view_of=who)
     assert list(tmp_path.iterdir()) == []
@@ -82,7 +82,7 @@ def test_what_cannot_be_is_said(matches, tmp_path):
     match = matches["m1"]
     with pytest.raises(ConfigError, match="1 to 64 matches, got 65"):
         render_mosaic({str(k): match for k in range(65)}, tmp_path / "grid.mp4")
-    with pytest.raises(ConfigError, match="64 arenas 72 pixels"):
+    with pytest.raises(ConfigError, match="each of 64 arenas at least 72 pixels"):
         render_mosaic({str(k): match for k in range(64)}, tmp_path / "grid.mp4", size=(320, 320))
     with pytest.raises(ConfigError, match="speed"):
         render_mosaic({"m": match}, tmp_path / "grid.mp4", speed=0.0)

@@ -39,7 +39,7 @@ def test_headers_are_compared_setting_by_setting(play):
 
 def test_states_of_still_and_of_moving_targets_are_not_compared(play):
     one, other = (play("duel", max_cycles=5, target_motion=motion) for motion in ("still", "flee"))
-    assert replay_differences(one, other)[1] == "targets move in B alone: states are not compared"
+    assert replay_differences(one, other)[1] == "targets move in B only, so states are not compared"
 
 
 def test_the_first_actions_that_differ_are_told_with_who_and_what(pair):

@@ -359,7 +359,10 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"ruleset": "catch_arena_v9\n"}, r"recorded under ruleset 'catch_arena_v9\n', and this is 'catch_arena_v1'"),
+        (
+            {"ruleset": "catch_arena_v9\n"},
+            r"recorded under ruleset 'catch_arena_v9\n', but this version plays 'catch_arena_v1'",
+        ),
         ({"title": ...}, "missing required field `title`"),
         ({"extra\x1b": 1}, r"unknown field `extra\x1b`"),
         ({"title": "\x1b[2J"}, "title must be at most 200 printable characters"),
@@ -368,10 +371,10 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
         ({"seed": -1}, "seed must be a whole number"),
         ({"seed": True}, "seed must be a whole number"),
         ({"steps": -1}, "`int` >= 0 - at `$.steps`"),
-        ({"steps": 4}, "4 steps, and a match has 3"),
+        ({"steps": 4}, "4 steps, but a match has at most 3"),
         ({"steps": 2}, "is damaged"),
-        ({"steps": 10**7}, "is too long to be kept"),
-        ({"spans": 2**31 - 1}, "is too long to be kept: 2147483647 targets"),
+        ({"steps": 10**7}, "is too long for a file"),
+        ({"spans": 2**31 - 1}, "is too long for a file: 2147483647 targets"),
         ({"spans": 0}, "bytes follow its end"),
         ({"spans": -1}, "`int` >= 0 - at `$.spans`"),
         ({"withdrawals": [[2, 2]]}, "withdrawals must name agents"),

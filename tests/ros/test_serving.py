@@ -19,7 +19,8 @@ from catch_arena.scenarios import SCENARIOS, scenario
 REFUSED = {
     "tag": "prey must be 0 on a bus, because no node can play it (--set prey=0), got 1",
     "herd": "prey must be 0 on a bus, because no node can play it (--set prey=0), got 4",
-    "capstone": "a recorded match must be of another policy than capstone, whose grants need no target",
+    "capstone": "a match under the policy capstone cannot be recorded, because its grants need no target; "
+    "use the policy nearest or first_come",
 }
 LAST_TICK = 63
 """Of one second."""

@@ -68,7 +68,7 @@ def test_r8_1_twists_drive_within_the_limits():
 
 def test_the_service_keeps_its_own_settings_and_times():
     """The service needs the whole view, and an episode to act in."""
-    with pytest.raises(ConfigError, match="must be left to the service"):
+    with pytest.raises(ConfigError, match="ArenaService sets it"):
         ArenaService(observed_targets=3)
     service = ArenaService("duel", max_cycles=1)
     with pytest.raises(EpisodeError):

@@ -112,7 +112,7 @@ def test_a_number_can_be_guessed_and_the_results_say_so():
     done = CliRunner().invoke(main, ["tournament", "random", "idle", "--rounds", "1", *QUICK, "--seed", "7"])
     digits = Secret.of(7).digits
     assert f"seed: {digits} (from 7, which agents can guess)" in done.output
-    assert "it was given as a number (7), which can be guessed" in Path("o/report.html").read_text()
+    assert "it was set as a number (7), which can be guessed" in Path("o/report.html").read_text()
     assert json.loads(Path("o/standings.json").read_text())["seed"] == digits
 
 

@@ -135,5 +135,5 @@ def test_an_arena_that_has_not_begun_or_has_prey_takes_no_bodies():
         VectorArena("standard").place(np.zeros((1, 4, 4)), np.zeros((1, 0, 5)))
     herd = VectorArena("herd")
     herd.reset(seed=1)
-    with pytest.raises(ConfigError, match="no prey"):
+    with pytest.raises(ConfigError, match="does not support arenas with prey"):
         herd.place(np.zeros((1, 4, 4)), np.zeros((1, 0, 5)))

@@ -394,9 +394,9 @@ ILLEGAL = [
     ("target", [[[0, 1], [0, 1]], NAN], "commands must be two finite numbers, got [0.0, nan]"),
     ("velocity", [None, NAN], "commands must be two finite numbers, got [0.0, nan] in arena 1 for hunter_0"),
     ("velocity", [None, np.ones((2, 2, 2), dtype=bool)], "commands must be numbers, got an array of bool"),
-    ("velocity", [], "commands must be (2, 2, 2) numbers where agents drive themselves, got None"),
-    ("full", [None, np.zeros((2, 2, 2))], "choices must be (2, 2) whole numbers where hunters choose, got None"),
-    ("full", [[[0, 0], [0, 0]]], "commands must be (2, 2, 2) numbers where agents drive themselves, got None"),
+    ("velocity", [], "commands must be (2, 2, 2) numbers if agents drive themselves, got None"),
+    ("full", [None, np.zeros((2, 2, 2))], "choices must be (2, 2) whole numbers if hunters choose targets, got None"),
+    ("full", [[[0, 0], [0, 0]]], "commands must be (2, 2, 2) numbers if agents drive themselves, got None"),
 ]
 
 
@@ -446,7 +446,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     larger.reset(seed=1)
     for restore, saved, message in (
         (arena.restore, other.save(), "saved must come from an arena with an equal config"),
-        (arena.restore, None, "saved must be a state that save() returned"),
+        (arena.restore, None, r"saved must be a state that save\(\) returned"),
         (arena.restore, larger.save(), "a saved state must be that of 3 arenas here, got that of 40 arenas"),
         (arena.restore, arena.save_row(0), "a saved state must be that of 3 arenas here, got that of a single row"),
         (lambda saved: arena.restore_row(0, saved), larger.save(), "must be that of a single row here, got that of 40"),
