@@ -30,7 +30,7 @@ class BatchView:
         size = observation_size(limits)
         if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
             raise ConfigError(
-                f"observations must be an array whose last axis has {size} numbers, got {in_short(observations)}"
+                f"observations must be an array whose last axis has length {size}, got {in_short(observations)}"
             )
         self.observations = observations
         """Observations as they were given, for policies that learn."""

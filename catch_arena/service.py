@@ -324,7 +324,7 @@ class ArenaService:
             why = "no episode has begun" if self._seed is None else "the episode is over"
             raise EpisodeError(f"cannot {call}: {why}; call reset() first")
         if self.is_recorded:
-            raise EpisodeError(f"cannot {call} while the episode is recorded: a replay could not play it again")
+            raise EpisodeError(f"cannot {call} while the episode is recorded: a replay cannot repeat this call")
 
     def _asking_seat(self, hunter: str) -> int:
         seat = self._seat(hunter)

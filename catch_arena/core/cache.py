@@ -91,7 +91,7 @@ class _CheckedForm(caching.CompileResultCacheImpl):  # type: ignore[misc]
     """Content of a cache file: Numba's form of the code, and a checksum, since damaged machine code would run."""
 
     def reduce(self, compiled: Any) -> tuple[bytes, bytes]:
-        """Return the content of a file."""
+        """Return the content of a cache file for this code: a checksum, and Numba's form of the code."""
         content = serialize.dumps(super().reduce(compiled))
         return hashlib.blake2b(content).digest(), content
 

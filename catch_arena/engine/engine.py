@@ -337,7 +337,7 @@ class Engine:
         return SavedState(self._config_digest, None, *parts)
 
     def restore_row(self, arena: int, saved: SavedState) -> None:
-        """Continue from the saved state of one arena, in one arena."""
+        """Put the saved state of a single arena into one arena of this engine, which continues from it."""
         self.controls[arena] = saved.controls
         column = self._column(arena)
         column[:] = saved.memory[: column.nbytes].view(np.float64)

@@ -122,7 +122,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
                 "give the file or its folder another name, or try LANG=C.UTF-8"
             )
         if (wrong := name_fault(name)) is not None:
-            raise AgentError(f"{one.spec!a}: {wrong}: give the file another name")
+            raise AgentError(f"{one.spec!a}: {wrong}; give the file another name")
         if one.spec not in inspections:
             inspections[one.spec] = inspect(one.spec)
         found = inspections[one.spec]

@@ -92,7 +92,7 @@ class Tournament:
 
     @classmethod
     def of(cls, facts: Mapping[str, str]) -> "Tournament":
-        """Return the tournament that table `fact` describes.
+        """Return the tournament described by `facts`, the rows of the table `fact`.
 
         Raises:
             DamagedError: for facts that are invalid in this version.

@@ -265,7 +265,7 @@ def from_json(kind: MessageType, values: Any) -> Any:
     """Return our message from rosbridge's JSON values.
 
     Raises:
-        ValueError: for values that are no such message, in one line: a student's package may have other fields.
+        ValueError: if the values do not fit this message, for example because a student's package has other fields.
     """
     if not isinstance(values, dict) or any(field.name not in values for field in kind.fields):
         words = ", ".join(field.name for field in kind.fields) or "no field"

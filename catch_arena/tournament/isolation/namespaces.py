@@ -149,7 +149,7 @@ def _setting(name: str) -> str | None:
 
 
 def _runtime() -> Iterator[Path]:
-    """Yield the system's programs, this interpreter, the installed packages and this package."""
+    """Yield the paths that every isolated agent may see: programs and settings of the system, Python, packages."""
     yield from map(Path, _SYSTEM)
     for pattern in _SETTINGS:
         yield from Path("/etc").glob(pattern)

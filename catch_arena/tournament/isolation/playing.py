@@ -66,7 +66,7 @@ def start_players(
     Args:
         seated: entrants, or instances that play in this process, by seat.
         sandbox: runs agents that are not trusted; None if all are trusted.
-        absent: reasons for which seats are not started, by seat.
+        absent: the fault of each seat for which no player is started, by seat.
 
     Raises:
         MatchFailedError: for a match that failed on our side.

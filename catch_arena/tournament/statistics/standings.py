@@ -54,7 +54,7 @@ class Standing:
 
     @property
     def group(self) -> str:
-        """Groups as text: «1», or «1-3» if there are several."""
+        """First and last group of the entrant as text: «1-3» for groups 1 to 3, «1» for one group."""
         return "-".join(str(number) for number in sorted(set(self.groups)))
 
     @property
