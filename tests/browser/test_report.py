@@ -354,7 +354,7 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
         tournament(tmp_path, 1)
         until(page, "document.querySelector('#found').textContent === '1 to 10 of 60'", timeout=15_000)
         assert "of 60" not in page.locator("header").inner_text()
-    until(page, "document.querySelector('#news').textContent.includes('ended')", timeout=15_000)
+    until(page, "document.querySelector('#news').textContent.includes('no longer live')", timeout=15_000)
     recorded = ReportData.of(report.parent).recorded
     with serve(LiveReport(report.parent), 0) as address:
         page.goto(address)
