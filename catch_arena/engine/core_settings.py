@@ -106,7 +106,7 @@ def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
                 min_speed=-float(speed) if config.reverse else 0.0,
                 max_turn_rate=float(turn_rate),
                 reach_um=float(reach_um),
-                reach_limit_m2=squared_limit(reach_um),
+                reach_limit_m2=squared_limit(reach_um),  # R5.3, R7.5
             )
             for speed, turn_rate, reach_um in limits
         ]
