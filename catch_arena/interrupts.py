@@ -28,7 +28,7 @@ class _Command:
     """State of the command that this process runs."""
 
     status = 2  # exit code; until the command has ended, the one for an unexpected error
-    heard = 0  # the first signal, or 0
+    first_signal = 0  # its number, or 0
     unwinds = False  # the command is running, so KeyboardInterrupt can be raised
     lingers = False  # an interrupt is the command's normal end
     keeps = False  # the command is saving results, so an interrupt waits
@@ -55,9 +55,9 @@ def run(command: "Callable[[], object]") -> "NoReturn":
     except SystemExit as exit_:
         status = exit_.code
     except BaseException:
-        if not _Command.heard:
+        if not _Command.first_signal:
             raise
-    if _Command.heard:  # also if the command has caught the interrupt
+    if _Command.first_signal:  # also if the command has caught the interrupt
         _flush()
         _end()
     _Command.status = status if isinstance(status, int) else int(status is not None)
@@ -88,18 +88,18 @@ def wait(tell: "Callable[[], object]") -> None:
 
 def keep(save: "Callable[[], object]") -> None:
     """Call `save`; an interrupt during the call is raised after it."""
-    before, _Command.keeps = _Command.heard, True
+    before, _Command.keeps = _Command.first_signal, True
     try:
         save()
     finally:
         _Command.keeps = False
-    if _Command.heard != before:
+    if _Command.first_signal != before:
         raise KeyboardInterrupt
 
 
 def received() -> bool:
     """Return whether a signal has arrived; errors after it need no report."""
-    return bool(_Command.heard)
+    return bool(_Command.first_signal)
 
 
 def also_say(more: "Callable[[], str]") -> None:
@@ -125,10 +125,10 @@ def family(*roots: int) -> set[int]:
 
 
 def _hear(number: int, _: object) -> None:
-    if _Command.heard:
-        _Command.status = 128 + _Command.heard  # not a normal end any more, since the command was still busy
+    if _Command.first_signal:
+        _Command.status = 128 + _Command.first_signal  # not a normal end any more, since the command was still busy
         _end()
-    _Command.heard, _Command.status = number, 0 if _Command.lingers else 128 + number
+    _Command.first_signal, _Command.status = number, 0 if _Command.lingers else 128 + number
     sys.unraisablehook = _swallowed
     if (threading := sys.modules.get("threading")) is not None:
         threading.excepthook = lambda _: None  # type: ignore[attr-defined]
@@ -149,7 +149,7 @@ def _end() -> "NoReturn":
     try:
         _end_family()
         if _Command.status:
-            line = f"catch-arena: {_WORDS[signal.Signals(_Command.heard).name]}"
+            line = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}"
             try:
                 more = _Command.more()
             except Exception:  # noqa: BLE001 - the line is printed in any case

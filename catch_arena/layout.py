@@ -94,13 +94,19 @@ def _flag(_: _Arena) -> tuple[float, float]:
     return 0.0, 1.0
 
 
+_Cosine = Annotated[float, _Said("1", _any_part, "cosine of the heading")]
+_Sine = Annotated[float, _Said("1", _any_part, "sine of the heading")]
+_RelativeCosine = Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
+_RelativeSine = Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
+
+
 class SelfFeatures(NamedTuple):
     """Columns of a hunter's observation that describe the hunter itself."""
 
     x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
     y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of the heading")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of the heading")]
+    heading_cos: _Cosine
+    heading_sin: _Sine
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "forward velocity")]
     angular_velocity: Annotated[float, _Said("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
     time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
@@ -128,8 +134,8 @@ class TargetFeatures(NamedTuple):
 class MotionFeatures(NamedTuple):
     """R7.4: further columns for each target if targets move."""
 
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
+    heading_cos: _RelativeCosine
+    heading_sin: _RelativeSine
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "its forward velocity")]
 
 
@@ -141,8 +147,8 @@ class RivalFeatures(NamedTuple):
         float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
     ]
     present: Annotated[float, _Said("flag", _flag, "1 if this rank has a rival")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
+    heading_cos: _RelativeCosine
+    heading_sin: _RelativeSine
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
     score_difference: Annotated[
         float, _Said("catches", lambda a: _either_side(a.catches), "its score minus the agent's own")
@@ -160,8 +166,8 @@ class PreySelfFeatures(NamedTuple):
 
     x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
     y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of the heading")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of the heading")]
+    heading_cos: _Cosine
+    heading_sin: _Sine
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "forward velocity")]
     angular_velocity: Annotated[
         float, _Said("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
@@ -179,8 +185,8 @@ class BodyFeatures(NamedTuple):
         float, _Said("m", lambda a: _either_side(a.diagonal), "distance to the left; negative is to the right")
     ]
     present: Annotated[float, _Said("flag", _flag, "1 if this rank has {body}")]
-    heading_cos: Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
-    heading_sin: Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
+    heading_cos: _RelativeCosine
+    heading_sin: _RelativeSine
     linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
 
 

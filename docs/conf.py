@@ -51,7 +51,9 @@ class PlayedMatch(SphinxDirective):
             done = CliRunner().invoke(main, ["match", *words.split(), "-o", str(file)], catch_exceptions=False)
             if done.exit_code:
                 raise self.error(done.output)
-        html = f'{element_script()}<catch-replay bundle="{bundle_text(Replay.load(file))}"></catch-replay>'
+        script = "" if self.env.temp_data.get("replay") else element_script()  # one serves a whole page
+        self.env.temp_data["replay"] = True
+        html = f'{script}<catch-replay bundle="{bundle_text(Replay.load(file))}"></catch-replay>'
         return [nodes.raw("", html, format="html"), *self.parse_text_to_nodes(f"`catch-arena match {words}`")]
 
 

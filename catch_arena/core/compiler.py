@@ -79,18 +79,18 @@ def interrupts_held() -> Iterator[None]:
     the machine code; an exception there would be lost, and so would the code. No signal would be handled earlier
     anyway.
     """
-    heard: list[tuple[Any, tuple[Any, ...]]] = []
+    delayed: list[tuple[Any, tuple[Any, ...]]] = []
     held = []
     if threading.current_thread() is threading.main_thread():  # only the main thread handles signals
         held = [(number, handler) for number in _ENDING if callable(handler := signal.getsignal(number))]
     try:
         for number, handler in held:
-            signal.signal(number, lambda *arguments, handler=handler: heard.append((handler, arguments)))
+            signal.signal(number, lambda *arguments, handler=handler: delayed.append((handler, arguments)))
         yield
     finally:
         for number, handler in held:
             signal.signal(number, handler)
-        for handler, arguments in heard:
+        for handler, arguments in delayed:
             handler(*arguments)
 
 

@@ -18,7 +18,7 @@ ORDER: Final = ("over", "malformed", "inactive", "duplicate", "unknown", "caught
 class PlainArbiter:
     """A right arbiter, but for lots of its own; a mistake is another order of the tests, or a method in place of one.
 
-    `given` changes the case before it is judged, and `told` the rulings before they are returned.
+    `given` changes the case before it is judged, and `returned` the rulings after it.
     """
 
     def __init__(self, order: Sequence[str] = ORDER, **methods: Any) -> None:
@@ -44,12 +44,12 @@ class PlainArbiter:
         for name, eligible in contests.items():
             for one, verdict, winner in self.decide(name, eligible):
                 rulings[one["place"]] |= {"verdict": verdict, "winner": winner}
-        return self.told(rulings)
+        return self.returned(rulings)
 
     def given(self, case: dict[str, Any]) -> dict[str, Any]:
         return case
 
-    def told(self, rulings: list[Ruling]) -> list[Ruling]:
+    def returned(self, rulings: list[Ruling]) -> list[Ruling]:
         return rulings
 
     def refuse(self, ruling: Ruling) -> None:
@@ -250,15 +250,15 @@ def measured_for_all(self: PlainArbiter, ruling: Ruling) -> None:
 
 
 def without(*evidence: str) -> PlainArbiter:
-    return PlainArbiter(told=lambda _, rulings: [ruling | dict.fromkeys(evidence) for ruling in rulings])
+    return PlainArbiter(returned=lambda _, rulings: [ruling | dict.fromkeys(evidence) for ruling in rulings])
 
 
 KNOWN: dict[str, PlainArbiter] = {
     "first come, first served": PlainArbiter(winner=lambda _, eligible: eligible[0]),
     "last come, first served": PlainArbiter(winner=lambda _, eligible: eligible[-1]),
-    "every request is granted": PlainArbiter(told=lambda _, rulings: list(map(granted, rulings))),
+    "every request is granted": PlainArbiter(returned=lambda _, rulings: list(map(granted, rulings))),
     "every request for an alive target is granted": PlainArbiter(
-        told=lambda self, rulings: [
+        returned=lambda self, rulings: [
             granted(one) if one["target"] in list(self.case["targets"]) else one for one in rulings
         ]
     ),
@@ -273,14 +273,14 @@ KNOWN: dict[str, PlainArbiter] = {
     "the farthest wins": PlainArbiter(winner=lambda _, eligible: max(eligible, key=lambda one: one["distance_um"])),
     "the lowest seat wins": PlainArbiter(winner=lambda _, eligible: min(eligible, key=seat)),
     "the highest seat wins": PlainArbiter(winner=lambda _, eligible: max(eligible, key=seat)),
-    "only one catch per step": PlainArbiter(told=only_the_first_grant),
+    "only one catch per step": PlainArbiter(returned=only_the_first_grant),
     "requests are judged one by one: after a catch the target is gone": PlainArbiter(decide=one_after_the_other),
     "ALREADY_CAUGHT instead of LOST_CONTEST": PlainArbiter(
-        told=lambda _, rulings: [
+        returned=lambda _, rulings: [
             one | {"verdict": "ALREADY_CAUGHT"} if one["verdict"] == "LOST_CONTEST" else one for one in rulings
         ]
     ),
-    "a loser gets another target": PlainArbiter(told=consoled),
+    "a loser gets another target": PlainArbiter(returned=consoled),
     "the nearest target is caught, not the requested one": PlainArbiter(far=far_from_all),
     "a withdrawn hunter nearby wins without a request": PlainArbiter(decide=guarded),
     "refused requests win contests": PlainArbiter(decide=refused_compete),
@@ -329,7 +329,7 @@ KNOWN: dict[str, PlainArbiter] = {
     ),
     "DUPLICATE is never given": PlainArbiter(note=lambda *_: None),
     "a hunter's last request stands, not its first": PlainArbiter(
-        given=lambda _, case: case | {"requests": case["requests"][::-1]}, told=lambda _, rulings: rulings[::-1]
+        given=lambda _, case: case | {"requests": case["requests"][::-1]}, returned=lambda _, rulings: rulings[::-1]
     ),
     "a refused request does not count as the first": PlainArbiter(note=note_the_unrefused),
     "a malformed request does not count as the first": PlainArbiter(note=note_the_well_formed),
@@ -362,17 +362,17 @@ KNOWN: dict[str, PlainArbiter] = {
     "no distance is given": without("distance_um"),
     "no winner is given": without("winner"),
     "only a granted request has the winner": PlainArbiter(
-        told=lambda _, rulings: [one if one["verdict"] == "GRANTED" else one | {"winner": None} for one in rulings]
+        returned=lambda _, rulings: [one if one["verdict"] == "GRANTED" else one | {"winner": None} for one in rulings]
     ),
     "every ruling has a distance": PlainArbiter(refuse=measured_for_all),
     "distances are in millimetres": PlainArbiter(
-        told=lambda _, rulings: [
+        returned=lambda _, rulings: [
             one | {"distance_um": None if one["distance_um"] is None else round(one["distance_um"] / 1000)}
             for one in rulings
         ]
     ),
     "the rulings are not in the order of the requests": PlainArbiter(
-        told=lambda _, rulings: sorted(rulings, key=lambda ruling: str(ruling["target"]))
+        returned=lambda _, rulings: sorted(rulings, key=lambda ruling: str(ruling["target"]))
     ),
 }
 """An arbiter for each mistake, by its name in catch_arena/conformance/mistakes.toml and in that order."""

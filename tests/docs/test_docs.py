@@ -1,4 +1,4 @@
-"""The README's code runs, and the pages that are made from code are up to date."""
+"""Pages that are made from code are up to date, and their examples do what the pages say."""
 
 import dataclasses
 import re
@@ -15,13 +15,6 @@ from catch_arena.policy import Limits, PreyLimits
 from catch_arena.training import LearnerBatch, Mlp
 
 ROOT = Path(__file__).parent.parent.parent
-README = (ROOT / "README.md").read_text()
-
-
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
-
-
 PYTHON = re.compile(r"```python(?: file=\S+)?\n(.*?)```", re.DOTALL)
 
 

@@ -177,9 +177,9 @@ class IsolatedPlayers(Players):
                 if file == process.printed:
                     if not process.read_log():
                         poll.unregister(file)
-                elif (heard := process.read()) is not None:
+                elif (received := process.read()) is not None:
                     poll.unregister(file)
-                    reply = _understood(heard, now - sent_at[seat])
+                    reply = _understood(received, now - sent_at[seat])
                     in_time = now <= due.pop(seat) or reply.fault is not None
                     replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
             for seat in [seat for seat, end in due.items() if now > end]:
@@ -207,16 +207,16 @@ class IsolatedPlayers(Players):
             raise MatchFailedError(f"the process of {self._entrants[seat].name} could not start: {last}")
 
 
-def _understood(heard: bytes | Fault, seconds: float) -> _Reply:
+def _understood(received: bytes | Fault, seconds: float) -> _Reply:
     """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
-    if isinstance(heard, Fault):
-        return _Reply({}, seconds, heard)
+    if isinstance(received, Fault):
+        return _Reply({}, seconds, received)
     try:
-        said = json.loads(heard)
+        said = json.loads(received)
     except (ValueError, RecursionError):
         said = None
     if not isinstance(said, dict):
-        text = repr(heard[:80].decode(errors="replace"))
+        text = repr(received[:80].decode(errors="replace"))
         return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
     if "error" in said:
         why = said["error"]

@@ -229,8 +229,8 @@ class AgentProcess:
         """Return the next line, or None if none comes in time."""
         patience = time.monotonic() + _END_S
         while (left := patience - time.monotonic()) > 0 and select.select([self.answers], [], [], left)[0]:
-            if (heard := self.read()) is not None:
-                return heard if isinstance(heard, bytes) else None
+            if (received := self.read()) is not None:
+                return received if isinstance(received, bytes) else None
         return None
 
 
