@@ -1,7 +1,8 @@
-"""`catch-arena render`, `mosaic` and `highlights`: videos of recorded matches."""
+"""`catch-arena render`, `clip`, `mosaic` and `highlights`: videos of recorded matches."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
 
@@ -12,6 +13,8 @@ from catch_arena.cli.options import Recorded
 from catch_arena.cli.outputs import VIDEO, Force, output_file
 from catch_arena.cli.terminal import say
 from catch_arena.errors import ConfigError, ReplayError
+from catch_arena.text import printable
+from catch_arena.tournament.store import STORE
 
 if TYPE_CHECKING:
     from catch_arena.render.video import RenderReport
@@ -40,7 +43,15 @@ class Picture:
             metavar="WIDTHxHEIGHT", help="Size of the frames, in pixels.", show_default="1280x720; GIF, WebP 640x360"
         ),
     ] = None
+    shape: Annotated[
+        Literal["landscape", "portrait", "square"] | None,
+        typer.Option(help="Shape of the frames: portrait is 1080x1920.", show_default="that of the size, or landscape"),
+    ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
+    captions: Annotated[
+        Literal["plain", "clauses", "none"],
+        typer.Option(help="Say what happens in plain words, with the clauses of the rulebook too, or not at all."),
+    ] = "plain"
 
     def arguments(self) -> dict[str, Any]:
         """Return these options as arguments of functions that draw.
@@ -71,25 +82,70 @@ def render(
     force: Force = False,
     film: Film,
     start: Annotated[
-        float, typer.Option("--from", metavar="SECONDS", help="Time in the match at which the video begins.")
-    ] = 0.0,
+        float | None,
+        typer.Option(
+            "--from", metavar="SECONDS", help="Time in the match at which the video begins.", show_default="0"
+        ),
+    ] = None,
     end: Annotated[
         float | None,
         typer.Option("--to", metavar="SECONDS", help="Time in the match at which it ends.", show_default="the end"),
     ] = None,
     view_of: ViewOf = None,
 ) -> None:
-    """Turn a recorded match, or a part of it, into a video."""
+    """Turn a recorded match into a video.
+
+    A whole match has a title at its beginning and a podium at its end; a part, by --from or --to, has neither.
+    """
+    _render(replay, output or replay.with_suffix(".mp4"), force, film, start_s=start, end_s=end, view_of=view_of)
+
+
+@main.command()
+def clip(
+    replay: Recorded,
+    *,
+    at: Annotated[float, typer.Option(metavar="SECONDS", help="Time in the match that is in the middle of the clip.")],
+    seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the clip.")] = 8.0,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file next to the replay")
+    ] = None,
+    force: Force = False,
+    film: Film,
+    view_of: ViewOf = None,
+) -> None:
+    """Turn some seconds of a recorded match into a video."""
+    from catch_arena.replay import Replay
+
+    whole_s = Replay.load(replay).duration_ms / 1000.0
+    if not 0.0 <= at <= whole_s:
+        raise ConfigError(f"at must be a time in the match, from 0 to {whole_s:g} s, got {at:g}")
+    if not seconds > 0.0:
+        raise ConfigError(f"seconds must be positive, got {seconds:g}")
+    start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
+    target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
+    _render(replay, target, force, film, start_s=start, end_s=min(whole_s, start + seconds), view_of=view_of)
+
+
+def _render(path: Path, target: Path, force: bool, film: Film, **part: Any) -> None:
+    """Write a video of a recorded match, or of a part of it."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
 
-    recorded, drawn = Replay.load(replay), film.arguments()
-    target = output or replay.with_suffix(".mp4")
+    recorded, drawn = Replay.load(path), film.arguments()
     output_file(target, *VIDEO, force=force)
     with progress_bar("rendering") as show:
-        report = render_replay(recorded, target, start_s=start, end_s=end, view_of=view_of, progress=show, **drawn)
+        report = render_replay(recorded, target, event=_event(path), progress=show, **part, **drawn)
     print_report(report)
+
+
+def _event(path: Path) -> str:
+    """Return the name of the tournament whose folder holds a replay, and the date of the match; else an empty text."""
+    folder = path.absolute().parent
+    if folder.name != "replays" or not (folder.parent / STORE).exists():
+        return ""
+    played = datetime.fromtimestamp(path.stat().st_mtime).astimezone()
+    return f"{printable(folder.parent.name)}, {played:%Y-%m-%d}"
 
 
 @main.command()

@@ -148,12 +148,15 @@ class MatchWindow:
             self._ahead_ms = 0.0
 
     def show_result(self, result: MatchResult) -> None:
-        """Show the winner until the user quits or restarts, unless the user has quit; the panel has the standings."""
-        title = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
-        card = overlays.card_overlay(self._area, title, (), "R: restart    Ctrl-S: save    Esc: quit")
+        """Show the podium until the user quits or restarts, unless the user has quit."""
+        heading = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
+        keys = overlays.note_overlay(self._area, "R: restart    Ctrl-S: save    Esc: quit")
         with suppress(MatchStopped):
             while not self._stopped:
-                self._draw(self._motions[-1], self._last.time_ms, [*card, *self._note_shapes()])
+                self._renderer.draw(self._last.time_ms, self._motions[-1].at(self._last.time_ms))
+                self._renderer.draw_podium(heading=heading)
+                self._renderer.draw_over(self._note_shapes() or keys)
+                self._screen.show(self._renderer.pixels)
                 self._events()
                 self._clock.tick(_FPS)
 

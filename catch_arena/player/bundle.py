@@ -19,6 +19,10 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.seats import labels, prey_labels
 from catch_arena.explanation.sentences import contest_sentence
+from catch_arena.render.annotations import annotations_of
+from catch_arena.render.captions import Caption, Commentary
+from catch_arena.render.cards import result
+from catch_arena.render.lens import result_text
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
 from catch_arena.replay import Replay
@@ -63,6 +67,9 @@ def encode_bundle(replay: Replay) -> bytes:
     contests: list[dict[str, Any]] = []
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
+    commentary = Commentary(info)
+    moments: list[dict[str, Any]] = []
+    last: World | None = None
     left = {agent: before for before, agent in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
         for seat, (hunter, poses) in enumerate(zip(world.hunters, hunters, strict=True)):
@@ -74,6 +81,12 @@ def encode_bundle(replay: Replay) -> bytes:
             [state - 1, ruling.hunter, ruling.verdict.name, numbers.get(ruling.target)] for ruling in world.rulings
         ]
         contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
+        if last is not None:
+            shown = commentary.caption
+            commentary.record(last.time_ms, annotations_of(last, world, config), world.team_scores)
+            if commentary.caption is not None and commentary.caption is not shown:
+                moments.append(_moment(commentary.caption, info))
+        last = world
         _follow(state, world, targets, numbers)
         for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):
             if prey.target is not None and prey.target not in played:
@@ -105,6 +118,8 @@ def encode_bundle(replay: Replay) -> bytes:
         "withdrawals": [[before, agent] for agent, before in left.items()],
         "rulings": rulings,
         "contests": contests,
+        "moments": moments,
+        "result": result(info, last.team_scores) if last is not None else "",
     }
     bodies = [*hunters, *(poses for _, poses in targets.values())]
     head = json.dumps(facts, separators=(",", ":"), ensure_ascii=False).encode()
@@ -123,6 +138,25 @@ def _contest(contest: Contest, names: tuple[str, ...], prey: str | None) -> dict
         "clause": contest.clause,
         "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
         "sentence": contest_sentence(contest, names, prey),
+    }
+
+
+def _moment(caption: Caption, info: MatchInfo) -> dict[str, Any]:
+    """Return a caption, and its contest as the lens shows it, if it has one."""
+    lens = caption.lens
+    return {
+        "time": caption.time_ms,
+        "agent": caption.agent,
+        "text": caption.text,
+        "atTop": caption.at_top,
+        "lens": lens
+        and {
+            "corner": lens.corner,
+            "claimants": [
+                [one.seat, one.distance_um, round(one.direction, 3), round(one.theta, 3)] for one in lens.claimants
+            ],
+            "result": result_text(info, lens),
+        },
     }
 
 

@@ -9,14 +9,23 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
+from catch_arena.config import ArenaConfig
 from catch_arena.explanation.formatting import short_length
+from catch_arena.render.lens import Lens, lens_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Label, Ring, Shape, Stroke, mix
+from catch_arena.render.text import text_width, truncated
 from catch_arena.render.viewport import GROUND, Viewport
 from catch_arena.replay.motion import Pose2D
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
+_MOST_NAMES: Final = 8
+"""Greatest number of agents that have their names next to them."""
+_LEAST_NAMED: Final = 440
+"""Shorter side of the smallest arena with names [pixels]."""
+_LONGEST_NAME: Final = 9.0
+"""Greatest width of a name next to a turtle, in sizes of its text."""
 NEAR_UM: Final = 1_000_000
 """Distance [micrometres] within which a hunter is near a target that another catches."""
 
@@ -66,6 +75,8 @@ class Annotation:
     """Distance from the catching hunter to the target [micrometres]; None for other kinds."""
     prey: int | None = None
     """Agent that was caught, numbered after the hunters; None for a target that no agent plays."""
+    lens: Lens | None = None
+    """Contest that the catch won; None without a contest."""
 
     @property
     def visible_ms(self) -> float:
@@ -73,14 +84,15 @@ class Annotation:
         return _VISIBLE_MS[self.kind]
 
 
-def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
+def annotations_of(before: World, after: World, config: ArenaConfig) -> tuple[Annotation, ...]:
     """Return the annotations of a step's rulings, which were judged on the world before it.
 
     Args:
         before: the world before the step.
         after: the world after the step.
-        by_lot: whether lots decide contests and not distance (R5.9).
+        config: the arena's settings.
     """
+    by_lot = config.policy == "first_come"  # R5.9
     targets = {target.name: (target.x, target.y) for target in before.targets}
     played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
@@ -95,7 +107,13 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
         if ruling.verdict is Verdict.GRANTED:
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
             prey = played.get(str(ruling.target))
-            annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey))
+            claims = [(rival.seat, rival.distance_um) for rival in rivals if rival.requested]
+            lens = None
+            if claims:
+                claims.insert(0, (ruling.hunter, ruling.distance_um or 0))
+                hunters = [(other.x, other.y, other.theta) for other in before.hunters]
+                lens = lens_of((x, y), claims, hunters, config.side_m)
+            annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
             annotations.append(Annotation("lost", *origin, "by lot" if by_lot else margin_text(behind)))
@@ -132,6 +150,15 @@ def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> li
     return [annotation for annotation in seen if annotation.kind != "refused" or latest[annotation.seat] is annotation]
 
 
+class _TextBox(NamedTuple):
+    """Area of a text: its centre, and half its width and height."""
+
+    x: float
+    y: float
+    half_width: float
+    half_height: float
+
+
 def annotation_shapes(
     viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], annotations: Sequence[Annotation], time_ms: float
 ) -> list[Shape]:
@@ -156,7 +183,39 @@ def annotation_shapes(
     positions = [viewport.to_pixels(x, y) for x, y, _ in poses.values()]
     apart = spread_apart(positions, (1.1 if len(poses) <= 10 else 1.55) * size)
     numbers = [_number(info, agent, position, size) for agent, position in zip(poses, apart, strict=True)]
-    return [*shapes, *numbers, *_text_shapes(viewport, info, poses, annotations, time_ms, numbers)]
+    taken = [
+        _TextBox(number.x, number.y, 0.32 * len(number.text) * number.size, 0.45 * number.size) for number in numbers
+    ]
+    texts = _text_shapes(viewport, info, poses, annotations, time_ms, taken)
+    return [*shapes, *_names(viewport, info, poses, taken), *numbers, *texts]
+
+
+def _names(viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], taken: Sequence[_TextBox]) -> list[Label]:
+    """Return the agents' names below their turtles: of each agent whose name covers no turtle and no other text."""
+    length = viewport.hunter_length
+    if len(poses) > _MOST_NAMES or min(viewport.width, viewport.height) < _LEAST_NAMED:
+        return []
+    size = max(11, round(0.3 * length))
+    turtles = {agent: viewport.to_pixels(*pose[:2]) for agent, pose in poses.items()}
+    boxes, names = list(taken[len(poses) :]), []
+    for agent, (x, y) in turtles.items():
+        name = truncated(info.names[agent], size, 600, _LONGEST_NAME * size)
+        half_width = 0.5 * text_width(name, size, 600)
+        down = max(info.config.reaches[agent] * viewport.scale if agent < info.config.hunters else 0.0, 0.5 * length)
+        room = _TextBox(x, y + down + 0.85 * size, half_width, 0.5 * size)
+        others = [_TextBox(*place, 0.45 * length, 0.45 * length) for other, place in turtles.items() if other != agent]
+        inside = half_width < x < viewport.width - half_width and room.y < viewport.height - size
+        if inside and not any(_overlap(room, other) for other in (*others, *boxes)):
+            boxes.append(room)
+            names.append(Label(x, room.y, name, size, mix(info.color(agent), WHITE, 0.5), 600, "center", outline=INK))
+    return names
+
+
+def _overlap(one: _TextBox, other: _TextBox) -> bool:
+    return (
+        abs(one.x - other.x) < one.half_width + other.half_width
+        and abs(one.y - other.y) < one.half_height + other.half_height
+    )
 
 
 def _number(info: MatchInfo, agent: int, position: tuple[float, float], size: int) -> Label:
@@ -197,30 +256,19 @@ def spread_apart(positions: Sequence[tuple[float, float]], room: float) -> list[
     return [(x, y) for x, y in kept.tolist()]
 
 
-class _TextBox(NamedTuple):
-    """Area of a text: its centre, and half its width and height."""
-
-    x: float
-    y: float
-    half_width: float
-    half_height: float
-
-
 def _text_shapes(
     viewport: Viewport,
     info: MatchInfo,
     poses: Mapping[int, Pose2D],
     annotations: Sequence[Annotation],
     time_ms: float,
-    numbers: Sequence[Label],
+    taken: list[_TextBox],
 ) -> list[Shape]:
     """Return the texts: +1 rising over a hunter, the margin of a lost contest sinking below it, reasons of refusals.
 
-    Texts stay inside the picture. A text that would cover another one is moved on, farther for a larger overlap.
+    Texts stay inside the picture. A text that would cover another one is moved on, farther for a larger overlap. Their
+    places are added to `taken`.
     """
-    taken = [
-        _TextBox(number.x, number.y, 0.32 * len(number.text) * number.size, 0.45 * number.size) for number in numbers
-    ]
     length = viewport.hunter_length
     briefly = length < 26 or sum(annotation.kind == "refused" for annotation in annotations) > MOST_REASONS
     shapes: list[Shape] = []

@@ -1,6 +1,7 @@
 """Video of highlights: slow motion around the decisive instant, and a caption."""
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -11,12 +12,14 @@ import numpy as np
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight, Kind
 from catch_arena.render import hud
+from catch_arena.render.captions import Captions
+from catch_arena.render.cards import GOLD
 from catch_arena.render.encoders import Pixels, Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas
 from catch_arena.render.renderer import MatchRenderer
-from catch_arena.render.shapes import Box, Color, Label, Shape
+from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip
@@ -36,7 +39,7 @@ _SLOW_TO_MS: Final = 500
 _FADE_S: Final = 0.2
 _CAPTION: Final = 0.13
 """Height of the caption as a part of the picture's."""
-_ACCENT: Final[Color] = (255, 206, 84)
+_CLAUSE: Final = re.compile(r" \(R[0-9.]+\)")
 HEADINGS: Final[dict[Kind, str]] = {
     "contest": "CONTEST",
     "capture": "CAPTURE",
@@ -52,7 +55,9 @@ def render_highlights(
     path: str | os.PathLike[str],
     *,
     size: tuple[int, int] | None = None,
+    shape: hud.FrameShape | None = None,
     fps: int | None = None,
+    captions: Captions = "plain",
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
@@ -68,9 +73,9 @@ def render_highlights(
     if not highlights:
         raise ConfigError("highlights must have at least one entry, got none")
     kind = format_of(Path(path))
-    fps, within = frame_rate(kind, fps), frame_size(kind, size)
+    fps, within = frame_rate(kind, fps), frame_size(kind, size, shape)
     frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)
-    return write_video(path, _pictures(highlights, within, fps), within, fps, frames, progress)
+    return write_video(path, _pictures(highlights, within, fps, captions), within, fps, frames, progress)
 
 
 def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
@@ -81,22 +86,25 @@ def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
     return [(time_ms, part.speed == SLOW) for part in parts for time_ms in part.times_ms if time_ms < part.end_ms]
 
 
-def _pictures(highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int], fps: int) -> Iterator[Pixels]:
+def _pictures(
+    highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int], fps: int, captions: Captions
+) -> Iterator[Pixels]:
     width, height = size
     frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
-    below = round(_CAPTION * height)
+    below = 0 if captions == "none" else round(_CAPTION * height)
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
         info = MatchInfo.of_replay(replay, replay.title or Path(path).stem)
-        renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed)
+        renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed, captions="none")
         times = slow_motion(highlight, fps)
         pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
         origin = f"{Path(path).stem}   {number} of {len(highlights)}"
         for done, (pixels, (_, slow)) in enumerate(zip(pictures, times, strict=True)):
             frame.pixels[: height - below] = pixels
-            frame.clear(caption, hud.CARD)
-            frame.draw(caption_shapes(caption, highlight, origin, slow=slow))
+            if captions != "none":
+                frame.clear(caption, hud.CARD)
+                frame.draw(caption_shapes(caption, highlight, origin, slow=slow, clauses=captions == "clauses"))
             seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
             yield (
                 frame.pixels
@@ -105,8 +113,11 @@ def _pictures(highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int]
             )
 
 
-def caption_shapes(area: hud.Rect, highlight: Highlight, origin: str, *, slow: bool) -> list[Shape]:
+def caption_shapes(
+    area: hud.Rect, highlight: Highlight, origin: str, *, slow: bool, clauses: bool = False
+) -> list[Shape]:
     """Return the shapes of a caption: the event, its reason, the match, and a note of slow motion."""
+    reason = highlight.reason if clauses else _CLAUSE.sub("", highlight.reason)
     unit = area.height / 94.0
     pad = 20.0 * unit
     big, small = hud.font_size(28 * unit, 12), hud.font_size(17 * unit, 10)
@@ -119,12 +130,10 @@ def caption_shapes(area: hud.Rect, highlight: Highlight, origin: str, *, slow: b
     room = min(0.45 * area.width, text_width(note, small, 500)) + 2.0 * pad
     beside = area.left + pad + chip + 0.7 * pad
     return [
-        Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), _ACCENT),
-        Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, _ACCENT, 0.4 * tag),
+        Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), GOLD),
+        Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, GOLD, 0.4 * tag),
         Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
         Label(beside, upper, highlight.event, big, hud.BRIGHT, 800, max_width=right - beside),
-        Label(
-            area.left + pad, lower, highlight.reason, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad
-        ),
-        Label(right, lower, note, small, _ACCENT if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
+        Label(area.left + pad, lower, reason, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
+        Label(right, lower, note, small, GOLD if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
     ]

@@ -14,6 +14,8 @@ from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
 from catch_arena.render.text import printable, text_width
 from catch_arena.world import World
 
+FrameShape = Literal["landscape", "portrait", "square"]
+"""Shape of a frame: by its width and height."""
 Layout = Literal["broadcast", "arena"]
 """Layout of a frame: `broadcast` has standings and a timeline next to the arena, `arena` has one line over it."""
 
@@ -37,6 +39,12 @@ TEAMS: Final = 132.0
 """Greatest height of the teams' scores, in units."""
 MOST_TEAMS: Final = 8
 """Greatest number of teams with a card of scores; more would be too small, and only the standings show scores."""
+CAPTION: Final = 0.062
+"""Height of a caption and the room around it, as a part of the arena's shorter side."""
+WIDE: Final = 1.25
+"""Least ratio of the longer side to the shorter one in a landscape or portrait frame; others are square."""
+ARENA_PART: Final = 0.62
+"""Part of a landscape frame's width that the arena takes."""
 TIMELINE: Final = 170.0
 """Least height that the timeline keeps if the standings or the feed could take more, in units."""
 
@@ -117,15 +125,16 @@ def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) 
     if layout == "arena":
         strip = max(22, round(0.056 * min(width, height)))
         return Arrangement(Rect(0, strip, width, height - strip), Rect(0, 0, width, strip), strip / 40.0)
-    if width >= 1.25 * height:
-        side = min(height, round(0.64 * width))
-        unit = min(height / 720.0, (width - side) / 560.0)
+    shape = frame_shape(size)
+    if shape == "landscape":
+        side = round(ARENA_PART * width)
+        unit = min(height / 720.0, (width - side) / 486.0)
         gap, top = round(20 * unit), round(48 * unit)
         header = Rect(side + gap, gap, width - side - 2 * gap, top)
         below = gap + top + round(14 * unit)
         cards = _cards(header._replace(top=below, height=height - below - gap), unit, agents, teams)
         return Arrangement(Rect(0, 0, side, height), header, unit, *cards)
-    if height >= 1.25 * width:
+    if shape == "portrait":
         unit = max(0.6, min(width / 560.0, height / 1160.0))
         gap = round(16 * unit)
         top = round(56 * unit) + gap
@@ -143,6 +152,12 @@ def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) 
     standings, feed = _with_feed(beside, unit, agents, 0)
     timeline = Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap)
     return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, scores, standings, feed, timeline)
+
+
+def frame_shape(size: tuple[int, int]) -> FrameShape:
+    """Return the shape of a frame of (width, height)."""
+    width, height = size
+    return "landscape" if width >= WIDE * height else "portrait" if height >= WIDE * width else "square"
 
 
 def _cards(panel: Rect, unit: float, agents: int, teams: int) -> tuple[Rect, Rect, Rect, Rect]:

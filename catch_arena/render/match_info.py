@@ -30,7 +30,9 @@ _TEAM_COLORS: Final = (0, 1, 7, 6, 2, 5, 4, 3)
 _SHADES: Final = (("", WHITE, 0.0), ("light ", WHITE, 0.42), ("dark ", INK, 0.3))
 """Shades for more than eight colours: prefix of the name, colour that is mixed in, and its part."""
 _MEMBER_SHADES: Final = ((INK, 0.0), (INK, 0.15), (WHITE, 0.2), (INK, 0.28))
-"""Colour and part that are mixed into a team's colour, by member; they repeat, since members have numbers too."""
+"""Colour and part that are mixed into the colour of a team or an agent, by its hunters; they repeat, since hunters have
+numbers too.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +55,8 @@ class MatchInfo:
     names: tuple[str, ...]
     """Names by agent."""
     title: str
+    event: str
+    """Heading of the title at a video's beginning, such as a tournament's name and date; empty for none."""
     duration_ms: int
     """Duration of the match, which is the length of the timeline [ms]."""
     contenders: tuple[Contender, ...]
@@ -64,30 +68,47 @@ class MatchInfo:
 
     @classmethod
     def of(
-        cls, config: ArenaConfig, names: Sequence[str] | None = None, title: str = "", duration_ms: int | None = None
+        cls,
+        config: ArenaConfig,
+        names: Sequence[str] | None = None,
+        title: str = "",
+        duration_ms: int | None = None,
+        colors: Sequence[int] = (),
+        event: str = "",
     ) -> "MatchInfo":
-        """Return the facts of one match; without `names`, agents have their names in PettingZoo."""
+        """Return the facts of one match.
+
+        Args:
+            config: the arena's settings.
+            names: the agents' names; without them, agents have their names in PettingZoo.
+            title: text that names the match.
+            duration_ms: duration of the match [ms]; the settings' time limit if omitted.
+            colors: number of each hunter's colour, by seat (`Replay.colors`); by default colours go by seat.
+            event: heading of the title at a video's beginning.
+        """
         agents = config.hunter_names + config.prey_names
         called = agents if names is None else tuple(names)
         if len(called) != len(agents):
             prey = f" and {config.prey} prey" if config.prey else ""
             raise ConfigError(f"names must have one for each of {config.hunters} hunters{prey}, got {len(called)}")
-        hunters = called[: config.hunters]
+        hunters, numbers = called[: config.hunters], _color_numbers(config, colors)
         return cls(
             config,
             called,
             title,
+            event,
             config.time_limit_ms if duration_ms is None else duration_ms,
-            _contenders(config, hunters),
-            (*_hunter_colors(config), *(TARGET,) * config.prey),
+            _contenders(config, hunters, numbers),
+            (*_hunter_colors(numbers), *(TARGET,) * config.prey),
             tuple(hunters[:seat].count(name) + 1 for seat, name in enumerate(hunters)),
             config.team_by_seat,
         )
 
     @classmethod
-    def of_replay(cls, replay: Replay, title: str | None = None) -> "MatchInfo":
+    def of_replay(cls, replay: Replay, title: str | None = None, event: str = "") -> "MatchInfo":
         """Return the facts of a recorded match; `title` replaces its own title."""
-        return cls.of(replay.config, replay.names, replay.title if title is None else title, replay.duration_ms)
+        title = replay.title if title is None else title
+        return cls.of(replay.config, replay.names, title, replay.duration_ms, replay.colors, event)
 
     @property
     def has_teams(self) -> bool:
@@ -103,6 +124,11 @@ class MatchInfo:
         hunters = self.config.hunters
         return str(agent) if agent < hunters else f"P{agent - hunters}"
 
+    def label(self, agent: int) -> str:
+        """Return an agent's name, with its number if another agent has the same name."""
+        name = self.names[agent]
+        return name if self.names.count(name) == 1 else f"{name} {self.number(agent)}"
+
     def called(self, agent: int) -> str:
         """Return the name shown for an agent: a prey's own name, or the name of a hunter's contender."""
         hunts = agent < self.config.hunters
@@ -113,18 +139,22 @@ class MatchInfo:
         return self.config.hunters + int(name.removeprefix("prey_"))
 
 
-def _hunter_colors(config: ArenaConfig) -> list[Color]:
-    """Return the hunters' colours by seat.
-
-    Without teams these are eight, then the same eight lighter, then darker, and again; else shades of a team's colour.
-    """
+def _color_numbers(config: ArenaConfig, given: Sequence[int]) -> tuple[int, ...]:
+    """Return the number of each hunter's colour: that of its agent or seat, or that of its team (R11.1)."""
     if config.teams is None:
-        return [_color(seat) for seat in range(config.hunters)]
-    colors = [WHITE] * config.hunters
-    for team, seats in enumerate(config.teams):
-        for member, seat in enumerate(seats):
-            colors[seat] = mix(_color(_team_number(team)), *_MEMBER_SHADES[member % len(_MEMBER_SHADES)])
-    return colors
+        return tuple(given or range(config.hunters))
+    agents = [{given[seat] for seat in seats} for seats in config.teams] if given else []
+    by_agent = len(set().union(*agents)) == len(config.teams) == sum(map(len, agents))
+    return tuple(_team_number(given[seat] if by_agent else team) for seat, team in enumerate(config.team_by_seat))
+
+
+def _hunter_colors(numbers: Sequence[int]) -> tuple[Color, ...]:
+    """Return the hunters' colours by seat: eight, then the same eight lighter, then darker, and again.
+
+    Several hunters of one agent or team have shades of its colour.
+    """
+    shades = [_MEMBER_SHADES[numbers[:seat].count(number) % len(_MEMBER_SHADES)] for seat, number in enumerate(numbers)]
+    return tuple(mix(_color(number), *shade) for number, shade in zip(numbers, shades, strict=True))
 
 
 def _team_number(team: int) -> int:
@@ -142,16 +172,17 @@ def _color_name(number: int) -> str:
     return _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)][0] + _COLOR_NAMES[number % len(HUNTER_COLORS)]
 
 
-def _contenders(config: ArenaConfig, names: Sequence[str]) -> tuple[Contender, ...]:
+def _contenders(config: ArenaConfig, names: Sequence[str], numbers: Sequence[int]) -> tuple[Contender, ...]:
     """Return the contenders, by seat or by team.
 
     A team has the name of its only agent, or of its colour if it has several agents or another team has the same one.
     """
     if config.teams is None:
-        return tuple(Contender(name, _color(seat), (seat,)) for seat, name in enumerate(names))
+        colors = _hunter_colors(numbers)
+        return tuple(Contender(name, colors[seat], (seat,)) for seat, name in enumerate(names))
     agents = [{names[seat] for seat in seats} for seats in config.teams]
     contenders = []
     for team, seats in enumerate(config.teams):
-        number, alone = _team_number(team), len(agents[team]) == 1 and agents.count(agents[team]) == 1
+        number, alone = numbers[seats[0]], len(agents[team]) == 1 and agents.count(agents[team]) == 1
         contenders.append(Contender(names[seats[0]] if alone else _color_name(number), _color(number), seats))
     return tuple(contenders)

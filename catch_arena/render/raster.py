@@ -21,7 +21,8 @@ _SHIFT: Final = 4
 _WIDEST_RING: Final = 600.0
 FADE_MS: Final = 200
 """Time of the match in which a trail fades by one step [ms]."""
-TRACE_FADE_MS: Final = 2000
+_FADE: Final = 0.06
+"""Part of its difference from the ground that a trail loses in a step: half of it in 2.2 s."""
 
 
 class Canvas:
@@ -154,14 +155,13 @@ def _outline(width: float, height: float, radius: float) -> NDArray[np.float64]:
 
 
 class Ground:
-    """Floor of the arena with its trails, which fade to a faint trace and finally to nothing."""
+    """Floor of the arena with its trails, which fade to nothing."""
 
     def __init__(self, viewport: Viewport, sprites: SpriteCache) -> None:
         self.viewport = viewport
         clean = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
         clean.draw(scene.ground_shapes(viewport))
         self._clean = clean.pixels
-        self._trace = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
         self._floor = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
         # reused, since allocating a megabyte for every fade costs more than the fade
         self._above, self._below = np.empty_like(self._clean), np.empty_like(self._clean)
@@ -175,38 +175,27 @@ class Ground:
 
     def reset(self, time_ms: float = 0.0) -> None:
         """Remove all trails."""
-        self._trace.pixels[:] = self._clean
         self._floor.pixels[:] = self._clean
         self._time_ms = time_ms
 
     def trail(self, seat_color: shapes.Color, start: Pose2D, end: Pose2D) -> None:
         """Draw a piece of a hunter's way."""
-        fresh, trace = scene.trail_shapes(self.viewport, seat_color, start, end)
-        self._trace.draw((trace,))
-        self._floor.draw((fresh,))
+        self._floor.draw((scene.trail_shape(self.viewport, start, end, seat_color),))
 
     def target_trail(self, start: Pose2D, end: Pose2D) -> None:
         """Draw a piece of a target's way."""
-        self._floor.draw((scene.target_trail_shape(self.viewport, start, end),))
+        self._floor.draw((scene.trail_shape(self.viewport, start, end),))
 
     def fade(self, time_ms: float) -> None:
         """Fade the trails up to an instant, in at most 150 steps: after long waits there is nothing left to fade."""
-        for layer, goal, every, part in (
-            (self._trace.pixels, self._clean, TRACE_FADE_MS, 0.012),
-            (self._floor.pixels, self._trace.pixels, FADE_MS, 0.048),
-        ):
-            times = int(time_ms // every) - int(self._time_ms // every)
-            for _ in range(min(times, 150)):
-                self._approach(layer, goal, part)
+        times = int(time_ms // FADE_MS) - int(self._time_ms // FADE_MS)
+        floor, above, below = self._floor.pixels, self._above, self._below
+        for _ in range(min(times, 150)):
+            cv2.subtract(floor, self._clean, above)
+            cv2.subtract(self._clean, floor, below)
+            # rounding 0.49 + part * difference keeps 0 at 0 and makes the least difference 1
+            cv2.convertScaleAbs(above, above, _FADE, 0.49)
+            cv2.convertScaleAbs(below, below, _FADE, 0.49)
+            cv2.subtract(floor, above, floor)
+            cv2.add(floor, below, floor)
         self._time_ms = time_ms
-
-    def _approach(self, layer: Pixels, goal: Pixels, part: float) -> None:
-        """Move every byte of a layer to the goal by `part` of the difference, but at least by 1, so that it arrives."""
-        above, below = self._above, self._below
-        cv2.subtract(layer, goal, above)
-        cv2.subtract(goal, layer, below)
-        # rounding 0.49 + part * difference keeps 0 at 0 and makes the least difference 1
-        cv2.convertScaleAbs(above, above, part, 0.49)
-        cv2.convertScaleAbs(below, below, part, 0.49)
-        cv2.subtract(layer, above, layer)
-        cv2.add(layer, below, layer)

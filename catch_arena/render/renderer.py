@@ -11,9 +11,10 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
 from catch_arena.plain import plain_setting, whole_number
-from catch_arena.render import hud, scene, timeline
+from catch_arena.render import cards, hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.blurred_view import Belief, BlurredView
+from catch_arena.render.captions import Captions, Commentary, caption_shapes
 from catch_arena.render.event_feed import EventFeed, feed_shapes
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
@@ -58,15 +59,17 @@ class MatchRenderer:
         layout: hud.Layout,
         seed: int | None = None,
         sprites: SpriteCache | None = None,
+        captions: Captions = "plain",
     ) -> None:
         require_choice("layout", layout, get_args(hud.Layout))
+        require_choice("captions", captions, get_args(Captions))
+        self._caption_kind = captions
         self.info = info
         self.view_of: int | None = None
         """Seat whose view is shown (R7.5, R7.6) if hunters do not see everything as it is; None for no view."""
         self._seed = seed
         self._blurred = BlurredView(info.config) if info.config.view_noise_m else None
         self._observations: dict[int, NDArray[np.float32]] = {}
-        self._by_lot = info.config.policy == "first_come"
         self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
         if sprites is None:  # renderers of the same match or size share theirs
             sprites = SpriteCache()
@@ -95,6 +98,7 @@ class MatchRenderer:
         """Begin a new match, without trails or annotations."""
         self._ground.reset(time_ms)
         self._annotations: list[Annotation] = []
+        self._commentary = Commentary(self.info)
         self._timeline = timeline.Timeline(self.info.duration_ms)
         self._standings_animation = StandingsAnimation()
         self._feed = EventFeed()
@@ -132,11 +136,12 @@ class MatchRenderer:
         else:
             self._poses = motion.poses[0]
         self._motion = motion
-        annotations = annotations_of(motion.before, motion.after, by_lot=self._by_lot)
+        annotations = annotations_of(motion.before, motion.after, self.info.config)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
         self._feed.record(annotations)
         after = motion.after
         self._scores = after.team_scores
+        self._commentary.record(began_ms, annotations, self._scores)
         self._players = {
             target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
         }
@@ -171,7 +176,33 @@ class MatchRenderer:
                 withdrawn_prey={score.agent for score in self._standings if score.hunted and score.withdrawn},
             )
         )
+        caption = self._commentary.caption
+        if caption is not None:
+            self._arena.draw(caption_shapes(self._ground.viewport, self.info, caption, self._caption_kind, time_ms))
         self._draw_around(time_ms, min(time_ms, world.time_ms))
+        return self.pixels
+
+    def draw_title(self, part: float) -> Pixels:
+        """Draw the title over the dimmed arena as drawn last; `part` in [0, 1] is its strength."""
+        return self._draw_card(cards.title_shapes((self.arena.width, self.arena.height), self.info), part)
+
+    def draw_podium(self, part: float = 1.0, heading: str = "") -> Pixels:
+        """Draw the podium over the dimmed arena as drawn last.
+
+        Args:
+            part: strength of the card, in [0, 1].
+            heading: text above it; the winner and its margin if empty.
+        """
+        prey = [score for score in self._standings if score.hunted]
+        area = (self.arena.width, self.arena.height)
+        return self._draw_card(cards.podium_shapes(area, self.info, self._scores, prey, heading), part)
+
+    def _draw_card(self, drawn: Iterable[Shape], part: float) -> Pixels:
+        """Dim the arena by `part`, and draw a card over it once it is dark enough."""
+        pixels = self._arena.pixels
+        cv2.convertScaleAbs(pixels, pixels, 1.0 - part * (1.0 - cards.DIMMED))
+        if part > 0.5:
+            self._arena.draw(drawn)
         return self.pixels
 
     def draw_over(self, drawn: Iterable[Shape]) -> None:

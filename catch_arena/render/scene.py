@@ -12,7 +12,7 @@ from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.blurred_view import Belief
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
-from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE, Viewport
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, Viewport
 from catch_arena.replay.motion import Pose2D, Poses
 from catch_arena.world import HunterState, TargetState
 
@@ -44,18 +44,12 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     return shapes
 
 
-def trail_shapes(viewport: Viewport, seat_color: Color, start: Pose2D, end: Pose2D) -> tuple[Stroke, Stroke]:
-    """Return a piece of a hunter's way: in its colour, which fades, and in the trace's, which stays longer."""
+def trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D, seat_color: Color | None = None) -> Stroke:
+    """Return a piece of a hunter's way in its colour, or of a target's way."""
     points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
-    width = viewport.trail_width
-    return Stroke(*points, width, seat_color), Stroke(*points, width, TRACE)
-
-
-def target_trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D) -> Stroke:
-    """Return a piece of a target's way, which fades and leaves no trace, since there are too many targets."""
-    return Stroke(
-        *viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]), viewport.target_trail_width, TARGET_TRAIL
-    )
+    if seat_color is None:
+        return Stroke(*points, viewport.target_trail_width, TARGET_TRAIL)
+    return Stroke(*points, viewport.trail_width, seat_color)
 
 
 def arena_shapes(

@@ -127,7 +127,7 @@ def _line_shapes(
     x += number_room + 0.6 * size
     right = left + width - 0.5 * size
     bar_end = right - (0.78 * len(str(best)) + 0.6) * size
-    has_bar = width >= 21 * size
+    has_bar = width >= 19 * size
     bar_start = max(x + 4.5 * size, bar_end - 0.3 * width) if has_bar else bar_end
     name = info.names[entry.agent] + ("  (out)" if entry.faded else "  (its view)" if followed else "")
     shapes.append(

@@ -7,10 +7,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Final
 
+from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.seats import find_seat
 from catch_arena.plain import whole_number
-from catch_arena.render import hud
+from catch_arena.render import cards, hud
+from catch_arena.render.captions import Captions
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer, checked_size
@@ -41,14 +43,17 @@ def render_replay(
     *,
     size: tuple[int, int] | None = None,
     fps: int | None = None,
+    shape: hud.FrameShape | None = None,
     layout: hud.Layout = "broadcast",
-    start_s: float = 0.0,
+    captions: Captions = "plain",
+    start_s: float | None = None,
     end_s: float | None = None,
     speed: float = 1.0,
     view_of: int | str | None = None,
+    event: str = "",
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a match, or a part of it, as a video of exactly its length.
+    """Write a match as a video between a title and a podium, or a part of it without them.
 
     Args:
         replay: the recorded match.
@@ -56,11 +61,14 @@ def render_replay(
         size: (width, height) [pixels] from 320 x 320 to 3840 x 2160; None for the format's default
             (`encoders.FORMATS`).
         fps: frames a second, from 1 on.
+        shape: "landscape", "portrait" or "square"; None for that of `size`, or landscape.
         layout: "broadcast" (arena, standings, event feed, timeline) or "arena".
-        start_s: start of the part of the match [s].
-        end_s: end of the part of the match [s]; None for the match's end.
+        captions: events of the match in "plain" words, with the "clauses" of the rulebook too, or "none".
+        start_s: start of a part of the match [s].
+        end_s: end of a part of the match [s]; None for the match's end.
         speed: seconds of the match in a second of the video, 0.01 to 100.
         view_of: hunter whose view is shown, by its seat or its agent's name, if hunters do not see everything as it is.
+        event: heading of the title, such as a tournament's name and date.
         progress: called with (frames written, frames in all).
 
     Raises:
@@ -71,11 +79,15 @@ def render_replay(
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     kind = format_of(Path(path))
-    within = frame_size(kind, size)
-    clip = clip_of(replay, kind, fps, start_s, end_s, speed)
-    renderer = renderer_for(replay, within, layout)
+    within = frame_size(kind, size, shape)
+    clip = clip_of(replay, kind, fps, start_s or 0.0, end_s, speed)
+    renderer = MatchRenderer(MatchInfo.of_replay(replay, event=event), within, layout, replay.seed, captions=captions)
     (renderer.view_of,) = viewed_seats([replay], view_of)
-    return write_video(path, rendered_frames(replay, renderer, clip), within, clip.fps, clip.frames, progress)
+    if start_s is not None or end_s is not None:
+        return write_video(path, rendered_frames(replay, renderer, clip), within, clip.fps, clip.frames, progress)
+    pictures = frames_of(observed_worlds(replay, renderer), renderer, [*clip.times_ms, float(clip.end_ms)])
+    frames = clip.frames + 1 + card_frames(cards.TITLE_MS, clip.fps) + card_frames(cards.PODIUM_MS, clip.fps)
+    return write_video(path, with_cards(pictures, renderer, clip.fps), within, clip.fps, frames, progress)
 
 
 def write_video(
@@ -95,14 +107,44 @@ def write_video(
     return RenderReport(Path(path), frames, frames / fps, size, fps)
 
 
-def frame_size(kind: Format, size: tuple[int, int] | None) -> tuple[int, int]:
-    """Return `size` or the format's default (width, height) [pixels], made even if the format needs it.
+def frame_size(kind: Format, size: tuple[int, int] | None, shape: hud.FrameShape | None = None) -> tuple[int, int]:
+    """Return `size` or the default (width, height) [pixels] of the format and shape, made even if the format needs it.
 
     Raises:
-        ConfigError: for a size outside the limits of frames.
+        ConfigError: for a size outside the limits of frames, or of another shape, and for an unknown shape.
     """
-    width, height = checked_size(kind.size if size is None else size)
+    shorter = kind.size[1] * 3 // 2
+    usual = {"landscape": kind.size, "portrait": (shorter, shorter * 16 // 9), "square": (shorter, shorter)}
+    if shape is not None:
+        require_choice("shape", shape, tuple(usual))
+    width, height = checked_size(usual[shape or "landscape"] if size is None else size)
+    if shape is not None and hud.frame_shape((width, height)) != shape:
+        raise ConfigError(
+            f"size must be {shape}, got {width}x{height}, which is {hud.frame_shape((width, height))}; the longer side "
+            f"of a landscape or portrait frame is at least {hud.WIDE:g} times the shorter one"
+        )
     return (width + width % 2, height + height % 2) if kind.even else (width, height)
+
+
+def card_frames(time_ms: int, fps: int) -> int:
+    """Return the number of frames in which a card is shown."""
+    return max(1, round(time_ms * fps / 1000))
+
+
+def with_cards(pictures: Iterator[Pixels], renderer: MatchRenderer, fps: int) -> Iterator[Pixels]:
+    """Yield the frames of a whole match between its title and its podium, under which the match stands still."""
+    fade, title = card_frames(cards.FADE_MS, fps), card_frames(cards.TITLE_MS, fps)
+    pixels = next(pictures)
+    still = pixels.copy()
+    for frame in range(title):
+        yield renderer.draw_title(min(1.0, (title - frame) / fade))
+        pixels[:] = still
+    yield pixels
+    yield from pictures
+    still = pixels.copy()
+    for frame in range(1, card_frames(cards.PODIUM_MS, fps) + 1):
+        pixels[:] = still
+        yield renderer.draw_podium(min(1.0, frame / fade))
 
 
 def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> MatchRenderer:

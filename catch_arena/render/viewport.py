@@ -7,8 +7,6 @@ from catch_arena.render.shapes import Color
 GROUND: Final[Color] = (69, 86, 255)
 """Blue of turtlesim's ground."""
 OUTSIDE: Final[Color] = (62, 77, 236)
-TRACE: Final[Color] = (94, 113, 255)
-"""Colour of a trail's remains."""
 TARGET: Final[Color] = (240, 234, 255)
 TARGET_TRAIL: Final[Color] = (180, 165, 120)
 """Sand colour of a moving target's trail."""

@@ -43,8 +43,8 @@ _LONGEST_REASON: Final = 300
 _Count = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
 
 
-class _Header(msgspec.Struct, forbid_unknown_fields=True):
-    """JSON object at the beginning of a body."""
+class _Header(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """JSON object at the beginning of a body; `colors` is left out if there are none."""
 
     ruleset: str
     package: str
@@ -56,6 +56,8 @@ class _Header(msgspec.Struct, forbid_unknown_fields=True):
     withdrawals: list[tuple[_Count, _Count]]
     spans: _Count
     """Number of spans of targets in the states, at least one for each target."""
+    colors: list[_Count] = []
+    """Number of each hunter's colour, by seat; empty if colours go by seat."""
 
 
 def encode_replay(match: Replay) -> bytes:
@@ -81,9 +83,10 @@ def encode_replay(match: Replay) -> bytes:
         steps,
         match.withdrawals,
         spans,
+        list(match.colors),
     )
     parts = [
-        pack_json(msgspec.structs.asdict(header)),
+        pack_json(msgspec.to_builtins(header)),
         pack_columns(choices.T),
         _pack_commands(commands[:, driven_seats(config)]),
         _pack_commands(prey_commands),
@@ -224,6 +227,9 @@ def _read_header(reader: Reader) -> tuple[Replay, int, int]:
         checked_text("name_prefix", config.name_prefix)
         names, title = checked_names(header.names, config), checked_text("title", header.title)
         match = Replay(config, checked_seed(header.seed), names, title, withdrawals=header.withdrawals)
+        match.colors = tuple(header.colors)
+        if match.colors and len(match.colors) != config.hunters:
+            raise ConfigError(f"colors must have {config.hunters} entries, one for each hunter")
         agents = {agent for _, agent in header.withdrawals}
         in_order = header.withdrawals == sorted(header.withdrawals) and len(agents) == len(header.withdrawals)
         if not in_order or any(step > header.steps or agent >= len(names) for step, agent in header.withdrawals):

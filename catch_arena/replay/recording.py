@@ -50,6 +50,8 @@ class Replay:
     """R1.6, R12.5: withdrawals as (number of steps before it, agent); an agent is an index in `names`."""
     named_requests: list[NamedRequest] = field(default_factory=list)
     """R8.4: requests by name without a rank in the action, in their order."""
+    colors: tuple[int, ...] = ()
+    """Number of each hunter's colour, by seat, which a tournament gives to its agents; empty if colours go by seat."""
 
     html_formatter: ClassVar[Callable[["Replay"], str] | None] = None
     """Function that returns a replay's HTML for notebooks; importing `catch_arena.player` sets it. None before that."""

@@ -38,6 +38,7 @@ def play_match(
     agent_seeds: Sequence[int] = (),
     title: str = "",
     record: Path | BytesIO | None = None,
+    colors: Sequence[int] = (),
     watch: Callable[[CatchArenaEnv], None] = lambda _: None,
     on_forfeit: Callable[[int, Forfeit], None] = lambda *_: None,
     most_steps: int | None = None,
@@ -55,6 +56,7 @@ def play_match(
         agent_seeds: seed of each agent, by seat; if empty, these seeds follow from `seed`.
         title: title of the replay.
         record: file or buffer that the replay is written to; None records nothing.
+        colors: number of each hunter's colour in the replay, by seat; by default colours go by seat.
         watch: called after the reset and after every step; if it raises MatchStopped, the result so far is returned.
         on_forfeit: called with (seat, forfeit) for each seat of a party that fails.
         most_steps: number of steps after which the match is stopped; None plays to the end.
@@ -87,7 +89,9 @@ def play_match(
         pass
     result = match.result()
     if record is not None:
-        env.replay().save(record)
+        replay = env.replay()
+        replay.colors = tuple(colors)
+        replay.save(record)
     return result
 
 

@@ -10,6 +10,7 @@ from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import Turtle
 from catch_arena.render import hud
+from catch_arena.render.captions import Captions
 from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer
@@ -32,8 +33,10 @@ def render_bag(
     reach_m: float = 0.3,
     title: str = "",
     size: tuple[int, int] | None = None,
+    shape: hud.FrameShape | None = None,
     fps: int | None = None,
     layout: hud.Layout = "broadcast",
+    captions: Captions = "plain",
     speed: float = 1.0,
     progress: Progress | None = None,
 ) -> RenderReport:
@@ -46,8 +49,10 @@ def render_bag(
         reach_m: the reach that is shown.
         title: the text above the standings.
         size: width and height in pixels.
+        shape: "landscape", "portrait" or "square"; None for that of `size`, or landscape.
         fps: frames per second.
         layout: "broadcast" or "arena".
+        captions: "plain", "clauses" or "none".
         speed: seconds of the bag in a second of the video.
         progress: called with (frames written, frames in all).
 
@@ -56,12 +61,12 @@ def render_bag(
         OutputError: if the file cannot be written.
     """
     kind = format_of(path)
-    within = frame_size(kind, size)
+    within = frame_size(kind, size, shape)
     ticks = ceil(bag.end_ms / TICK_MS)
     clip = Clip(0, ticks * TICK_MS, frame_rate(kind, fps), pace_of(speed))
     names = tuple(bag.hunters)
     config = scenario("standard", hunters=len(names), reach_m=reach_m)
-    renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, layout)
+    renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, layout, captions=captions)
     frames = frames_of(bag_worlds(bag, judged), renderer, clip.times_ms)
     return write_video(path, frames, within, clip.fps, clip.frames, progress)
 

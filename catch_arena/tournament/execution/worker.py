@@ -14,6 +14,7 @@ from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import Match, PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Fault
 
 _DIGEST_BYTES: Final = 16
@@ -68,6 +69,7 @@ class Worker:
             agent_seeds=match.agent_seeds,
             title=f"match {match.id}",
             record=replay,
+            colors=[match.seating[party] for party in Parties.of(self.config).by_seat[: self.config.hunters]],
         )
         if replay is None:
             return PlayedMatch(match, result), b""

@@ -1,0 +1,113 @@
+"""Captions: one line over the arena that says in words what has just happened.
+
+The page's player shows the same captions and lenses (player/bundle.py).
+"""
+
+from collections.abc import Sequence
+from typing import Final, Literal, NamedTuple
+
+from catch_arena.render import hud
+from catch_arena.render.annotations import Annotation
+from catch_arena.render.lens import LEAST_ARENA, LENS_MS, Lens, lens_shapes, millimetres
+from catch_arena.render.match_info import MatchInfo
+from catch_arena.render.shapes import Box, Label, Shape
+from catch_arena.render.text import text_width
+from catch_arena.render.timeline import lead
+from catch_arena.render.viewport import Viewport
+
+Captions = Literal["plain", "clauses", "none"]
+"""Kind of captions: in plain words, with the clause of the rulebook, or none."""
+_LOW: Final = 0.25
+"""Part of the arena's height below which an event's caption stands at the top."""
+_STEALS_UM: Final = 100_000
+"""Margin of a contest below which its winner steals the target [micrometres]."""
+
+
+class Caption(NamedTuple):
+    """Text that is shown for a moment, the agent whose colour it has, and the lens that is shown with it."""
+
+    time_ms: int
+    agent: int
+    text: str
+    clause: str
+    at_top: bool = False
+    """True to show it at the top of the arena, since its event is at the bottom."""
+    lens: Lens | None = None
+    """Contest that it is about; None without a contest."""
+
+
+def caption_of(annotation: Annotation, info: MatchInfo) -> Caption | None:
+    """Return the caption of a contest or of a catch of prey; None for other annotations."""
+    hunter, lens = annotation.seat, annotation.lens
+    name, low = info.label(hunter), annotation.y < _LOW * info.config.side_m
+    if lens is not None:
+        rival, behind = lens.claimants[1].seat, lens.claimants[1].distance_um - lens.claimants[0].distance_um
+        other = info.label(rival)
+        if info.config.policy == "first_come":
+            text, clause = f"{name} is first in the queue, before {other}", "R5.9"
+        elif behind == 0:
+            text, clause = f"{name} and {other} are equally near: {name} wins the draw", "R5.5"
+        elif info.contender_by_seat[hunter] == info.contender_by_seat[rival]:
+            text, clause = f"{name} takes it before its team-mate {other}", "R5.4"
+        elif behind < _STEALS_UM:
+            text, clause = f"{name} steals it from {other} by {millimetres(behind)}", "R5.4"
+        else:
+            text, clause = f"{name} beats {other} to it by {millimetres(behind)}", "R5.4"
+        return Caption(annotation.time_ms, hunter, text, clause, low, lens)
+    if annotation.prey is not None:
+        return Caption(annotation.time_ms, hunter, f"{name} catches {info.label(annotation.prey)}", "R12.3", low)
+    return None
+
+
+class Commentary:
+    """Latest caption of a match.
+
+    Args:
+        info: names and colours of the match.
+    """
+
+    def __init__(self, info: MatchInfo) -> None:
+        self._info = info
+        self._leader = -1
+        self.caption: Caption | None = None
+        """Latest caption: of a step's contest, else of a catch of prey, else of a new leader."""
+
+    def record(self, time_ms: int, annotations: Sequence[Annotation], scores: Sequence[int]) -> None:
+        """Add a step that began at `time_ms`: its annotations, and the scores by contender after it."""
+        contests = [annotation for annotation in annotations if annotation.lens is not None]
+        captions = [caption_of(annotation, self._info) for annotation in (*contests, *annotations)]
+        leader, _ = lead(scores)
+        if leader >= 0 and leader != self._leader:
+            if self._leader >= 0:  # the first leader of a match is no news
+                name = self._info.contenders[leader].name
+                captions.append(
+                    Caption(time_ms, self._info.contenders[leader].seats[0], f"{name} takes the lead", "R6.1")
+                )
+            self._leader = leader
+        self.caption = next((caption for caption in captions if caption is not None), self.caption)
+
+
+def caption_shapes(
+    viewport: Viewport, info: MatchInfo, caption: Caption, kind: Captions, time_ms: float
+) -> list[Shape]:
+    """Return the shapes of a caption and its lens; none after their time, and in an arena that is too small."""
+    room, age_ms = min(viewport.width, viewport.height), time_ms - caption.time_ms
+    if room < LEAST_ARENA or not 0.0 <= age_ms < LENS_MS:
+        return []
+    shapes = [] if caption.lens is None else lens_shapes(viewport, info, caption.lens, age_ms)
+    if kind == "none":
+        return shapes
+    text = f"{caption.text} ({caption.clause})" if kind == "clauses" else caption.text
+    height = 0.78 * hud.CAPTION * room
+    size, dot = hud.font_size(0.5 * height, 11), 0.5 * height
+    around = 2.2 * height
+    width = min(viewport.width - dot, text_width(text, size, 700) + around)
+    left, gap = (viewport.width - width) / 2.0, 0.12 * height
+    top = gap if caption.at_top else viewport.height - gap - height
+    middle = top + 0.5 * height
+    return [
+        *shapes,
+        Box(left, top, width, height, hud.PANEL, 0.5 * height),
+        Box(left + 0.4 * height, middle - 0.5 * dot, dot, dot, info.color(caption.agent), 0.5 * dot),
+        Label(left + 1.15 * height, middle, text, size, hud.BRIGHT, 700, max_width=width - 1.7 * height),
+    ]

@@ -1,0 +1,141 @@
+"""Cards over the arena: the title at a match's beginning, and the podium at its end. Pure functions to shapes."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from catch_arena.render import hud
+from catch_arena.render.match_info import Contender, MatchInfo
+from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, Turtle, mix
+from catch_arena.render.text import text_width
+from catch_arena.render.timeline import lead
+
+TITLE_MS: Final = 2000
+"""Time for which the title is shown [ms of the video]."""
+PODIUM_MS: Final = 4000
+"""Time for which the podium is shown [ms of the video]."""
+FADE_MS: Final = 300
+"""Time in which a card appears or disappears [ms of the video]."""
+DIMMED: Final = 0.2
+"""Brightness of the arena under a card."""
+GOLD: Final[Color] = (255, 206, 84)
+"""Colour of headings."""
+_MOST_ROWS: Final = 8
+_STEPS: Final = ((0.5, 1.0), (0.2, 0.72), (0.8, 0.5))
+"""Steps of the podium, the first place's first: middle as a part of the width, and relative height."""
+
+
+def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
+    """Return the title over an arena of (width, height): the tournament or scenario, and who plays."""
+    width, height = area
+    unit = min(width, height) / 720.0
+    middle, room = width / 2.0, 0.88 * width
+    big, size, small = (hud.font_size(pixels * unit, 11) for pixels in (54, 30, 24))
+    rows = [(info.label(agent), info.color(agent), False) for agent in range(info.config.hunters)]
+    if info.has_teams:
+        rows = [(_members(info, contender), contender.color, False) for contender in info.contenders]
+    rows += [(info.label(agent), info.color(agent), True) for agent in range(info.config.hunters, len(info.names))]
+    left_out = len(rows) - _MOST_ROWS if len(rows) > _MOST_ROWS + 1 else 0
+    rows = rows[: len(rows) - left_out]
+    line, left_out_room = 1.75 * size, 1.75 * size * bool(left_out)
+    top = height / 2.0 - 0.5 * (len(rows) * line + left_out_room + 2.6 * big)
+    shapes: list[Shape] = [
+        Label(middle, top, info.event or "CATCH ARENA", big, GOLD, 800, "center", max_width=room),
+        Label(middle, top + 0.95 * big, info.title, small, WHITE, 600, "center", max_width=room),
+    ]
+    y, texts = top + 2.3 * big, [f"{name}  (prey)" if hunted else name for name, _, hunted in rows]
+    widest = min(room - 1.4 * size, max(text_width(text, size, 700) for text in texts))
+    start = middle - 0.5 * (widest + 1.4 * size) + 0.6 * size
+    for text, (_, color, _) in zip(texts, rows, strict=True):
+        shapes += [
+            Turtle(start, y, 0.0, 1.7 * size, color),
+            Label(start + 1.4 * size, y, text, size, WHITE, 700, max_width=widest),
+        ]
+        y += line
+    if left_out:
+        shapes.append(Label(start + 1.4 * size, y, f"and {left_out} more", small, hud.DIM, 600))
+    return shapes
+
+
+def _members(info: MatchInfo, team: Contender) -> str:
+    names = list(dict.fromkeys(info.names[seat] for seat in team.seats))
+    return f"{team.name}: {', '.join(names)}" if names != [team.name] else team.name
+
+
+def podium_shapes(
+    area: tuple[int, int], info: MatchInfo, scores: Sequence[int], prey: Sequence[hud.AgentScore], heading: str = ""
+) -> list[Shape]:
+    """Return the podium over an arena of (width, height): the first three contenders, their scores, and the margin.
+
+    Args:
+        area: (width, height) of the arena [pixels].
+        info: names and colours.
+        scores: catches by contender.
+        prey: scores of the prey.
+        heading: text above it; the winner and its margin if empty.
+    """
+    width, height = area
+    unit = min(width, height) / 720.0
+    middle = width / 2.0
+    big, size = hud.font_size(46 * unit, 14), hud.font_size(27 * unit, 10)
+    shapes: list[Shape] = [
+        Label(
+            middle,
+            0.5 * height - 265 * unit,
+            heading or result(info, scores),
+            big,
+            GOLD,
+            800,
+            "center",
+            max_width=0.94 * width,
+        )
+    ]
+    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(_STEPS)]
+    foot, wide = 0.5 * height + 215 * unit, 190 * unit
+    for place, contender in enumerate(order):
+        across, tall = _STEPS[place] if len(order) > 1 else (0.5, 1.0)
+        rank = 1 + sum(score > scores[contender] for score in scores)
+        tall = _STEPS[rank - 1][1] * 200 * unit
+        x, color = middle + (across - 0.5) * 700 * unit, info.contenders[contender].color
+        top = foot - tall
+        shapes += [
+            Box(x - wide / 2.0, top, wide, tall, mix(color, hud.PANEL, 0.35), 10 * unit),
+            Label(x, top + 34 * unit, str(rank), big, WHITE, 800, "center"),
+            Turtle(x, top - 52 * unit, 1.57, 92 * unit, color),
+            Label(x, top - 122 * unit, str(scores[contender]), big, WHITE, 800, "center"),
+            Label(
+                x, foot + 26 * unit, info.contenders[contender].name, size, WHITE, 700, "center", max_width=1.15 * wide
+            ),
+        ]
+    if prey:
+        texts = [f"{info.label(score.agent)} was caught {times(score.score)}" for score in prey[:2]]
+        more = f", and {len(prey) - 2} more" if len(prey) > 2 else ""
+        line = ", ".join(texts) + more
+        shapes.append(
+            Label(
+                middle,
+                foot + 70 * unit,
+                line,
+                hud.font_size(20 * unit, 10),
+                WHITE,
+                600,
+                "center",
+                max_width=0.94 * width,
+            )
+        )
+    return shapes
+
+
+def times(count: int) -> str:
+    """Return a number of times in words."""
+    return "once" if count == 1 else f"{count} times"
+
+
+def result(info: MatchInfo, scores: Sequence[int]) -> str:
+    """Return a match's result in words: the winner and its margin, or those that share the first place."""
+    if len(scores) == 1:
+        return f"{info.contenders[0].name}: {scores[0]} {'catch' if scores[0] == 1 else 'catches'}"
+    winner, margin = lead(scores)
+    if winner >= 0:
+        return f"{info.contenders[winner].name} wins by {margin}"
+    first = [info.contenders[index].name for index, score in enumerate(scores) if score == max(scores)]
+    return f"{' and '.join(first)} share the first place" if len(first) == 2 else f"{len(first)} share the first place"
