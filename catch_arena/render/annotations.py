@@ -10,8 +10,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 
 from catch_arena.config import ArenaConfig
-from catch_arena.explanation.formatting import short_length
-from catch_arena.render.lens import Lens, lens_of
+from catch_arena.render.lens import Lens, lens_of, millimetres
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Label, Ring, Shape, Stroke, mix
 from catch_arena.render.text import text_width, truncated
@@ -76,7 +75,7 @@ class Annotation:
     prey: int | None = None
     """Agent that was caught, numbered after the hunters; None for a target that no agent plays."""
     lens: Lens | None = None
-    """Contest that the catch won; None without a contest."""
+    """Contest that the catch won; None without a rival of another team."""
 
     @property
     def visible_ms(self) -> float:
@@ -108,8 +107,8 @@ def annotations_of(before: World, after: World, config: ArenaConfig) -> tuple[An
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
             prey = played.get(str(ruling.target))
             claims = [(rival.seat, rival.distance_um) for rival in rivals if rival.requested]
-            lens = None
-            if claims:
+            lens, teams = None, config.team_by_seat
+            if any(teams[seat] != teams[ruling.hunter] for seat, _ in claims):  # among team-mates nobody loses
                 claims.insert(0, (ruling.hunter, ruling.distance_um or 0))
                 hunters = [(other.x, other.y, other.theta) for other in before.hunters]
                 lens = lens_of((x, y), claims, hunters, config.side_m)
@@ -140,7 +139,7 @@ def margin_text(behind_um: int) -> str:
     """Return the text for how much farther away the loser was; an exact tie was decided by lot (R5.5)."""
     if behind_um == 0:
         return "by lot"
-    return f"−{short_length(behind_um)}"
+    return f"−{millimetres(behind_um)}"
 
 
 def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:

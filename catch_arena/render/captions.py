@@ -11,7 +11,7 @@ from catch_arena.render.annotations import Annotation
 from catch_arena.render.lens import LEAST_ARENA, LENS_MS, Lens, lens_shapes, millimetres
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
-from catch_arena.render.text import text_width
+from catch_arena.render.text import ELLIPSIS, text_width
 from catch_arena.render.timeline import lead
 from catch_arena.render.viewport import Viewport
 
@@ -19,6 +19,8 @@ Captions = Literal["plain", "clauses", "none"]
 """Kind of captions: in plain words, with the clause of the rulebook, or none."""
 _LOW: Final = 0.25
 """Part of the arena's height below which an event's caption stands at the top."""
+_LONGEST_NAME: Final = 16
+"""Greatest number of characters of a name in a caption."""
 _STEALS_UM: Final = 100_000
 """Margin of a contest below which its winner steals the target [micrometres]."""
 
@@ -39,24 +41,29 @@ class Caption(NamedTuple):
 def caption_of(annotation: Annotation, info: MatchInfo) -> Caption | None:
     """Return the caption of a contest or of a catch of prey; None for other annotations."""
     hunter, lens = annotation.seat, annotation.lens
-    name, low = info.label(hunter), annotation.y < _LOW * info.config.side_m
+    name, low = _shortened(info.label(hunter)), annotation.y < _LOW * info.config.side_m
     if lens is not None:
-        rival, behind = lens.claimants[1].seat, lens.claimants[1].distance_um - lens.claimants[0].distance_um
-        other = info.label(rival)
+        winner, rival = lens.claimants[:2]
+        other, behind = _shortened(info.label(rival.seat)), rival.distance_um - winner.distance_um
         if info.config.policy == "first_come":
             text, clause = f"{name} is first in the queue, before {other}", "R5.9"
         elif behind == 0:
             text, clause = f"{name} and {other} are equally near: {name} wins the draw", "R5.5"
-        elif info.contender_by_seat[hunter] == info.contender_by_seat[rival]:
-            text, clause = f"{name} takes it before its team-mate {other}", "R5.4"
         elif behind < _STEALS_UM:
             text, clause = f"{name} steals it from {other} by {millimetres(behind)}", "R5.4"
         else:
             text, clause = f"{name} beats {other} to it by {millimetres(behind)}", "R5.4"
         return Caption(annotation.time_ms, hunter, text, clause, low, lens)
     if annotation.prey is not None:
-        return Caption(annotation.time_ms, hunter, f"{name} catches {info.label(annotation.prey)}", "R12.3", low)
+        return Caption(
+            annotation.time_ms, hunter, f"{name} catches {_shortened(info.label(annotation.prey))}", "R12.3", low
+        )
     return None
+
+
+def _shortened(name: str) -> str:
+    """Return a name short enough for two of them to fit into a caption."""
+    return name if len(name) <= _LONGEST_NAME else name[: _LONGEST_NAME - 1] + ELLIPSIS
 
 
 class Commentary:
@@ -79,7 +86,7 @@ class Commentary:
         leader, _ = lead(scores)
         if leader >= 0 and leader != self._leader:
             if self._leader >= 0:  # the first leader of a match is no news
-                name = self._info.contenders[leader].name
+                name = _shortened(self._info.contenders[leader].name)
                 captions.append(
                     Caption(time_ms, self._info.contenders[leader].seats[0], f"{name} takes the lead", "R6.1")
                 )

@@ -15,13 +15,15 @@ PODIUM_MS: Final = 4000
 """Time for which the podium is shown [ms of the video]."""
 FADE_MS: Final = 300
 """Time in which a card appears or disappears [ms of the video]."""
-DIMMED: Final = 0.2
+DIMMED: Final = 0.14
 """Brightness of the arena under a card."""
 GOLD: Final[Color] = (255, 206, 84)
 """Colour of headings."""
 _MOST_ROWS: Final = 8
-_STEPS: Final = ((0.5, 1.0), (0.2, 0.72), (0.8, 0.5))
-"""Steps of the podium, the first place's first: middle as a part of the width, and relative height."""
+_HEIGHTS: Final = (1.0, 0.72, 0.5)
+"""Heights of the podium's steps, the first place's first, relative to that."""
+_PLACES: Final = ((0.0,), (-0.5, 0.5), (0.0, -1.0, 1.0))
+"""Places of one, two or three contenders, the best first, in steps to the right of the middle."""
 
 
 def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
@@ -42,7 +44,7 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
         Label(middle, top, info.event or "CATCH ARENA", big, GOLD, 800, "center", max_width=room),
         Label(middle, top + 0.95 * big, info.title, small, WHITE, 600, "center", max_width=room),
     ]
-    y, texts = top + 2.3 * big, [f"{name}  (prey)" if hunted else name for name, _, hunted in rows]
+    y, texts = top + 2.3 * big, [f"{name}, prey" if hunted else name for name, _, hunted in rows]
     widest = min(room - 1.4 * size, max(text_width(text, size, 700) for text in texts))
     start = middle - 0.5 * (widest + 1.4 * size) + 0.6 * size
     for text, (_, color, _) in zip(texts, rows, strict=True):
@@ -89,13 +91,12 @@ def podium_shapes(
             max_width=0.94 * width,
         )
     ]
-    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(_STEPS)]
+    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(_HEIGHTS)]
     foot, wide = 0.5 * height + 215 * unit, 190 * unit
     for place, contender in enumerate(order):
-        across, tall = _STEPS[place] if len(order) > 1 else (0.5, 1.0)
         rank = 1 + sum(score > scores[contender] for score in scores)
-        tall = _STEPS[rank - 1][1] * 200 * unit
-        x, color = middle + (across - 0.5) * 700 * unit, info.contenders[contender].color
+        tall = _HEIGHTS[rank - 1] * 200 * unit
+        x, color = middle + _PLACES[len(order) - 1][place] * 210 * unit, info.contenders[contender].color
         top = foot - tall
         shapes += [
             Box(x - wide / 2.0, top, wide, tall, mix(color, hud.PANEL, 0.35), 10 * unit),

@@ -10,6 +10,7 @@ from typing import Final
 from catch_arena.explanation.formatting import short_length
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, font_size
+from catch_arena.render.lens import millimetres
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
@@ -46,7 +47,8 @@ def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
         if annotation.rivals and annotation.distance_um is not None:
             rival = annotation.rivals[0]
             behind = rival.distance_um - annotation.distance_um
-            margin = f"by {short_length(behind)}" if behind > 0 else "by lot"
+            length = millimetres(behind) if rival.requested else short_length(behind)
+            margin = f"by {length}" if behind > 0 else "by lot"
             if rival.requested or behind > 0:
                 text = "beat" if rival.requested else "ahead of"
                 items.append(

@@ -91,7 +91,7 @@ def spread_directions(directions: Sequence[float]) -> list[float]:
 
 def millimetres(length_um: int) -> str:
     """Return a length in millimetres as text, with at least two digits."""
-    decimals = 2 if length_um < 995 else 1 if length_um < 9950 else 0
+    decimals = 3 if length_um < 100 else 2 if length_um < 995 else 1 if length_um < 9950 else 0
     return f"{length_um / 1000:.{decimals}f} mm"
 
 

@@ -125,9 +125,9 @@ class MatchInfo:
         return str(agent) if agent < hunters else f"P{agent - hunters}"
 
     def label(self, agent: int) -> str:
-        """Return an agent's name, with its number if another agent has the same name."""
+        """Return an agent's name, with its number if it is empty or another agent has the same name."""
         name = self.names[agent]
-        return name if self.names.count(name) == 1 else f"{name} {self.number(agent)}"
+        return name if name and self.names.count(name) == 1 else f"{name} {self.number(agent)}".strip()
 
     def called(self, agent: int) -> str:
         """Return the name shown for an agent: a prey's own name, or the name of a hunter's contender."""
@@ -179,7 +179,7 @@ def _contenders(config: ArenaConfig, names: Sequence[str], numbers: Sequence[int
     """
     if config.teams is None:
         colors = _hunter_colors(numbers)
-        return tuple(Contender(name, colors[seat], (seat,)) for seat, name in enumerate(names))
+        return tuple(Contender(name or str(seat), colors[seat], (seat,)) for seat, name in enumerate(names))
     agents = [{names[seat] for seat in seats} for seats in config.teams]
     contenders = []
     for team, seats in enumerate(config.teams):
