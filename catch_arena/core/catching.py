@@ -55,10 +55,10 @@ from catch_arena.core.state import (
     X,
     Y,
     limits_of,
+    played_lanes,
     seat_of,
-    span,
 )
-from catch_arena.core.vectors import Width, any_of, each, group, long, select, truncate
+from catch_arena.core.vectors import Width, any_of, group, lane_numbers, long, select, truncate
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
@@ -74,7 +74,7 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
     """Clear the verdicts of the last step. Without a verdict the evidence next to it is not read."""
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             me[VERDICT + group(first, width)] = _UNANSWERED
 
 
@@ -85,7 +85,7 @@ def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up:
     Args:
         service_up: the result, one row: 1 if it answers, else 0.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         service_up[group(first, width)] = 1.0
     if s.kill_down_rate > 0.0:
         for lane in range(lanes):
@@ -110,17 +110,17 @@ def refuse_requests(
         me, own = seat_of(block, seat), limits_of(sections.limits, seat)
         requested = sections.requested_slots[seat]
         for first in range(0, lanes, len(width)):
-            lane, lane_number = group(first, width), each(first, width)
+            lane, lane_number = group(first, width), lane_numbers(first, width)
             slot = requested[lane]
-            asks = (slot != float(NO_TARGET)) & (lane_number < lanes)
-            if not any_of(asks):
+            requests_target = (slot != float(NO_TARGET)) & (lane_number < lanes)
+            if not any_of(requests_target):
                 continue
             named = slot >= 0.0
             at = long(truncate(select(named, slot, 0.0))) * s.slot_size + lane_number
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
             inactive, over, serves = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING, service_up[lane] > 0.0
             failed = first_failed_test(slot, distance_um, own.reach_um, inactive, duplicate, over, serves)
-            refused = asks & (failed != float(ELIGIBLE))
+            refused = requests_target & (failed != float(ELIGIBLE))
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
                 distance_given = select(failed == float(OUT_OF_REACH), distance_um, float(NOT_MEASURED))

@@ -39,8 +39,8 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    played_lanes,
     seat_of,
-    span,
     targets_of,
 )
 from catch_arena.core.vectors import Width, group, select
@@ -107,7 +107,7 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
 @phase
 def end_test(block: Block, s: Settings, width: Width) -> None:
     """R1.1, R1.5, R12.6, R1.4's phase 6: advance the clock by whole milliseconds, and end finished episodes."""
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         time = block[TIME + lane] + s.period_ms
         finished = (block[SPAWNED + lane] >= s.spawned_in_full) & (block[ALIVE + lane] == 0.0)

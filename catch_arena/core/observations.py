@@ -49,10 +49,10 @@ from catch_arena.core.state import (
     body_of,
     limits_of,
     most_alive,
+    played_lanes,
     seat_at,
     seat_of,
     slot_at_rank,
-    span,
     target_order_of,
     targets_of,
     targets_ranked,
@@ -103,7 +103,7 @@ _LARGE: Final = 1 << 14
 @phase
 def update_heading(me: Block, width: Width) -> None:
     """Write the heading's sine and cosine, which the observation and the next step's controller read."""
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         sine, cosine = sincos(me[THETA + lane])
         me[SINE + lane] = sine
@@ -141,11 +141,11 @@ def write_targets(
         there = slots != ABSENT
         target = target_of_tile(take_tile(tiles, tile_index(slots, width)))
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
-        exactly = s.hunters_seen == 0 and rank + 1 == s.targets_seen
+        is_last = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
-            put_rank(at_rank, there, moving_target_seen(me, target), exactly)
+            put_rank(at_rank, there, moving_target_seen(me, target), is_last)
         else:
-            put_rank(at_rank, there, target_seen(me, target), exactly)
+            put_rank(at_rank, there, target_seen(me, target), is_last)
     if s.view_noise_m > 0.0:
         blur_seen(block, s, first, width, seat, order, TARGET_KIND, tiles, place)
 
@@ -162,11 +162,11 @@ def write_rivals(
         there = seats != ABSENT
         rival = body_of_tile(take_tile(tiles, tile_index(seats, width)))
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
-        exactly = rank + 1 == s.hunters_seen
+        is_last = rank + 1 == s.hunters_seen
         if s.has_teams:
-            put_rank(at_rank, there, team_rival_seen(me, rival, float(sections.teams[seat])), exactly)
+            put_rank(at_rank, there, team_rival_seen(me, rival, float(sections.teams[seat])), is_last)
         else:
-            put_rank(at_rank, there, rival_seen(me, rival), exactly)
+            put_rank(at_rank, there, rival_seen(me, rival), is_last)
     if s.view_noise_m > 0.0:
         blur_seen(block, s, first, width, seat, order, RIVAL_KIND, tiles, place)
 
@@ -259,15 +259,15 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
 
 
 @phase
-def prefetch_part(ahead: Block, part: int, parts: int) -> None:
+def prefetch_part(next_block: Block, part: int, parts: int) -> None:
     """Prefetch one of several equal parts of the next block. All parts together would make the current block wait too.
 
     Args:
-        ahead: the next block; or empty.
+        next_block: the next block; or empty.
     """
-    at, end = len(ahead) * part // parts, len(ahead) * (part + 1) // parts
+    at, end = len(next_block) * part // parts, len(next_block) * (part + 1) // parts
     while at < end:  # see `copy_to_observations`
-        prefetch(ahead, at)
+        prefetch(next_block, at)
         at += PREFETCHED
 
 
@@ -283,7 +283,7 @@ def write(
     Args:
         sections: see `memory.Sections`; the hunters' observations are written.
     """
-    ahead = block_after(sections.blocks, first_arena)
+    next_block = block_after(sections.blocks, first_arena)
     columns, out = sections.observations.shape[2], flat(sections.observations)
     stride = sections.observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
@@ -301,7 +301,7 @@ def write(
             write_self(seat_of(block, seat), first, width, time_left, Place(to, at, stride))
             write_targets(block, s, first, width, seat, sections, Place(to, at_targets, stride))
             write_rivals(block, s, first, width, seat, sections, Place(to, at_rivals, stride))
-            prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
+            prefetch_part(next_block, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if apart:
             copy_to_observations(
                 sections.staging, min(len(width), lanes - first) * stride, out, (first_arena + first) * stride

@@ -18,8 +18,8 @@ from catch_arena.core.state import (
     Y,
     body_of,
     most_alive,
+    played_lanes,
     seat_of,
-    span,
 )
 from catch_arena.core.vectors import Width, any_of, floor, group, select
 
@@ -73,7 +73,7 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
         most: greatest number of ticks in any lane: `fewest`, or one more.
         ticks: number of ticks of each lane, one row.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
         stride = me[SPEED + lane] * DT
@@ -104,7 +104,7 @@ def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -
     """
     for seat in range(s.hunters):
         me = seat_of(block, seat)
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             me[SPEED + lane] = select(stale[lane] > 0.0, 0.0, me[SPEED + lane])
             me[TURN_RATE + lane] = select(stale[lane] > 0.0, 0.0, me[TURN_RATE + lane])
@@ -133,7 +133,7 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, co
     """
     due, fresh, stale = counts[:LANES], counts[LANES : 2 * LANES], counts[2 * LANES : 3 * LANES]
     any_stale = False
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         before = ticks_until(block[TIME + lane])
         ticks = ticks_until(block[TIME + lane] + s.period_ms) - before

@@ -83,15 +83,15 @@ class Bodies(NamedTuple):
     """Number of bodies that are seen."""
     first_column: int
     """First column of rank 1, in the observation of one prey."""
-    exactly: bool
-    """True if the last rank must be copied without extra numbers, since no later column overwrites them."""
+    is_last: bool
+    """True if the last rank has the last columns of the observation: see `tiles.put_rank`."""
 
 
 @phase
 def bodies_of(block: Block, s: Settings, index: int, of_hunters: bool, gathered_prey: Block) -> Bodies:
     """R12.4: return the hunters, or the prey, as bodies that one prey may see."""
     hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
-    exactly = not of_hunters or prey_seen == 0
+    is_last = not of_hunters or prey_seen == 0
     return Bodies(
         rows=block[seat_at(0) : seat_at(s.hunters)] if of_hunters else gathered_prey,
         size=SEAT_SIZE if of_hunters else WITHDRAWN + LANES,
@@ -99,7 +99,7 @@ def bodies_of(block: Block, s: Settings, index: int, of_hunters: bool, gathered_
         myself=_NOT_AMONG_THEM if of_hunters else index,
         ranks=hunters_seen if of_hunters else prey_seen,
         first_column=_SELF_WIDTH + (0 if of_hunters else hunters_seen * _BODY_WIDTH),
-        exactly=exactly,
+        is_last=is_last,
     )
 
 
@@ -145,9 +145,9 @@ def write_bodies(me: Block, first: int, width: Width, bodies: Bodies, sections: 
         there = items != ABSENT
         tile = take_tile(sections.body_tiles, tile_index(items, width))
         at = place.at + bodies.first_column + rank * _BODY_WIDTH
-        exactly = bodies.exactly and rank == bodies.ranks - 1
+        is_last = bodies.is_last and rank == bodies.ranks - 1
         seen = body_seen(observer, body_of_tile(tile))
-        put_rank(Place(place.out, at, place.stride), there, seen, exactly)
+        put_rank(Place(place.out, at, place.stride), there, seen, is_last)
 
 
 @phase

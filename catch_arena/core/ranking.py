@@ -290,10 +290,10 @@ def sort_ties(
                 difference = 0.0
                 if not stand_together(newer, older, lane):  # so do most ties late in an episode
                     difference = lead(me, newer, older, lane)
-                ahead = difference > 0.0
+                goes_first = difference > 0.0
                 if difference == 0.0 and are_rivals:
-                    ahead = has_more_catches(newer, older, lane, is_listed_first(seat, one, other, teams))
-                if not ahead:
+                    goes_first = has_more_catches(newer, older, lane, is_listed_first(seat, one, other, teams))
+                if not goes_first:
                     break
                 keys[at * LANES + lane] = before
                 at -= 1

@@ -27,9 +27,9 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    played_lanes,
     seat_of,
     slot_at_rank,
-    span,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
 from catch_arena.core.visibility import is_seen
@@ -92,7 +92,7 @@ def count_catches(block: Block, s: Settings, width: Width, in_teams: bool, secti
         catches: the result, one row.
     """
     teams, team_rows = sections.teams, sections.team_rows
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         total = 0.0
         for seat in range(s.hunters):
@@ -120,7 +120,7 @@ def share_rewards(block: Block, s: Settings, width: Width, lanes: int, sections:
         members = 0.0
         for seat in range(leader, s.hunters):
             members += 1.0 if teams[seat] == leader else 0.0
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             total = earned[leader * LANES + lane]
             for seat in range(leader + 1, s.hunters):
@@ -162,7 +162,7 @@ def reward_hunters(
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         reference = sections.progress_references[seat]
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
             verdict = me[VERDICT + lane]
@@ -229,7 +229,7 @@ def write_team_scores(
     """R11.1: write the sum of the scores of each team's hunters; `scores`, (lanes, teams), is the result."""
     teams, team_seats, row = sections.teams, sections.team_seats, sections.scratch_rows
     for team in range(len(team_seats)):
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             total = 0.0
             for seat in range(s.hunters):

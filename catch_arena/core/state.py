@@ -22,7 +22,7 @@ LANES: Final = 32
 
 
 @rule
-def span(width: Width) -> int:
+def played_lanes(width: Width) -> int:
     """Return the number of a block's lanes that are played: one if there is one arena. Lanes after a batch's last arena
     are played too, and not read: to leave them out would mostly cost more than to play them.
     """

@@ -35,8 +35,8 @@ from catch_arena.core.state import (
     X,
     Y,
     most_alive,
+    played_lanes,
     seat_of,
-    span,
 )
 from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
 
@@ -81,14 +81,14 @@ def renew_wander(block: Block, s: Settings, lane: int, targets: Block, at: int) 
 @phase
 def keep_wandering(block: Block, s: Settings, width: Width, targets: Block, slot: int) -> None:
     """R3.9: draw the turns of the targets in one slot whose periods have ended."""
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= block[TIME + lane]
         if any_of(ended & (block[ALIVE + lane] > slot)):
-            for each in range(first, first + len(width)):
-                at = slot * s.slot_size + each
-                if targets[WANDER_ENDS + at] <= block[TIME + each] and block[ALIVE + each] > slot:
-                    renew_wander(block, s, each, targets, at)
+            for one_lane in range(first, first + len(width)):
+                at = slot * s.slot_size + one_lane
+                if targets[WANDER_ENDS + at] <= block[TIME + one_lane] and block[ALIVE + one_lane] > slot:
+                    renew_wander(block, s, one_lane, targets, at)
 
 
 @outlined
@@ -118,7 +118,7 @@ def find_threats(block: Block, s: Settings, width: Width, targets: Block, slot: 
             it, east and north [m].
     """
     margin = _TIED_M * s.side_m
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
         # times 0: makes a number for each lane, as the loop below needs
@@ -137,12 +137,12 @@ def find_threats(block: Block, s: Settings, width: Width, targets: Block, slot: 
         threats[2 * LANES + lane] = north
         may_tie = second - nearest < margin
         if any_of(may_tie & (nearest < s.alarm_limit_m2) & (block[ALIVE + lane] > slot)):
-            for each in range(first, first + len(width)):
-                at = slot * s.slot_size + each
-                seat = nearest_hunter(block, s, each, targets, at)
+            for one_lane in range(first, first + len(width)):
+                at = slot * s.slot_size + one_lane
+                seat = nearest_hunter(block, s, one_lane, targets, at)
                 if seat >= 0:
-                    threats[LANES + each] = targets[TARGET_X + at] - seat_of(block, seat)[X + each]
-                    threats[2 * LANES + each] = targets[TARGET_Y + at] - seat_of(block, seat)[Y + each]
+                    threats[LANES + one_lane] = targets[TARGET_X + at] - seat_of(block, seat)[X + one_lane]
+                    threats[2 * LANES + one_lane] = targets[TARGET_Y + at] - seat_of(block, seat)[Y + one_lane]
 
 
 @phase
@@ -154,7 +154,7 @@ def steer(block: Block, s: Settings, width: Width, targets: Block, slot: int, th
         slot: the slot of the targets; their speeds and turn rates are written.
         threats: as `find_threats` writes them; read if targets flee.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         at = slot * s.slot_size + lane
         x, y = targets[TARGET_X + at], targets[TARGET_Y + at]

@@ -28,7 +28,7 @@ from catch_arena.core.state import (
     seat_of,
 )
 from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_there
-from catch_arena.core.vectors import Width, each, group
+from catch_arena.core.vectors import Width, group, lane_numbers
 
 
 class BodyTile(NamedTuple):
@@ -95,7 +95,7 @@ def target_of_tile(tile: tuple[float, ...]) -> TargetTile:
 @rule
 def tile_index(item: int, width: Width) -> int:
     """Return the indices of the tiles of a slot, seat or prey, in the lanes of one group: see `transfers.take_tile`."""
-    return item * len(width) + each(0, width)
+    return item * len(width) + lane_numbers(0, width)
 
 
 @phase
@@ -127,16 +127,17 @@ def tile_hunters(block: Block, s: Settings, first: int, width: Width, teams: NDA
 
 
 @phase
-def put_rank(place: Place, there: bool, seen: tuple[float, ...], exactly: bool) -> None:
+def put_rank(place: Place, there: bool, seen: tuple[float, ...], is_last: bool) -> None:
     """Write the columns of one rank, in the lanes of one group.
 
     Args:
         there: whether anything is at the rank; otherwise zeros are written.
         seen: columns of the rank.
-        exactly: whether to write no extra numbers, since no later column overwrites them.
+        is_last: whether the rank has the last columns: then no numbers are written after it, since nothing would
+            overwrite them.
     """
     columns = where_there(there, seen)
-    if exactly:
+    if is_last:
         put_exactly(place.out, place.at, place.stride, columns)
     else:
         put_rows(place.out, place.at, place.stride, columns)

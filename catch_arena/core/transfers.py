@@ -142,10 +142,12 @@ def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         out, at, stride, columns = arguments
         array, given = signature.args[0], signature.args[3]
-        number = next((like(each, array.dtype) for each in given if isinstance(each, Vector)), array.dtype)
+        number = next(
+            (like(column_type, array.dtype) for column_type in given if isinstance(column_type, Vector)), array.dtype
+        )
         parts = [
-            context.cast(builder, part, each, number)
-            for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
+            context.cast(builder, part, column_type, number)
+            for part, column_type in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
         ]
         if not isinstance(number, Vector):
             for index, part in enumerate(parts):

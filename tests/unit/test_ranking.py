@@ -33,10 +33,10 @@ from catch_arena.core.state import (
     WITHDRAWN,
     X,
     Y,
+    played_lanes,
     seat_at,
     seat_of,
     slot_at_rank,
-    span,
 )
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.engine.core_settings import settings_of
@@ -79,7 +79,7 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 def sort(block, seat, width, lanes, s, teams, positions, keys, tied, order):
     block, positions, keys = by_address(block), by_address(positions), by_address(keys)
     tied, order = by_address(tied), by_address(order)
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         note_positions(block, s, first, width, positions)
         measure_rivals(block, s, first, width, seat, 0.0, positions, keys)
         sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
