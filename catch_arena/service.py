@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.arbitration import rulings_of, target_asked_for
+from catch_arena.arbitration import requested_target, rulings_of
 from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine
@@ -19,7 +19,7 @@ from catch_arena.plain import as_python, real_number
 from catch_arena.replay import Recorder, Replay
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
@@ -235,19 +235,19 @@ class ArenaService:
             ("active_targets", active_targets, "names of targets"),
         ):
             if not isinstance(given, Mapping | None):
-                raise ActionError(f"{field} must map hunters to {values}, got {in_short(given)}")
+                raise ActionError(f"{field} must map hunters to {values}, got {shortened(given)}")
         if not isinstance(requests, Collection):
-            raise ActionError(f"requests must be a sequence of (hunter, request), got {in_short(requests)}")
+            raise ActionError(f"requests must be a sequence of (hunter, request), got {shortened(requests)}")
         active_targets = active_targets or {}
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
-        seats = [self._asking_seat(hunter) for hunter, _ in requests]
+        seats = [self._requesting_seat(hunter) for hunter, _ in requests]
         names = [request.name for _, request in requests]
         # without requests the engine makes those of the hosted controllers
         hosted = self._hosted_requests(before, active_targets) if requests else []
         table = np.zeros((len(seats) + len(hosted), REQUEST_COLUMNS), dtype=np.int64)
         table[:, REQUEST_SEAT] = seats + [seat for seat, _ in hosted]
         table[:, REQUEST_TARGET] = [
-            target_asked_for(name, slots, self._appeared) for name in (*names, *(name for _, name in hosted))
+            requested_target(name, slots, self._appeared) for name in (*names, *(name for _, name in hosted))
         ]
         choices = self._choices(table[: len(seats)], names, active_targets)
         commands = self._commands(cmd_vel or {})
@@ -332,7 +332,7 @@ class ArenaService:
         if self.is_recorded:
             raise EpisodeError(f"cannot {call} while the episode is recorded: a replay cannot repeat this call")
 
-    def _asking_seat(self, hunter: str) -> int:
+    def _requesting_seat(self, hunter: str) -> int:
         seat = self._seat(hunter)
         control = self._config.controls[seat]
         if control != "full":

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from math import inf
 
-from catch_arena.conformance.answers import DiffersError, RaisedError, time_limit
+from catch_arena.conformance.adjudicator_calls import DiffersError, RaisedError, time_limit
 from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner
 from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
 from catch_arena.conformance.case_files import load_cases

@@ -44,7 +44,7 @@ def one_line(text: str) -> str:
     return printable(" ".join(text[:_LOOKED_AT].split()))[:LONGEST_LINE]
 
 
-def in_short(value: object) -> str:
+def shortened(value: object) -> str:
     """Return the shortened `repr` of any value in one line; the name of its type in <> if `repr` fails."""
     try:
         return printable(" ".join(reprlib.repr(value).split()))
@@ -54,7 +54,7 @@ def in_short(value: object) -> str:
 
 def with_type(value: object) -> str:
     """Return a value's shortened `repr` with the name of its type, for errors about types: `'4' (str)`."""
-    return "None" if value is None else f"{in_short(value)} ({printable(type(value).__name__)})"
+    return "None" if value is None else f"{shortened(value)} ({printable(type(value).__name__)})"
 
 
 def name_fault(name: str) -> str | None:

@@ -56,7 +56,7 @@ class _Commands(TyperGroup):
                 with reservations():
                     sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
             except CatchArenaError as error:
-                if not interrupts.received():  # an error after Ctrl-C is expected
+                if not interrupts.was_interrupted():  # an error after Ctrl-C is expected
                     _say_error(str(error), error.hint)
             except _UsageError as error:
                 context: Any = getattr(error, "ctx", None)

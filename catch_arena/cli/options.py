@@ -112,14 +112,14 @@ class Trust:
         Raises:
             ConfigError: for an unknown limit, a level that this machine does not have, or --limit with --trusted.
         """
-        from catch_arena.tournament.isolation.namespaces import level_here
+        from catch_arena.tournament.isolation.namespaces import available_level
 
         if self.trusted:
             if self.limit:
                 raise ConfigError(f"--limit must be left out with --trusted, which sets no limits, got {self.limit[0]}")
             return None
         quotas = Quotas.of(**dict(_pairs("--limit", self.limit)))
-        level_here(quotas.isolation)
+        available_level(quotas.isolation)
         return quotas
 
 
@@ -174,10 +174,10 @@ def say_seed(secret: Secret) -> None:
 def say_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
     """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
     from catch_arena.tournament.agent_spec import is_shipped
-    from catch_arena.tournament.isolation.namespaces import level_here, level_line
+    from catch_arena.tournament.isolation.namespaces import available_level, level_line
 
     if quotas is not None and not all(map(is_shipped, specs)):
-        say(level_line(level_here(quotas.isolation)), err=True)
+        say(level_line(available_level(quotas.isolation)), err=True)
 
 
 def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant, ...]":

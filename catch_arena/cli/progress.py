@@ -59,7 +59,7 @@ def progress_bar(description: str, total: int | None = None, *, late: bool = Fal
 @contextmanager
 def keeping(kept: Callable[[], str]) -> Iterator[None]:
     """Append the text of `kept`, which says what is kept, to the line about an interrupt or an error."""
-    interrupts.also_say(kept)
+    interrupts.add_to_message(kept)
     try:
         yield
     except (MatchFailedError, OutputError, StoreError) as error:

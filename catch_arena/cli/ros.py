@@ -17,7 +17,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.ros.middleware.opening import is_service
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.text import in_short, name_fault
+from catch_arena.text import name_fault, shortened
 
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
@@ -188,7 +188,7 @@ def controller(
                 node.tick()
 
         try:
-            interrupts.linger(drive)
+            interrupts.run_until_signal(drive)
         finally:
             node.stop()
 
@@ -243,7 +243,7 @@ def spawner(
                 joined.spin()
                 node.tick()
 
-        interrupts.linger(judge)
+        interrupts.run_until_signal(judge)
 
 
 @ros.command()
@@ -273,7 +273,7 @@ def checked_turtle(setting: str, name: str) -> str:
         ConfigError: for an invalid name.
     """
     if not _TURTLE.fullmatch(name):
-        raise ConfigError(f"{setting} must be letters, digits and underscores, such as turtle1, got {in_short(name)}")
+        raise ConfigError(f"{setting} must be letters, digits and underscores, such as turtle1, got {shortened(name)}")
     return name
 
 

@@ -8,10 +8,10 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from catch_arena.conformance.answers import Difference, DiffersError
+from catch_arena.conformance.adjudicator_calls import Difference, DiffersError
 from catch_arena.conformance.cases import LOT, ArbiterCase, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Strictness, ask_for_rulings, compare
-from catch_arena.text import in_short
+from catch_arena.conformance.comparison import Strictness, compare, request_rulings
+from catch_arena.text import shortened
 from catch_arena.verdicts import Verdict
 
 Arbiter = Callable[..., object]
@@ -56,7 +56,7 @@ class ArbiterRunner:
     def _judge(self, how: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
         self.how = how
         arguments = copy.deepcopy(case.arguments())  # the code under test may change its arguments
-        given = ask_for_rulings(lambda: self._arbiter(**arguments), case.expected)
+        given = request_rulings(lambda: self._arbiter(**arguments), case.expected)
         return compare(
             given,
             case.expected,
@@ -77,7 +77,7 @@ class ArbiterRunner:
             if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
                 raise DiffersError(
                     Difference(
-                        f"target {in_short(lot.target)}",
+                        f"target {shortened(lot.target)}",
                         f"each of the hunters {', '.join(map(str, lot.seats))} wins in some of the steps",
                         f"never won by {' or '.join(f'hunter {seat}' for seat in never)}",
                         kind="success",

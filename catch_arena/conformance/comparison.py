@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from msgspec.structs import replace
 
-from catch_arena.conformance.answers import (
+from catch_arena.conformance.adjudicator_calls import (
     Difference,
     DiffersError,
     WrongTarget,
@@ -15,7 +15,7 @@ from catch_arena.conformance.answers import (
     request_in_words,
 )
 from catch_arena.conformance.cases import ANY, LOT, ExpectedRuling, Lot
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling, Verdict
 
 
@@ -35,7 +35,7 @@ REFUSED: Final = Verdict.OUT_OF_REACH
 """Verdict that stands for every refusal if an answer contains only the success."""
 
 
-def ask_for_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
+def request_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
     """Call an adjudicator and return its rulings.
 
     Raises:
@@ -100,7 +100,7 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
     if len(won) != 1 or won[0] not in allowed:
         raise DiffersError(
             Difference(
-                f"target {in_short(lot.target)}",
+                f"target {shortened(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
                 f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'no hunter'}",
                 kind="success",
@@ -163,5 +163,5 @@ def _in_words(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness
     if hunter != right.hunter:
         words.append(f"for hunter {hunter}")
     if isinstance(target, WrongTarget):
-        words.append(f"for target {target.in_short}")
+        words.append(f"for target {target.shortened}")
     return ", ".join(words)

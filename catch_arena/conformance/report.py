@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from catch_arena.conformance.answers import counted
+from catch_arena.conformance.adjudicator_calls import counted
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped

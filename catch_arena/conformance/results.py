@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from catch_arena.conformance.answers import KINDS, Difference
+from catch_arena.conformance.adjudicator_calls import KINDS, Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 WIDTH: Final = 100
 """Default width of a report [characters]."""
@@ -110,7 +110,7 @@ def wrapped(text: str, width: int, first: str = "", then: str | None = None, max
 def _position(case: ArbiterCase) -> str:
     """Return the places of hunters and targets, and the arguments that differ from the defaults."""
     hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
-    targets = [f"{in_short(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
+    targets = [f"{shortened(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
     given = case.arguments()
     unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
     return "; ".join([*hunters, *targets, *unusual]) or "no hunters and no targets"
@@ -140,7 +140,7 @@ def _case_step(step: CaseStep) -> str:
 
 
 def _requests(expected: Sequence[ExpectedRuling]) -> str:
-    return "; ".join(f"hunter {ruling.hunter} asks for {in_short(ruling.target)}" for ruling in expected) or "none"
+    return "; ".join(f"hunter {ruling.hunter} asks for {shortened(ruling.target)}" for ruling in expected) or "none"
 
 
 def _either(options: Sequence[str]) -> str:

@@ -65,7 +65,7 @@ _GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
 """Value in place of a seat, above every seat: the target is not caught."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
-_UNANSWERED: Final = float(NO_REQUEST)
+_NO_VERDICT: Final = float(NO_REQUEST)
 """Value in place of a verdict: the hunter has no request, or no answer yet."""
 
 
@@ -75,11 +75,11 @@ def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
     for seat in range(s.hunters):
         me = seat_of(block, seat)
         for first in range(0, played_lanes(width), len(width)):
-            me[VERDICT + group(first, width)] = _UNANSWERED
+            me[VERDICT + group(first, width)] = _NO_VERDICT
 
 
 @phase
-def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up: Block) -> None:
+def decide_kill_service(block: Block, s: Settings, width: Width, lanes: int, service_up: Block) -> None:
     """R8.3: decide whether the kill service answers in this step.
 
     Args:
@@ -124,7 +124,7 @@ def refuse_requests(
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
                 distance_given = select(failed == float(OUT_OF_REACH), distance_um, float(NOT_MEASURED))
-                me[VERDICT + lane] = select(refused, failed, _UNANSWERED)
+                me[VERDICT + lane] = select(refused, failed, _NO_VERDICT)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
                 me[WINNER + lane] = select(refused, float(NO_SEAT), me[WINNER + lane])
@@ -145,7 +145,7 @@ def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -
     number = 0
     for seat in range(s.hunters):
         slot = sections.requested_slots[seat, lane]
-        if slot != float(NO_TARGET) and seat_of(block, seat)[VERDICT + lane] == _UNANSWERED:
+        if slot != float(NO_TARGET) and seat_of(block, seat)[VERDICT + lane] == _NO_VERDICT:
             sections.requests[number, REQUEST_SEAT] = seat
             sections.requests[number, REQUEST_TARGET] = int(slot)
             number += 1
@@ -261,7 +261,7 @@ def resolve_requests(
     """
     service_up = sections.scratch_rows[:LANES]
     clear_verdicts(block, s, width)
-    ask_service(block, s, width, lanes, service_up)
+    decide_kill_service(block, s, width, lanes, service_up)
     from_hunters = len(given_requests) == 0
     if from_hunters and s.policy != CAPSTONE:
         refuse_requests(block, s, width, lanes, targets, sections, service_up)

@@ -14,7 +14,6 @@ from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
-    ANSWER,
     CONTESTS_WON,
     ENDED,
     FINAL_CONTESTS_WON,
@@ -25,6 +24,7 @@ from catch_arena.core.state import (
     FINAL_TEAM_SCORE,
     LANES,
     REWARD_SUM,
+    RULING,
     RUNNING,
     SCORE,
     SEED_HIGH,
@@ -156,7 +156,7 @@ def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, 
             continue
         for seat in range(s.hunters):
             now, then = seat_of(block, seat), seat_of(sections.snapshot, seat)
-            for offset in ANSWER:
+            for offset in RULING:
                 then[offset + lane] = now[offset + lane]
             rewards[lane, seat] = 0.0
             for column in range(parts.shape[2] if len(parts) > 0 else 0):

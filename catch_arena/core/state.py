@@ -65,7 +65,7 @@ ACTIVE: Final = 10 * LANES  # spawn number of the active target, from 1; 0 for n
 SCORE: Final = 11 * LANES  # granted catches, from 0
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag: 0 or 1
 REQUESTED_NUMBER: Final = 13 * LANES  # spawn number of the requested target, from 1; 0 for none
-VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then ANSWER's other rows are old
+VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then RULING's other rows are old
 DISTANCE: Final = 15 * LANES  # R5.6: distance to the target [micrometres], from 0, or NOT_MEASURED
 WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0, or NO_SEAT
 REWARD_SUM: Final = 17 * LANES  # sum of rewards in this episode, any number
@@ -87,8 +87,8 @@ HUNTER_DIGEST: Final = (
     WITHDRAWN,
 )
 """A.8: rows of a hunter in the digest, in this order."""
-ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
-"""R5.6: rows with the answer to a hunter's request, one after the other."""
+RULING: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
+"""R5.6: rows with the ruling on a hunter's request, one after the other."""
 AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
 """Rows of a hunter that are zero while no action drives it."""
 

@@ -15,7 +15,7 @@ def row_of(offset: int) -> int:
     return offset // LANES
 
 
-ANSWER: Final = slice(row_of(state.ANSWER[0]), row_of(state.ANSWER[-1]) + 1)
+RULING: Final = slice(row_of(state.RULING[0]), row_of(state.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 

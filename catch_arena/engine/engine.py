@@ -29,7 +29,7 @@ from catch_arena.core.memory import (
 from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES, Settings
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
-from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
+from catch_arena.engine.block_views import RULING, BlockViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.engine.saved_state import SavedState, require_bytes
@@ -37,7 +37,7 @@ from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.seeding import checked_seed
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
@@ -123,7 +123,7 @@ class Engine:
         self.records = sections.records
         settings = settings_in(sections.settings, ALL_OPTIONS)
         self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
-        self.answers = self._views.hunters[0, :, ANSWER, 0]
+        self.ruling_rows = self._views.hunters[0, :, RULING, 0]
         """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
         distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
         """
@@ -356,7 +356,7 @@ class Engine:
             ConfigError: for anything else, such as a state of another version of this package.
         """
         if not isinstance(saved, SavedState):
-            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         if saved.config != self._config_digest:
             raise ConfigError(
                 f"saved must come from an arena with an equal config (digest {self._config_digest}), got {saved.config}"

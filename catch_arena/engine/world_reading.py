@@ -3,7 +3,7 @@
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
-from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
+from catch_arena.engine.block_views import RULING, BlockViews, row_of
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
 
@@ -64,7 +64,7 @@ def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ru
     found = []
     steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
     for seat, me in enumerate(views.hunter_rows(arena).tolist()):
-        number, verdict, distance, winner = me[ANSWER]
+        number, verdict, distance, winner = me[RULING]
         if verdict == NO_REQUEST:
             continue
         step = steps if verdict == Verdict.MATCH_OVER else steps - 1

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError, suggest
 from catch_arena.plain import as_python, plain_action, real_number, whole_number
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 
 class ActionReader:
@@ -106,7 +106,7 @@ def checked_choice(agent: str, what: str, action: Any, ranks: int) -> int:
     usual = type(action) is int or type(action) is np.int64  # faster than whole_number
     number = int(action) if usual else whole_number(plain_action(action))
     if number is None or not 0 <= number <= ranks:
-        raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {in_short(action)}")
+        raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {shortened(action)}")
     return number
 
 
@@ -135,7 +135,7 @@ def checked_command(agent: str, what: str, action: Any, *, clip: bool = False) -
             if clip and -math.inf < speed < math.inf and -math.inf < turn_rate < math.inf:
                 return min(max(speed, -1.0), 1.0), min(max(turn_rate, -1.0), 1.0)
     requirement = "two finite numbers" if clip else "two numbers in [-1, 1]"
-    raise ActionError(f"{agent}: {what} must be {requirement}, got {in_short(action)}")
+    raise ActionError(f"{agent}: {what} must be {requirement}, got {shortened(action)}")
 
 
 def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> tuple[int, tuple[float, float]]:
@@ -146,7 +146,7 @@ def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> 
     """
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
-        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {in_short(action)}")
+        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {shortened(action)}")
     choice = action["catch"]
     if type(choice) is not int or not 0 <= choice <= ranks:  # the usual case without another call
         choice = checked_choice(agent, "catch", choice, ranks)
@@ -227,7 +227,7 @@ def described(given: object) -> str:
     """Return a short description of an argument, for an error."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
-    return in_short(given)
+    return shortened(given)
 
 
 def clipped(commands: NDArray[Any]) -> NDArray[Any]:

@@ -15,7 +15,7 @@ from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode, parallel_env
 from catch_arena.envs.results import Infos
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +114,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             ConfigError: for anything that `save` did not return, and for the state of another config.
         """
         if not isinstance(saved, SavedTurn):
-            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         self._parallel.restore(saved.episode)
         self.env.restore_turns(saved.turns)
         self._has_reset = self._has_updated = True

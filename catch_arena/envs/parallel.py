@@ -28,7 +28,7 @@ from catch_arena.errors import ConfigError, EpisodeError, require_type
 from catch_arena.layout import observation_size, prey_columns, state_columns
 from catch_arena.replay import Recorder, Replay
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.world import World
 
 Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]
@@ -390,10 +390,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 version.
         """
         if not isinstance(saved, SavedEpisode):
-            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         self._engine.require_saved(saved.arena, alone=True)
         if list(saved.possible_agents) != self.possible_agents:
-            got = in_short(list(saved.possible_agents))
+            got = shortened(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         self._engine.restore_row(0, saved.arena)
         self._seed, self._over, self._truncated = saved.seed, saved.over, saved.cut

@@ -11,7 +11,7 @@ from catch_arena.verdicts import NO_REQUEST
 Infos = Literal["full", "mask", "none"]
 """R7.2: content of an env's infos."""
 
-_NO_ANSWER: Final = {
+_NO_RULING: Final = {
     "verdict": NO_REQUEST,
     "target": -1,
     "distance_um": -1,
@@ -90,10 +90,10 @@ class Results:
                 has_mask = self._level == "mask" and self._controls[row] != "velocity"
                 infos[agent] = {"action_mask": masks[row]} if has_mask else {}
             return infos | {agent: {} for agent, _ in self._prey}
-        answers, parts, masks = self._engine.answers.tolist(), self._parts.copy(), self._masks.copy()
+        ruling_rows, parts, masks = self._engine.ruling_rows.tolist(), self._parts.copy(), self._masks.copy()
         for agent, row in self._hunters:
-            infos[agent] = info = _NO_ANSWER.copy()
-            number, verdict, distance, winner = answers[row]
+            infos[agent] = info = _NO_RULING.copy()
+            number, verdict, distance, winner = ruling_rows[row]
             if verdict:
                 info["verdict"], info["target"] = int(verdict), int(number) or -1
                 info["distance_um"], info["winner"] = int(distance), int(winner)

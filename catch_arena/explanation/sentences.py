@@ -112,7 +112,7 @@ def refusals_sentence(run: Refusals, match: "Explanation") -> str:
         target = name_in_words(run.target)
     else:
         target = _EMPTY_RANK if run.target is None else _called(run.target, prey)
-    return f"{when} {name} {request_phrase} for {_answered(target, place, run.verdict, reach_um)}."
+    return f"{when} {name} {request_phrase} for {_verdict_phrase(target, place, run.verdict, reach_um)}."
 
 
 def _called(target: str, prey: str | None) -> str:
@@ -123,7 +123,7 @@ def _from(distance_um: int | None) -> str:
     return "" if distance_um is None else f" from {metres(distance_um)}"
 
 
-def _answered(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
+def _verdict_phrase(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
     """Return a requested target, the distance to it, and the verdict with its reason, in words."""
     limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
     return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
@@ -216,10 +216,10 @@ def _requested(hunter: HunterAction, step: "StepExplanation") -> str:
             mate = ", its own team-mate (R11.3)" if hunter.mate else ""
             winner = f"; the winner is {step.names[ruling.winner]}{mate}"
         target = _EMPTY_RANK if ruling.target is None else str(ruling.target)
-        parts.append(f"{_answered(target, _from(ruling.distance_um), ruling.verdict, reach_um)}{winner}")
+        parts.append(f"{_verdict_phrase(target, _from(ruling.distance_um), ruling.verdict, reach_um)}{winner}")
     for ruling_by_name in hunter.by_name:
         name = name_in_words(None if ruling_by_name.target is None else str(ruling_by_name.target))
-        parts.append(_answered(name, _from(ruling_by_name.distance_um), ruling_by_name.verdict, reach_um))
+        parts.append(_verdict_phrase(name, _from(ruling_by_name.distance_um), ruling_by_name.verdict, reach_um))
     return f"It requested {'; then '.join(parts) or 'nothing'}."
 
 

@@ -83,10 +83,10 @@ class Replay:
         commanded = _in_words(self.commands[step][seat])
         if control == "velocity":
             return commanded
-        request = f"rank {rank}" if rank else "by name" if self.asked_by_name(step, seat) else "nothing"
+        request = f"rank {rank}" if rank else "by name" if self.requested_by_name(step, seat) else "nothing"
         return f"{commanded}, catch {request}"
 
-    def asked_by_name(self, step: int, seat: int) -> list[str]:
+    def requested_by_name(self, step: int, seat: int) -> list[str]:
         """R8.4: return the names in a hunter's requests by name in a step, in their order, in words."""
         requests = requests_of_step(self.named_requests, step)
         return [name_in_words(request.name) for request in requests if request.seat == seat]

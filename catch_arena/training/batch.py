@@ -23,7 +23,7 @@ from catch_arena.layout import Column, columns, prey_observation_size
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
 from catch_arena.training.players import Place, Player, PreyPlayers, action_arrays
 
@@ -291,7 +291,7 @@ class LearnerBatch:
             ConfigError: if `saved` is not from a batch with an equal config and as many arenas and learners.
         """
         if not isinstance(saved, SavedLearners):
-            raise ConfigError(f"saved must be a SavedLearners from save(), got {in_short(saved)}")
+            raise ConfigError(f"saved must be a SavedLearners from save(), got {shortened(saved)}")
         if saved.seats.shape[1] != self.learners:  # if equal, both or none have opponents
             raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
         observations, infos = self.arena.restore(saved.arena)

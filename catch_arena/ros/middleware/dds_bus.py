@@ -79,8 +79,8 @@ class DdsBus(Bus):
 
         def on_sample(sample: Any) -> None:
             def answer(response: Any) -> None:
-                answered = to_sample(kind.response, response, client=sample.client, number=sample.number)
-                self._reply(_Reply(writer, reader, answered, time.monotonic() + _REPLY_WAIT_S))
+                response_sample = to_sample(kind.response, response, client=sample.client, number=sample.number)
+                self._reply(_Reply(writer, reader, response_sample, time.monotonic() + _REPLY_WAIT_S))
 
             on_request(Request(from_attributes(kind.request, sample), answer))
 
@@ -91,7 +91,7 @@ class DdsBus(Bus):
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
         writer = self._writer(f"rq{service}Request", kind.request, user, header=True)
         client = _DdsClient(service, kind, writer, self._write)
-        client.answers = self._reader(f"rr{service}Reply", kind.response, client.on_sample, user, header=True)
+        client.reply_reader = self._reader(f"rr{service}Reply", kind.response, client.on_sample, user, header=True)
         return client
 
     def publishers_of(self, topic: str) -> int:
@@ -202,7 +202,7 @@ class _Reply(NamedTuple):
 class _DdsClient:
     """See `catch_arena.ros.middleware.bus.Client`."""
 
-    answers: _Reader
+    reply_reader: _Reader
 
     def __init__(
         self,
@@ -219,7 +219,7 @@ class _DdsClient:
     @property
     def ready(self) -> bool:
         """True if a node serves it."""
-        if not (_matched(self._writer) and _matched(self.answers.reader)):
+        if not (_matched(self._writer) and _matched(self.reply_reader.reader)):
             return False
         for handle in self._writer.get_matched_subscriptions():
             server = self._writer.get_matched_subscription_data(handle)

@@ -48,7 +48,7 @@ class NodeUnderTest:
         bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
         self._client = bus.client(service, interfaces.catch_turtle)
         self._spawned = 1
-        self._answered = False
+        self._has_answered = False
         """True if any request was answered."""
 
     def meet(self) -> None:
@@ -96,9 +96,9 @@ class NodeUnderTest:
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
             self._publish_for(DT, *position)
-        if call.response is None and not self._answered:
+        if call.response is None and not self._has_answered:
             raise BusError(f"{self._service} does not answer on this bus: does the node run, in the same domain?")
-        self._answered = True
+        self._has_answered = True
         return None if call.response is None else bool(call.response.success)
 
     def _publish_for(self, seconds: float, pose: Pose, alive: TurtleArray) -> None:
