@@ -63,7 +63,7 @@ def run_beyond(folder, *, checked, cache):
 
 def test_indices_are_tested_where_that_was_asked_for(tmp_path):
     """NUMBA_BOUNDSCHECK=1, though the same function was compiled and kept without it before; and not after it."""
-    careless, careful, again = (run_beyond(tmp_path, checked=asked, cache=tmp_path) for asked in (False, True, False))
+    careless, careful, again = (run_beyond(tmp_path, checked=checks, cache=tmp_path) for checks in (False, True, False))
     assert careless == again
     assert careless.startswith("nothing noticed /")
     assert careful.startswith("noticed /")

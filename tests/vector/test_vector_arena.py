@@ -245,9 +245,9 @@ def test_more_threads_than_there_is_work_for_cost_nothing():
     arena.close()
 
 
-def step_in_a_child(arena, actions, answers):
+def step_in_a_child(arena, actions, queue):
     arena.step(actions)
-    answers.put(arena.digest(4999))
+    queue.put(arena.digest(4999))
 
 
 @pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
@@ -258,8 +258,8 @@ def test_a_forked_process_plays_on_after_threads_have_played():
     actions = np.ones((5000, 5), dtype=np.int64)
     arena.step(actions)
     context = multiprocessing.get_context("fork")
-    answers = context.SimpleQueue()
-    child = context.Process(target=step_in_a_child, args=(arena, actions, answers))
+    queue = context.SimpleQueue()
+    child = context.Process(target=step_in_a_child, args=(arena, actions, queue))
     child.start()
     child.join(240)
     alive = child.is_alive()
@@ -267,7 +267,7 @@ def test_a_forked_process_plays_on_after_threads_have_played():
     arena.step(actions)
 
     assert not alive
-    assert answers.get() == arena.digest(4999)
+    assert queue.get() == arena.digest(4999)
 
 
 def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
