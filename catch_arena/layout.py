@@ -318,11 +318,11 @@ STATE_HUNTER_COLUMNS: Final = (
     "score",
     "withdrawn",
 )
-"""R7.3: columns of the global view for each hunter, by seat."""
+"""R7.3: columns of the global state for each hunter, by seat."""
 STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
-"""R7.3: columns of the global view for each of max_targets places of targets, in spawning order."""
+"""R7.3: columns of the global state for each of max_targets places of targets, in spawning order."""
 STATE_MOVING_TARGET_COLUMNS: Final = (*STATE_TARGET_COLUMNS, "heading_cos", "heading_sin", "linear_velocity")
-"""R7.3: columns of the global view for each place of a target if targets move."""
+"""R7.3: columns of the global state for each place of a target if targets move."""
 STATE_PREY_COLUMNS: Final = (
     "alive",
     "x",
@@ -334,12 +334,12 @@ STATE_PREY_COLUMNS: Final = (
     "times_caught",
     "withdrawn",
 )
-"""R7.3: columns of the global view for each prey, by index."""
+"""R7.3: columns of the global state for each prey, by index."""
 
 
 @_kept
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
-    """R7.3: return the columns of the global view, in the world frame."""
+    """R7.3: return the columns of the global state, in the world frame."""
     arena = _Arena.of(config)
     hunter, target, prey = (
         {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}

@@ -207,7 +207,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     @cached_property
     def state_space(self) -> spaces.Box:
-        """R7.3: space of the global view."""
+        """R7.3: space of the global state."""
         return vector_space(state_columns(self.config))
 
     @property
@@ -330,7 +330,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.observations[0, : self.config.hunters, : observation_size(self.config)].copy()
 
     def state(self) -> NDArray[np.float32]:
-        """R7.3: return the global view as one float32 vector, in the order of `layout.state_columns`."""
+        """R7.3: return the global state as one float32 vector, in the order of `layout.state_columns`."""
         self._require_episode("state")
         return state_vector(self._engine.world(), self.config)
 
