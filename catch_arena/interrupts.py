@@ -138,9 +138,9 @@ def _on_signal(number: int, _: object) -> None:
         _end()
 
 
-def _swallowed(what: "sys.UnraisableHookArgs") -> None:
+def _swallowed(unraisable: "sys.UnraisableHookArgs") -> None:
     """End if a destructor or a callback from C has swallowed the interrupt; print nothing."""
-    if what.exc_type is KeyboardInterrupt:
+    if unraisable.exc_type is KeyboardInterrupt:
         _end()
 
 

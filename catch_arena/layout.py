@@ -268,7 +268,7 @@ def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
-def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
+def _cached(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
     """Cache the columns of each config, since a tournament makes an env for each match."""
     kept = lru_cache(maxsize=16)(make)
 
@@ -280,7 +280,7 @@ def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaC
     return checked
 
 
-@_kept
+@_cached
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
@@ -291,7 +291,7 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
 
 
-@_kept
+@_cached
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: return the columns of prey's observation in order; () if there is no prey."""
     if not config.prey:
@@ -337,7 +337,7 @@ STATE_PREY_COLUMNS: Final = (
 """R7.3: columns of the global state for each prey, by index."""
 
 
-@_kept
+@_cached
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: return the columns of the global state, in the world frame."""
     arena = _Arena.of(config)

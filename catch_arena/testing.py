@@ -97,9 +97,11 @@ def _run_case(
             with time_limit(limit_s):
                 runner.run()
         except DiffersError as error:
-            failure = Failure(case, runner.how, error.differences)
+            failure = Failure(case, runner.variation, error.differences)
             break
         except TimeoutError as error:  # the limit can also pass between two calls
-            failure = Failure(case, runner.how, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),))
+            failure = Failure(
+                case, runner.variation, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),)
+            )
             break
     return Result(case, failure, time.perf_counter() - start, None if runners else needs(case))

@@ -67,7 +67,7 @@ class _Commands(TyperGroup):
                     _print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
             except OSError as error:
                 with suppress(OSError):  # stderr may be full too
-                    _print_error(_in_words(error))
+                    _print_error(_describe(error))
             sys.exit(EXIT_ERROR)
 
 
@@ -77,7 +77,7 @@ def _print_error(text: str, hint: str | None = None) -> None:
         echo(f"hint: {hint}", err=True)
 
 
-def _in_words(error: OSError) -> str:
+def _describe(error: OSError) -> str:
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if isinstance(error, FileNotFoundError):  # os.getcwd

@@ -13,7 +13,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Backend
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
-from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, described, is_service, open_bus
+from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, describe_bus, is_service, open_bus
 
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
@@ -111,7 +111,7 @@ class Bus(Packages):
         types = self.types()
         bus = self.opened(node)
         try:
-            echo(described(bus, self.domain, bus.interfaces(types)), err=True)
+            echo(describe_bus(bus, self.domain, bus.interfaces(types)), err=True)
             yield bus
         finally:
             bus.close()

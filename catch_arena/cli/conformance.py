@@ -74,7 +74,7 @@ def conformance(
             report = run_on_node(node, select_cases(only or ()))
     else:
         service.refuse()
-        tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _made(arena)
+        tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _make(arena)
         with progress_bar("cases", late=True) as show:
             report = run_conformance(
                 tried,
@@ -107,7 +107,7 @@ def _function(spec: str) -> Any:
     return found
 
 
-def _made(spec: str) -> Any:
+def _make(spec: str) -> Any:
     """Return the arena that a class or a function without arguments makes."""
     make = _callable(spec)
     try:

@@ -100,7 +100,7 @@ def compare(
     order = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
     field_text = f"{order} against {', '.join(field)}" if field else "against each other"
     echo(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
-    echo(f"share of {first}: {_in_words(found.share)}")
+    echo(f"share of {first}: {_describe(found.share)}")
     echo(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
         f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
@@ -115,7 +115,7 @@ def compare(
     raise typer.Exit(_EXIT_CODES[found.decision])
 
 
-def _in_words(share: "Estimate") -> str:
+def _describe(share: "Estimate") -> str:
     """Return a share in per cent and in points, each with its interval if there is one."""
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
     from catch_arena.tournament.statistics.sprt import elo_of_share

@@ -141,7 +141,7 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def request_in_words(place: int, request: ExpectedRuling) -> str:
+def describe_request(place: int, request: ExpectedRuling) -> str:
     """Return a description of one request: its place, its hunter and its target."""
     return f"request {place}, hunter {request.hunter} asks for {shortened(request.target)}"
 
@@ -163,7 +163,7 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
     """
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
-        subject = f"{request_in_words(place, expected)}: {field}"
+        subject = f"{describe_request(place, expected)}: {field}"
         return DiffersError(
             UnreadableRuling(subject, must, shortened(value), f"{field} cannot be read", f"It must be {must}.")
         )

@@ -34,7 +34,7 @@ class ArbiterRunner:
         self._arbiter = arbiter
         self._case = case
         self._strictness = strictness
-        self.how = ""
+        self.variation = ""
         """Description of the variant that is being played; "" for the unchanged case."""
 
     def run(self) -> None:
@@ -46,15 +46,15 @@ class ArbiterRunner:
         case = self._case
         decided = _with_lots_decided(case, self._judge("", case))
         for variants in (_reordered(decided), _without_a_loser(decided), _renumbered(case)):
-            for how, variant in variants:
-                self._judge(how, variant)
+            for variation, variant in variants:
+                self._judge(variation, variant)
         if case.fair_over_steps:
             self._require_fair_lots(case)
         if case.under_nearest:
             self._judge("under the policy nearest", _under_nearest(case))
 
-    def _judge(self, how: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
-        self.how = how
+    def _judge(self, variation: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
+        self.variation = variation
         arguments = copy.deepcopy(case.arguments())  # the code under test may change its arguments
         given = request_rulings(lambda: self._arbiter(**arguments), case.expected)
         return compare(
@@ -71,8 +71,8 @@ class ArbiterRunner:
         for variant in _in_other_steps(case):
             decided = self._judge(steps, variant)
             won |= {(ruling.target, ruling.winner) for ruling in decided}
-            for how, fewer in _without_a_loser(_with_lots_decided(variant, decided)):
-                self._judge(f"{how}, in one of many steps", fewer)
+            for variation, fewer in _without_a_loser(_with_lots_decided(variant, decided)):
+                self._judge(f"{variation}, in one of many steps", fewer)
         for lot in case.lots:
             if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
                 raise DiffersError(

@@ -94,7 +94,7 @@ class ArenaRunner:
         self._case = case
         # the arena chooses its own seed, so a case cannot know which seat a lot draws
         self._strictness = replace_field(strictness, exact_lots=False)
-        self.how = ""
+        self.variation = ""
         """Description of the part of the case that is being played."""
 
     def run(self) -> None:
@@ -104,13 +104,13 @@ class ArenaRunner:
             DiffersError: at the first part of the play that differs from the case.
         """
         case = self._case
-        self.how = "in an arena"
+        self.variation = "in an arena"
         if isinstance(case, ArbiterCase):
             self._play_position(case)
             return
         call_adjudicator("reset", self._arena.reset, case.settings)
         for count, step in enumerate(case.play, start=1):
-            self.how = f"in an arena, part {count} of {len(case.play)}"
+            self.variation = f"in an arena, part {count} of {len(case.play)}"
             self._play_step(case, step)
 
     def _play_position(self, case: ArbiterCase) -> None:

@@ -11,8 +11,8 @@ from catch_arena.conformance.adjudicator_calls import (
     DiffersError,
     WrongTarget,
     call_adjudicator,
+    describe_request,
     read_rulings,
-    request_in_words,
 )
 from catch_arena.conformance.cases import ANY, LOT, ExpectedRuling, Lot
 from catch_arena.text import shortened
@@ -70,9 +70,9 @@ def compare(
     decided = _decide_lots(expected, winners, set(refused))
     differences = [
         Difference(
-            request_in_words(place, right),
-            _in_words(right, right, strictness),
-            _in_words(right, ruling, strictness),
+            describe_request(place, right),
+            _describe(right, right, strictness),
+            _describe(right, ruling, strictness),
             kind=_kind(right, ruling),
         )
         for place, (right, ruling) in enumerate(zip(decided, given, strict=True), start=1)
@@ -152,7 +152,7 @@ def _compared(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness
     return _Compared(ruling.hunter, ruling.target, ruling.verdict, distance_um, ruling.winner)
 
 
-def _in_words(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness: Strictness) -> str:
+def _describe(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness: Strictness) -> str:
     """Return the compared fields of a ruling in words; its lot is decided."""
     hunter, target, verdict, distance_um, winner = _compared(right, ruling, strictness)
     words = [verdict.name if isinstance(verdict, Verdict) else verdict]

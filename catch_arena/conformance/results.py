@@ -21,7 +21,7 @@ class Failure:
     """One case in which an adjudicator's answer differs from the rulebook's."""
 
     case: ArbiterCase | ArenaCase
-    how: str
+    variation: str
     """Description of the variant or part that failed; "" for the unchanged case."""
     differences: tuple[Difference, ...]
 
@@ -33,9 +33,9 @@ class Failure:
 
     def __str__(self) -> str:
         """Return the failure as text: case, clauses, expected and given answer, and why it matters."""
-        return self.in_words(WIDTH)
+        return self.describe(WIDTH)
 
-    def in_words(self, width: int, *, brief: bool = False) -> str:
+    def describe(self, width: int, *, brief: bool = False) -> str:
         """Return the failure as text (see `__str__`) in lines of at most `width` characters; `brief` cuts it."""
         case = self.case
         if isinstance(case, ArbiterCase):
@@ -43,8 +43,8 @@ class Failure:
         else:
             paragraphs = [f"Settings: {_settings(case)}"]
             paragraphs += [f"Part {part}: {_case_step(step)}" for part, step in enumerate(case.play, start=1)]
-        if self.how:
-            paragraphs.append(f"It was played {self.how}.")
+        if self.variation:
+            paragraphs.append(f"It was played {self.variation}.")
         limit = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
         differences = [str(difference) for difference in self.differences[:limit]]
         if (left := len(self.differences) - limit) > 0:

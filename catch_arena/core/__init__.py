@@ -37,6 +37,6 @@ Parameters that have the same meaning in every function; docstrings do not repea
   reset.
 - requested and active_targets: see `controllers.look_up_choices`. reference: the progress reference of a seat, or that
   of a prey, see `memory.Sections`. rewards and parts: see `rewards`. keys: sorting keys, rows of LANES. tied: one row
-  of flags, see `ranking.some_tied`. ranks: number of bodies that are seen.
+  of flags, see `ranking.any_tied`. ranks: number of bodies that are seen.
 - place: place at which observations are written, see `transfers.Place`. tiles: see tiles.py.
 """

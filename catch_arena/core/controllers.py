@@ -260,7 +260,7 @@ def steer_lane_by_lane(
 
 
 @phase
-def differ(controls: NDArray[np.int8], seat: int) -> bool:
+def controls_differ(controls: NDArray[np.int8], seat: int) -> bool:
     """Return whether a seat's control differs by arena."""
     found = False
     for lane in range(1, len(controls)):
@@ -289,7 +289,7 @@ def apply_actions(
         me = seat_of(block, seat)
         order = target_order_of(block, s, seat)
         own, requested = limits_of(sections.limits, seat), sections.requested_slots[seat]
-        if s.any_control and differ(controls, seat):
+        if s.any_control and controls_differ(controls, seat):
             steer_lane_by_lane(me, s, seat, order, targets, controls, choices, commands, own, requested, active_targets)
         else:
             control = controls[0, seat]

@@ -117,7 +117,7 @@ def end_test(block: Block, s: Settings, width: Width) -> None:
 
 
 @phase
-def some_ended(block: Block, lanes: int) -> bool:
+def any_ended(block: Block, lanes: int) -> bool:
     """Return whether an episode is over in some lane."""
     most = RUNNING
     for lane in range(lanes):

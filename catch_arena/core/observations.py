@@ -138,14 +138,14 @@ def write_targets(
     me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.targets_seen):
         slots = slot_at_rank(order, rank, lane)
-        there = slots != ABSENT
+        present = slots != ABSENT
         target = target_of_tile(take_tile(tiles, tile_index(slots, width)))
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
         is_last = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
-            put_rank(at_rank, there, moving_target_seen(me, target), is_last)
+            put_rank(at_rank, present, moving_target_seen(me, target), is_last)
         else:
-            put_rank(at_rank, there, target_seen(me, target), is_last)
+            put_rank(at_rank, present, target_seen(me, target), is_last)
     if s.view_noise_m > 0.0:
         blur_seen(block, s, first, width, seat, order, TARGET_KIND, tiles, place)
 
@@ -159,14 +159,14 @@ def write_rivals(
     me = observer_of(seat_of(block, seat), lane)
     for rank in range(s.hunters_seen):
         seats = slot_at_rank(order, rank, lane)
-        there = seats != ABSENT
+        present = seats != ABSENT
         rival = body_of_tile(take_tile(tiles, tile_index(seats, width)))
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
         is_last = rank + 1 == s.hunters_seen
         if s.has_teams:
-            put_rank(at_rank, there, team_rival_seen(me, rival, float(sections.teams[seat])), is_last)
+            put_rank(at_rank, present, team_rival_seen(me, rival, float(sections.teams[seat])), is_last)
         else:
-            put_rank(at_rank, there, rival_seen(me, rival), is_last)
+            put_rank(at_rank, present, rival_seen(me, rival), is_last)
     if s.view_noise_m > 0.0:
         blur_seen(block, s, first, width, seat, order, RIVAL_KIND, tiles, place)
 
@@ -230,10 +230,10 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     for lane in range(lanes):
         seat = 0
         while seat < s.hunters:
-            there = targets_ranked(block, s, lane, target_order_of(block, s, seat))
-            if masks[lane, seat, there] == 0 or (there < ranks and masks[lane, seat, there + 1] == 1):
+            present = targets_ranked(block, s, lane, target_order_of(block, s, seat))
+            if masks[lane, seat, present] == 0 or (present < ranks and masks[lane, seat, present + 1] == 1):
                 for rank in range(ranks + 1):
-                    masks[lane, seat, rank] = 1 if rank <= there else 0
+                    masks[lane, seat, rank] = 1 if rank <= present else 0
             elif not s.partial_view:
                 break
             seat += 1
@@ -287,9 +287,9 @@ def write(
     columns, out = sections.observations.shape[2], flat(sections.observations)
     stride = sections.observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
-        apart = lanes - first < len(width) or len(out) > _STREAMED
-        to = sections.staging if apart else out
-        begin = 0 if apart else (first_arena + first) * stride
+        is_staged = lanes - first < len(width) or len(out) > _STREAMED
+        destination = sections.staging if is_staged else out
+        begin = 0 if is_staged else (first_arena + first) * stride
         tile_targets(block, s, first, width, targets_of(block, s), slots, sections.target_tiles)
         if s.hunters_seen > 0:
             tile_hunters(block, s, first, width, sections.teams, sections.body_tiles)
@@ -298,11 +298,11 @@ def write(
             at = begin + seat * columns
             at_targets = at + SELF_WIDTH
             at_rivals = at_targets + s.targets_seen * target_width(s)
-            write_self(seat_of(block, seat), first, width, time_left, Place(to, at, stride))
-            write_targets(block, s, first, width, seat, sections, Place(to, at_targets, stride))
-            write_rivals(block, s, first, width, seat, sections, Place(to, at_rivals, stride))
+            write_self(seat_of(block, seat), first, width, time_left, Place(destination, at, stride))
+            write_targets(block, s, first, width, seat, sections, Place(destination, at_targets, stride))
+            write_rivals(block, s, first, width, seat, sections, Place(destination, at_rivals, stride))
             prefetch_part(next_block, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
-        if apart:
+        if is_staged:
             copy_to_observations(
                 sections.staging, min(len(width), lanes - first) * stride, out, (first_arena + first) * stride
             )

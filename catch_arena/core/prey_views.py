@@ -50,7 +50,7 @@ Numbers = NDArray[np.float32]
 
 _SELF_WIDTH: Final = len(PreySelfFeatures._fields)
 _BODY_WIDTH: Final = len(BodyFeatures._fields)
-_NOT_AMONG_THEM: Final = -1
+_NO_OBSERVER: Final = -1
 """Value in place of an index: the observer is not one of the ranked bodies."""
 
 
@@ -77,7 +77,7 @@ class Bodies(NamedTuple):
     size: int
     """Length of each body's rows."""
     total: int
-    myself: int
+    observer_index: int
     """Index of the observer among the bodies, or _NOT_AMONG_THEM."""
     ranks: int
     """Number of bodies that are seen."""
@@ -96,7 +96,7 @@ def bodies_of(block: Block, s: Settings, index: int, of_hunters: bool, gathered_
         rows=block[seat_at(0) : seat_at(s.hunters)] if of_hunters else gathered_prey,
         size=SEAT_SIZE if of_hunters else WITHDRAWN + LANES,
         total=s.hunters if of_hunters else s.prey,
-        myself=_NOT_AMONG_THEM if of_hunters else index,
+        observer_index=_NO_OBSERVER if of_hunters else index,
         ranks=hunters_seen if of_hunters else prey_seen,
         first_column=_SELF_WIDTH + (0 if of_hunters else hunters_seen * _BODY_WIDTH),
         is_last=is_last,
@@ -120,12 +120,24 @@ def rank_bodies(me: Block, first: int, width: Width, lanes: int, bodies: Bodies,
     for item in range(bodies.total):
         other = body_in(bodies, item)
         key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
-        unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
+        unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.observer_index)
         keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
     last, teams, tied = min(bodies.ranks, bodies.total - 1), sections.teams, sections.scratch_rows
     resolve_ties(
-        me, first, width, lanes, bodies.myself, bodies.rows, bodies.size, bodies.total, last, teams, False, keys, tied
+        me,
+        first,
+        width,
+        lanes,
+        bodies.observer_index,
+        bodies.rows,
+        bodies.size,
+        bodies.total,
+        last,
+        teams,
+        False,
+        keys,
+        tied,
     )
 
 
@@ -142,12 +154,12 @@ def write_bodies(me: Block, first: int, width: Width, bodies: Bodies, sections: 
         put_tile(sections.body_tiles, item, width, body_tile(body_in(bodies, item), 0.0, lane))
     for rank in range(bodies.ranks):
         items = long(item_of(sections.keys[rank * LANES + lane]))
-        there = items != ABSENT
+        present = items != ABSENT
         tile = take_tile(sections.body_tiles, tile_index(items, width))
         at = place.at + bodies.first_column + rank * _BODY_WIDTH
         is_last = bodies.is_last and rank == bodies.ranks - 1
         seen = body_seen(observer, body_of_tile(tile))
-        put_rank(Place(place.out, at, place.stride), there, seen, is_last)
+        put_rank(Place(place.out, at, place.stride), present, seen, is_last)
 
 
 @phase
@@ -205,13 +217,13 @@ def observe_as_prey(block: Block, s: Settings, width: Width, lanes: int, first_a
                 continue
             for first in range(0, lanes, len(width)):
                 rank_bodies(me, first, width, lanes, bodies, sections)
-                apart = lanes - first < len(width)
+                is_staged = lanes - first < len(width)
                 staged = (s.hunters + index) * columns
                 begin = (first_arena + first) * stride + staged
-                place = Place(sections.staging if apart else out, staged if apart else begin, stride)
+                place = Place(sections.staging if is_staged else out, staged if is_staged else begin, stride)
                 if of_hunters:
                     write_self(block, me, s, first, width, caught, place)
                 write_bodies(me, first, width, bodies, sections, place)
-                if apart:
+                if is_staged:
                     written = bodies.first_column + bodies.ranks * _BODY_WIDTH
                     copy_lanes(sections.staging, staged, written, lanes - first, stride, out, begin)

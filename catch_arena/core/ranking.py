@@ -210,7 +210,7 @@ def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) ->
 
 
 @rule
-def stand_together(one: Block, other: Block, lane: int) -> bool:
+def have_same_position(one: Block, other: Block, lane: int) -> bool:
     """Return whether two bodies are in one place and move alike: then they look alike to every observer."""
     in_one_place = (one[X + lane] == other[X + lane]) & (one[Y + lane] == other[Y + lane])
     head_alike = (one[SINE + lane] == other[SINE + lane]) & (one[COSINE + lane] == other[COSINE + lane])
@@ -219,7 +219,7 @@ def stand_together(one: Block, other: Block, lane: int) -> bool:
 
 
 @rule
-def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
+def any_tied(keys: Keys, ranks: int, lane: int) -> bool:
     """R7.1, R12.4: return for each lane whether two seen bodies, or the last one and the next, are equally far.
 
     Args:
@@ -288,7 +288,7 @@ def sort_ties(
                 one, other = item_of(key), item_of(before)
                 newer, older = rows[one * size :], rows[other * size :]
                 difference = 0.0
-                if not stand_together(newer, older, lane):  # so do most ties late in an episode
+                if not have_same_position(newer, older, lane):  # so do most ties late in an episode
                     difference = lead(me, newer, older, lane)
                 goes_first = difference > 0.0
                 if difference == 0.0 and are_rivals:
@@ -327,7 +327,7 @@ def resolve_ties(
         keys: sorted by distance up to one rank after `ranks`; ties are sorted in place.
     """
     lane = group(first, width)
-    some = some_tied(keys, ranks, lane)
+    some = any_tied(keys, ranks, lane)
     if any_of(some):
         tied[lane] = select(some, 1.0, 0.0)
         last = min(first + len(width), lanes)

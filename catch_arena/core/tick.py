@@ -9,11 +9,11 @@ from catch_arena.core.catching import resolve_requests
 from catch_arena.core.controllers import apply_actions
 from catch_arena.core.dropouts import drop_out, write_active
 from catch_arena.core.episodes import (
+    any_ended,
     begin,
     begin_again,
     end_test,
     restore_finished,
-    some_ended,
     take_snapshot,
     write_ends,
 )
@@ -47,7 +47,7 @@ def play(
     lanes = stop_arena - first_arena
     targets = targets_of(block, s)
     rewards, parts = sections.rewards[first_arena:stop_arena], sections.parts[first_arena:stop_arena]
-    had_ended = some_ended(block, lanes)
+    had_ended = any_ended(block, lanes)
     if had_ended:
         take_snapshot(block, sections.snapshot)
     if s.dropout_rate > 0.0:
@@ -121,7 +121,7 @@ def run(
             play(block, s, width, first_arena, stop_arena, ranks, velocities, table, sections)
         # if episodes have ended, their last states are observed first, and the new ones after that; in a loop, so that
         # `observe` is compiled once
-        renewing = playing and len(sections.records) > 0 and some_ended(block, lanes)
+        renewing = playing and len(sections.records) > 0 and any_ended(block, lanes)
         for turn in range(2 if renewing else 1):
             if turn == 1:
                 begin_again(block, s, lanes, first_arena, sections)

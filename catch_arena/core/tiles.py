@@ -27,7 +27,7 @@ from catch_arena.core.state import (
     Y,
     seat_of,
 )
-from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_there
+from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_present
 from catch_arena.core.vectors import Width, group, lane_numbers
 
 
@@ -127,16 +127,16 @@ def tile_hunters(block: Block, s: Settings, first: int, width: Width, teams: NDA
 
 
 @phase
-def put_rank(place: Place, there: bool, seen: tuple[float, ...], is_last: bool) -> None:
+def put_rank(place: Place, present: bool, seen: tuple[float, ...], is_last: bool) -> None:
     """Write the columns of one rank, in the lanes of one group.
 
     Args:
-        there: whether anything is at the rank; otherwise zeros are written.
+        present: whether anything is at the rank; otherwise zeros are written.
         seen: columns of the rank.
         is_last: whether the rank has the last columns: then no numbers are written after it, since nothing would
             overwrite them.
     """
-    columns = where_there(there, seen)
+    columns = where_present(present, seen)
     if is_last:
         put_exactly(place.out, place.at, place.stride, columns)
     else:

@@ -127,11 +127,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         """Let a loop over the turns begin with a copied or unpickled env too, as after a reset."""
         self.__dict__.update(state, _has_updated=True)
 
-    def _require_turn(self, what: str) -> None:
+    def _require_turn(self, method: str) -> None:
         if not self._has_reset:
-            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")
         if not self.agents:
-            raise EpisodeError(f"cannot call {what}(): the episode is over; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): the episode is over; call reset() first")
 
 
 class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]

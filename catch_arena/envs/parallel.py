@@ -139,7 +139,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """False for each of `agents`. A copy of it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
-        self._leavers = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
+        self._leaving_rows = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
         """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
@@ -275,9 +275,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
         ended = engine.ends.item()
-        if self._leavers:
+        if self._leaving_rows:
             active = engine.active[0].tolist()
-            self._leaving.update(self.possible_agents[row] for row in self._leavers if not active[row])
+            self._leaving.update(self.possible_agents[row] for row in self._leaving_rows if not active[row])
         terminations, truncations = self._all_false.copy(), self._all_false.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
@@ -429,6 +429,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Close the window, if there is one."""
         self._display.close()
 
-    def _require_episode(self, what: str) -> None:
+    def _require_episode(self, method: str) -> None:
         if self._seed is None:
-            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")

@@ -14,7 +14,7 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.engine import NO_CHOICES, NO_COMMANDS
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
-from catch_arena.envs.actions import action_array, clipped, described
+from catch_arena.envs.actions import action_array, clipped, describe_value
 from catch_arena.envs.spaces import action_space, vector_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import columns, prey_columns
@@ -256,15 +256,16 @@ class VectorArena:
         targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
         played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
         if played.dtype.kind not in "iu" or played.shape not in {(), (len(chosen),)}:
-            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {described(played)}")
+            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {describe_value(played)}")
         _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
         fastest = np.array(config.max_speeds)
         self._require_bodies("hunters", hunters, -fastest if config.reverse else 0.0 * fastest, fastest)
         self._require_bodies("targets", targets, 0.0, config.target_speed_mps if config.targets_move else 0.0)
-        passed_s = played[:, None] * config.control_period_ms / 1000.0
-        young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # rounded to the millisecond
-        _require("targets", "of ages from 0 to the time that has passed", targets, young | np.isnan(targets[:, :, 0]))
+        elapsed_s = played[:, None] * config.control_period_ms / 1000.0
+        # rounded to the millisecond
+        recent = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < elapsed_s + 0.0005)
+        _require("targets", "of ages from 0 to the time that has passed", targets, recent | np.isnan(targets[:, :, 0]))
         self._engine.place_batch(chosen, hunters, targets, played)
         self._update_ends()
         return self._begun_with()
@@ -325,7 +326,7 @@ class VectorArena:
         chosen, given = self._rows(arenas), np.asarray(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
-            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {described(given)}")
+            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {describe_value(given)}")
         self._engine.controls[chosen] = given
 
     def _require_any_control(self) -> None:
@@ -366,11 +367,11 @@ class VectorArena:
             return commands
         return np.array(commands, np.float32, order="C")  # rounded to float32
 
-    def _blame(self, what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
+    def _blame(self, subject: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
         arena, row = (int(found) for found in np.argwhere(illegal)[0])
         agent = (*self.config.hunter_names, *self.config.prey_names)[row]
         raise ActionError(
-            f"{what} must be {requirement}, got {given[arena, row].tolist()} in arena {arena} for {agent}"
+            f"{subject} must be {requirement}, got {given[arena, row].tolist()} in arena {arena} for {agent}"
         )
 
     def _handed_out(self, results: T) -> T:
@@ -386,7 +387,7 @@ class VectorArena:
         if not legal or (chosen.size and not 0 <= chosen.min() <= chosen.max() < self.num_envs):
             raise ConfigError(
                 f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
-                f"got {described(chosen)}"
+                f"got {describe_value(chosen)}"
             )
         numbers, counts = np.unique(chosen, return_counts=True)
         if len(numbers) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
@@ -476,12 +477,12 @@ class VectorArena:
         """
         return self._engine.seeds()
 
-    def _require_begun(self, what: str) -> None:
+    def _require_begun(self, method: str) -> None:
         if not self._begun:
-            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")
 
-    def _row(self, what: str, arena: int) -> int:
-        self._require_begun(what)
+    def _row(self, method: str, arena: int) -> int:
+        self._require_begun(method)
         row = whole_number(arena)
         if row is None or not 0 <= row < self.num_envs:
             raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
@@ -505,7 +506,9 @@ def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], c
     least, most = bodies
     if table.ndim != 3 or table.shape[::2] != (arenas, columns) or not least <= table.shape[1] <= most:
         count = most if least == most else f"{least} to {most}"
-        raise ConfigError(f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {described(given)}")
+        raise ConfigError(
+            f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {describe_value(given)}"
+        )
     return table
 
 

@@ -71,14 +71,14 @@ def find_subjects(replay: Replay, name: int | str | None) -> Subjects:
         return Subjects(teams[name], ())
     # agents' names come first, since an agent may be called hunter_1 in another seat
     for hunters, prey in (replay.hunter_names, replay.prey_names), (config.hunter_names, config.prey_names):
-        found = Subjects(_called(hunters, name), _called(prey, name))
+        found = Subjects(_seats_named(hunters, name), _seats_named(prey, name))
         if any(found):
             return found
     known = {*replay.hunter_names, *replay.prey_names, *config.hunter_names, *config.prey_names, *teams}
     raise ConfigError(f"unknown hunter {name!r}: {suggest(name, known)}")
 
 
-def _called(names: Sequence[str], wanted: str) -> tuple[int, ...]:
+def _seats_named(names: Sequence[str], wanted: str) -> tuple[int, ...]:
     return tuple(index for index, name in enumerate(names) if name == wanted)
 
 

@@ -459,8 +459,8 @@ def difference(there: Tournament, here: Tournament) -> str | None:
     for begun, now in zip(there.entrants, here.entrants, strict=True):
         for name in compared:
             if getattr(begun, name) != getattr(now, name):
-                what = f"the {name.replace('_', ' ')} of agent {now.name}"
-                return f"{what} is {getattr(begun, name)} there, and {getattr(now, name)} here"
+                subject = f"the {name.replace('_', ' ')} of agent {now.name}"
+                return f"{subject} is {getattr(begun, name)} there, and {getattr(now, name)} here"
         fit = ["can begin" if one.fault is None else "cannot begin" for one in (begun, now)]
         if fit[0] != fit[1]:
             return f"agent {now.name} {fit[0]} there, and {fit[1]} here"

@@ -13,7 +13,7 @@ from catch_arena.ros.middleware import dds_bus, fast_dds, opening
 from catch_arena.ros.middleware.dds_domain import configuration, is_localhost_only
 from catch_arena.ros.middleware.fast_dds import is_fast_dds
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, Name, TwistMessage
-from catch_arena.ros.middleware.opening import described, open_bus
+from catch_arena.ros.middleware.opening import describe_bus, open_bus
 
 TYPES = Interfaces()
 
@@ -220,7 +220,7 @@ def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_pa
     sys.modules.pop("rclpy", None)
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     line = f"bus: cyclonedds, domain {domain}, {python}, interfaces of my_robot_interfaces"
-    assert described(found, domain, found.interfaces(TYPES)) == line
+    assert describe_bus(found, domain, found.interfaces(TYPES)) == line
     found.close()
 
 

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.adjudicator_calls import DiffersError, UnreadableRuling, request_in_words
+from catch_arena.conformance.adjudicator_calls import DiffersError, UnreadableRuling, describe_request
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, Strictness, compare
 from catch_arena.conformance.report import Report
@@ -63,7 +63,7 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
 
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     """Play a case. A wrong answer counts only if it comes twice."""
-    if not isinstance(case, ArbiterCase) or not (_fits_own(case) if node.keeps_the_list else fits_a_service(case)):
+    if not isinstance(case, ArbiterCase) or not (_fits_own(case) if node.publishes_list else fits_a_service(case)):
         return Result(case, None, 0.0, _NOT_BY_SERVICE)
     start = time.perf_counter()
     failure: Failure | None = None
@@ -80,14 +80,14 @@ def _is_silence(failure: Failure | None) -> bool:
 
 def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | None:
     """Ask the questions of a case."""
-    token = "" if node.keeps_the_list else f"{secrets.token_hex(4)}_"
-    for arguments, expected in _questions_of_own(node, case) if node.keeps_the_list else _questions(case):
+    token = "" if node.publishes_list else f"{secrets.token_hex(4)}_"
+    for arguments, expected in _questions_of_own(node, case) if node.publishes_list else _questions(case):
         name = str(expected.target)
         targets = {_sent(token, one): place for one, place in arguments["targets"].items()}
         success = node.request_catch(arguments["hunters"][0], targets, _sent(token, name), settle_s)
         if success is None:
             silence = UnreadableRuling(
-                request_in_words(1, expected),
+                describe_request(1, expected),
                 "an answer",
                 f"none within {ANSWER_S:g} s",
                 "no answer comes",

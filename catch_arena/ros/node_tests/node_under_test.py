@@ -41,7 +41,7 @@ class NodeUnderTest:
         self._alive: Callable[[TurtleArray], None] | None = None
         self.listed: dict[str, Place] = {}
         """Targets in the node's own list."""
-        self.keeps_the_list = False
+        self.publishes_list = False
         """True if the node publishes the list itself."""
         bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
         bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
@@ -64,8 +64,8 @@ class NodeUnderTest:
             self._bus.spin(0.05)
         reports_publishers = self._bus.publishers_of(ALIVE_TURTLES) is not None
         self._spin_until(time.monotonic() + (_LOOK_S if reports_publishers else _LISTEN_S))
-        self.keeps_the_list = self.keeps_the_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
-        if self.keeps_the_list:
+        self.publishes_list = self.publishes_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
+        if self.publishes_list:
             self._log(f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets")
         else:
             self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
@@ -116,7 +116,7 @@ class NodeUnderTest:
 
     def _on_list(self, message: TurtleArray) -> None:
         if self._alive is None:  # else the list is ours
-            self.keeps_the_list = True
+            self.publishes_list = True
             self.listed = {name: (x, y) for name, x, y, _ in message.turtles}
 
     def _on_spawn(self, request: Request) -> None:

@@ -224,8 +224,8 @@ def _parse(received: bytes | Fault, seconds: float) -> _Reply:
     return _Reply(fields, seconds)
 
 
-def _crash(doing: str, how: str) -> Fault:
-    return Fault("FORFEIT_CRASH", f"{doing}: {how}")
+def _crash(doing: str, cause: str) -> Fault:
+    return Fault("FORFEIT_CRASH", f"{doing}: {cause}")
 
 
 def _control_of(greeting: _Reply) -> Any:
