@@ -455,8 +455,8 @@ class Broken(Chaser):
 
 def settle(match):
     """Let the agents' thread answer."""
-    if match.agents._answers is not None:
-        match.agents._answers.exception(timeout=10)
+    if match.agents._moves is not None:
+        match.agents._moves.exception(timeout=10)
 
 
 def test_agents_play_in_other_seats_and_are_asked_every_100_ms():
