@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
-from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.memory import Sections
 from catch_arena.core.rewards import set_progress_reference
@@ -73,15 +73,15 @@ def pi_step(
 
 @phase
 def look_up_choices(
-    me: Block,
+    me: Rows,
     s: Settings,
     lanes: int,
     seat: int,
-    order: Block,
-    targets: Block,
+    order: Rows,
+    targets: Rows,
     choices: NDArray[np.int64],
-    requested: Block,
-    active_targets: Block,
+    requested: Rows,
+    active_targets: Rows,
 ) -> None:
     """R4.1, R5.2's MALFORMED: look up the target of the rank that each lane has chosen.
 
@@ -108,7 +108,7 @@ def look_up_choices(
 
 @phase
 def drive_to_target(
-    me: Block, s: Settings, width: Width, active_targets: Block, limits: SeatLimits, requested: Block
+    me: Rows, s: Settings, width: Width, active_targets: Rows, limits: SeatLimits, requested: Rows
 ) -> None:
     """R4.1, R4.2, R4.3: drive to active targets by the hosted controllers, and drop requests for targets out of reach.
 
@@ -156,7 +156,7 @@ def drive_to_target(
 
 @phase
 def request_nearest(
-    me: Block, s: Settings, lanes: int, order: Block, targets: Block, limits: SeatLimits, requested: Block
+    me: Rows, s: Settings, lanes: int, order: Rows, targets: Rows, limits: SeatLimits, requested: Rows
 ) -> None:
     """R4.4: request the nearest target whenever it is within reach, under velocity control."""
     for lane in range(lanes):
@@ -171,7 +171,7 @@ def request_nearest(
 
 @phase
 def drive_by_command(
-    me: Block, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
+    me: Rows, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Rows
 ) -> None:
     """R2.5, R4.4: set velocities from fractions of the limits; a hunter whose request names a rank without a target
     holds (R5.2).
@@ -193,19 +193,19 @@ def drive_by_command(
 
 @phase
 def steer_seat(
-    me: Block,
+    me: Rows,
     s: Settings,
     width: Width,
     lanes: int,
     seat: int,
-    order: Block,
-    targets: Block,
+    order: Rows,
+    targets: Rows,
     control: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     limits: SeatLimits,
-    requested: Block,
-    active_targets: Block,
+    requested: Rows,
+    active_targets: Rows,
 ) -> None:
     """R4.1, R4.4: steer one seat by one control, in all lanes.
 
@@ -228,17 +228,17 @@ def steer_seat(
 
 @outlined
 def steer_lane_by_lane(
-    me: Block,
+    me: Rows,
     s: Settings,
     seat: int,
-    order: Block,
-    targets: Block,
+    order: Rows,
+    targets: Rows,
     controls: NDArray[np.int8],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     limits: SeatLimits,
-    requested: Block,
-    active_targets: Block,
+    requested: Rows,
+    active_targets: Rows,
 ) -> None:
     """Steer one seat whose control differs by arena: each lane as an arena of its own."""
     for lane in range(len(controls)):
@@ -270,7 +270,7 @@ def controls_differ(controls: NDArray[np.int8], seat: int) -> bool:
 
 @phase
 def apply_actions(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     width: Width,
     lanes: int,
@@ -284,10 +284,10 @@ def apply_actions(
     Args:
         sections: see `memory.Sections`; the requested slots and the progress references are written.
     """
-    targets, active_targets = targets_of(block, s), sections.scratch_rows
+    targets, active_targets = targets_of(chunk, s), sections.scratch_rows
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        order = target_order_of(block, s, seat)
+        me = seat_of(chunk, seat)
+        order = target_order_of(chunk, s, seat)
         own, requested = limits_of(sections.limits, seat), sections.requested_slots[seat]
         if s.any_control and controls_differ(controls, seat):
             steer_lane_by_lane(me, s, seat, order, targets, controls, choices, commands, own, requested, active_targets)

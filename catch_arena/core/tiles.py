@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Rows, phase, rule
 from catch_arena.core.state import (
     APPEARED,
     BODY,
@@ -67,7 +67,7 @@ _TARGET_NUMBERS: Final = len(TargetTile._fields)
 
 
 @rule
-def body_tile(body: Block, team: float, lane: int) -> BodyTile:
+def body_tile(body: Rows, team: float, lane: int) -> BodyTile:
     """Return the tile of a body, from its rows up to SCORE and its team."""
     return BodyTile(
         x=body[X + lane],
@@ -99,18 +99,18 @@ def tile_index(item: int, width: Width) -> int:
 
 
 @phase
-def put_tile(tiles: Block, item: int, width: Width, tile: tuple[float, ...]) -> None:
+def put_tile(tiles: Rows, item: int, width: Width, tile: tuple[float, ...]) -> None:
     """Write the tiles of a slot, seat or prey, in the lanes of one group; a tuple of four numbers is half of each."""
     put_rows(tiles, item * len(width) * TILE, TILE, tile)
 
 
 @phase
-def tile_targets(block: Block, s: Settings, first: int, width: Width, targets: Block, slots: int, tiles: Block) -> None:
+def tile_targets(chunk: Rows, s: Settings, first: int, width: Width, targets: Rows, slots: int, tiles: Rows) -> None:
     """Write the tiles of all targets, which all seats read, in the lanes of one group."""
     for slot in range(slots):
         lane = group(first, width)
         at = slot * s.slot_size + lane
-        age = (block[TIME + lane] - targets[APPEARED + at]) / 1000.0
+        age = (chunk[TIME + lane] - targets[APPEARED + at]) / 1000.0
         still = targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age
         if s.targets_move:
             body = targets[BODY:]
@@ -120,10 +120,10 @@ def tile_targets(block: Block, s: Settings, first: int, width: Width, targets: B
 
 
 @phase
-def tile_hunters(block: Block, s: Settings, first: int, width: Width, teams: NDArray[np.int64], tiles: Block) -> None:
+def tile_hunters(chunk: Rows, s: Settings, first: int, width: Width, teams: NDArray[np.int64], tiles: Rows) -> None:
     """Write the tiles of all hunters, which all seats read, in the lanes of one group."""
     for seat in range(s.hunters):
-        put_tile(tiles, seat, width, body_tile(seat_of(block, seat), float(teams[seat]), group(first, width)))
+        put_tile(tiles, seat, width, body_tile(seat_of(chunk, seat), float(teams[seat]), group(first, width)))
 
 
 @phase
