@@ -13,7 +13,7 @@ LONGEST_NAME: Final = 100
 """Largest length of an entrant's name [characters]."""
 LONGEST_LINE: Final = 300
 """Largest length of a failure's description [characters]."""
-_LOOKED_AT: Final = 8 * LONGEST_LINE
+_MAX_READ: Final = 8 * LONGEST_LINE
 _FOLDERS: Final = re.compile(
     r"""(?<=['"])/(?:[^/'"]+/+)+|(?<![\w<.~/])~?/(?:[^\s/'"<>]+/+)+|\b[A-Za-z]:[\\/](?:[^\s\\/'"<>]+[\\/]+)*"""
 )
@@ -41,7 +41,7 @@ def printable_lines(text: str) -> str:
 
 def one_line(text: str) -> str:
     """Return the text's words in one line of at most LONGEST_LINE characters."""
-    return printable(" ".join(text[:_LOOKED_AT].split()))[:LONGEST_LINE]
+    return printable(" ".join(text[:_MAX_READ].split()))[:LONGEST_LINE]
 
 
 def shortened(value: object) -> str:

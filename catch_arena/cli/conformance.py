@@ -70,7 +70,7 @@ def conformance(
         if arena is not None:
             raise ConfigError("--arena must be left out with a service, which answers yes or no")
         with service.node(arbiter) as node:
-            node.meet()
+            node.wait_for_node()
             report = run_on_node(node, select_cases(only or ()))
     else:
         service.refuse()

@@ -45,7 +45,7 @@ class ArbiterRunner:
         """
         case = self._case
         decided = _with_lots_decided(case, self._judge("", case))
-        for variants in (_reordered(decided), _without_a_loser(decided), _renumbered(case)):
+        for variants in (_reordered(decided), _without_loser(decided), _renumbered(case)):
             for variation, variant in variants:
                 self._judge(variation, variant)
         if case.fair_over_steps:
@@ -71,7 +71,7 @@ class ArbiterRunner:
         for variant in _in_other_steps(case):
             decided = self._judge(steps, variant)
             won |= {(ruling.target, ruling.winner) for ruling in decided}
-            for variation, fewer in _without_a_loser(_with_lots_decided(variant, decided)):
+            for variation, fewer in _without_loser(_with_lots_decided(variant, decided)):
                 self._judge(f"{variation}, in one of many steps", fewer)
         for lot in case.lots:
             if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
@@ -133,7 +133,7 @@ def _in_seats(reach_m: float | Sequence[float], order: Sequence[int]) -> float |
     return reach_m if isinstance(reach_m, int | float) else tuple(reach_m[old] for old in order)
 
 
-def _without_a_loser(case: ArbiterCase) -> Variants:
+def _without_loser(case: ArbiterCase) -> Variants:
     """R5.5: yield variants without the requests of one hunter that won nothing; the lots of the case are decided.
 
     No other ruling changes, with one exception: a refused kill without a rival is no longer a contest (R5.6).
@@ -184,11 +184,11 @@ def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
 def _orders(seats: tuple[int, ...], name: str) -> list[tuple[int, ...]]:
     """Return orders of the requests, by their places, in which the requests of one seat keep their order."""
     given = tuple(range(len(seats)))
-    found = dict.fromkeys(_in_turn(seats, order) for order in _permutations(len(seats), name))
+    found = dict.fromkeys(_permuted(seats, order) for order in _permutations(len(seats), name))
     return [order for order in found if order != given]
 
 
-def _in_turn(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
+def _permuted(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
     """Return the order with the places of each seat sorted."""
     waiting = {seat: iter([place for place, owner in enumerate(seats) if owner == seat]) for seat in set(seats)}
     return tuple(next(waiting[seats[place]]) for place in order)

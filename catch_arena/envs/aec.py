@@ -141,15 +141,15 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 
     def __init__(self, parallel: CatchArenaEnv) -> None:
         super().__init__(parallel)
-        self._unchanging = frozenset(vars(self)) | {"_unchanging"}
+        self._constant_names = frozenset(vars(self)) | {"_constant_names"}
 
     def save_turns(self) -> dict[str, Any]:
         """Return a copy of all attributes that an episode changes in this wrapper."""
-        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._unchanging})
+        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._constant_names})
 
     def restore_turns(self, saved: dict[str, Any]) -> None:
         """Restore the result of `save_turns`."""
-        self.__dict__ = {name: vars(self)[name] for name in self._unchanging} | copy.deepcopy(saved)
+        self.__dict__ = {name: vars(self)[name] for name in self._constant_names} | copy.deepcopy(saved)
 
     @property
     def unwrapped(self) -> "_Unwrapped":

@@ -143,7 +143,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
-        self._over = True
+        self._is_over = True
         self._leaving: set[str] = set()
         """Agents that leave at the end of the next step, and those that have left."""
         self._truncated: tuple[str, ...] = ()
@@ -246,7 +246,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
-        self._over = False
+        self._is_over = False
         self._leaving.clear()
         self._set_agents(self.possible_agents[:])
         if self.render_mode == "human":
@@ -264,7 +264,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ActionError: for a missing or illegal action, and for an unknown agent.
             EpisodeError: before the first reset, or for actions after the end.
         """
-        if self._over:
+        if self._is_over:
             if self._seed is not None and not actions:  # as PettingZoo's envs; SuperSuit's wrappers need it
                 return {}, {}, {}, {}, {}
             why = "no episode has begun" if self._seed is None else "the episode is over"
@@ -289,7 +289,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
         if ended or self._leaving:
             self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
-            self._over = not self.agents
+            self._is_over = not self.agents
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminations, truncations, infos
@@ -311,7 +311,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         termination and its last observation. Withdrawn prey stands still, and can be caught.
         """
         row = self._actions.row(agent)
-        if self._over or agent not in self.agents:
+        if self._is_over or agent not in self.agents:
             raise EpisodeError(f"cannot withdraw {agent}: it is not among the agents of this episode")
         if agent in self._leaving:
             return
@@ -372,7 +372,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             seed=self._seed,
             possible_agents=tuple(self.possible_agents),
             agents=tuple(self.agents),
-            over=self._over,
+            over=self._is_over,
             leaving=frozenset(self._leaving),
             cut=self._truncated,
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
@@ -396,7 +396,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             got = shortened(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         self._engine.restore_row(0, saved.arena)
-        self._seed, self._over, self._truncated = saved.seed, saved.over, saved.cut
+        self._seed, self._is_over, self._truncated = saved.seed, saved.over, saved.cut
         self._leaving = set(saved.leaving)
         self._set_agents(list(saved.agents))
         self._np_random = None

@@ -34,8 +34,8 @@ class Results:
     def __init__(
         self, config: ArenaConfig, engine: Engine, rows: Mapping[str, int], controls: Sequence[str], infos: Infos
     ) -> None:
-        self._made_of = config, engine, rows, controls, infos
-        self._config, self._engine, self._rows, self._controls, self._level = self._made_of
+        self._arguments = config, engine, rows, controls, infos
+        self._config, self._engine, self._rows, self._controls, self._level = self._arguments
         # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward_hunters`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
@@ -45,7 +45,7 @@ class Results:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Build the object again when unpickled, since its arrays belong to the engine."""
-        return Results, self._made_of, self._agents
+        return Results, self._arguments, self._agents
 
     def __setstate__(self, agents: Sequence[str]) -> None:
         self.set_agents(agents)

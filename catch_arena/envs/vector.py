@@ -109,10 +109,10 @@ class VectorArena:
         self._copy = copy
         kinds = set(CONTROLS if any_control else self.config.controls)
         self._any_control = any_control
-        self._choosing: Final = kinds != {"velocity"}
-        self._driving: Final = kinds != {"target"} or self.config.prey > 0
+        self._reads_choices: Final = kinds != {"velocity"}
+        self._reads_commands: Final = kinds != {"target"} or self.config.prey > 0
         """The two flags: True if some agent reads choices, and if some agent reads commands."""
-        self._begun = False
+        self._has_begun = False
         try:
             self._engine = Engine(
                 self.config,
@@ -130,7 +130,7 @@ class VectorArena:
 
     def _make_infos(self) -> dict[str, Any]:
         engine, hunters, infos = self._engine, self.num_hunters, dict[str, Any]()
-        if self._choosing:
+        if self._reads_choices:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
         if engine.active.size:
@@ -143,7 +143,7 @@ class VectorArena:
             team_score = state.FINAL_SCORE if self.config.teams is None else state.FINAL_TEAM_SCORE
             infos["_final_obs"] = self._ended
             infos["final_obs"] = engine.final_observations
-            if self._choosing:
+            if self._reads_choices:
                 infos["final_mask"] = engine.final_masks
             infos["episode"] = {
                 "length": np.broadcast_to(engine.lengths[:, None], records.shape[:2]),
@@ -205,12 +205,12 @@ class VectorArena:
             EpisodeError: for single rows before the first reset of all rows.
         """
         chosen = self._rows(arenas)
-        if not self._begun and len(chosen) < self.num_envs:
+        if not self._has_begun and len(chosen) < self.num_envs:
             raise EpisodeError("cannot reset single arenas: no episode has begun; call reset() without arenas first")
         if seed is None:
             seeds = (
                 batch_seeds(fresh_seed(), self.num_envs)
-                if not self._begun
+                if not self._has_begun
                 else next_seeds(self._engine.seeds()[chosen])
             )
         elif isinstance(seed, np.ndarray) and seed.ndim == 1 and seed.dtype == np.uint64:
@@ -220,9 +220,9 @@ class VectorArena:
         else:
             seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, None if arenas is None else chosen)
-        self._begun = True
+        self._has_begun = True
         self._ended[chosen] = False
-        return self._begun_with()
+        return self._reset_results()
 
     def place(
         self, hunters: ArrayLike, targets: ArrayLike, *, steps: ArrayLike = 0, arenas: ArrayLike | None = None
@@ -268,7 +268,7 @@ class VectorArena:
         _require("targets", "of ages from 0 to the time that has passed", targets, recent | np.isnan(targets[:, :, 0]))
         self._engine.place_batch(chosen, hunters, targets, played)
         self._update_ends()
-        return self._begun_with()
+        return self._reset_results()
 
     def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: Any, fastest: Any) -> None:
         x, y, heading, speed = (bodies[:, :, column] for column in range(4))
@@ -279,7 +279,7 @@ class VectorArena:
         _require(name, headings, bodies, absent | (np.abs(heading) <= MAX_HEADING_RAD))
         _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
-    def _begun_with(self) -> Begun:
+    def _reset_results(self) -> Begun:
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
@@ -342,12 +342,14 @@ class VectorArena:
     def _checked_choices(self, given: Any) -> NDArray[np.int64]:
         shape, ranks = (self.num_envs, self.num_hunters), self.config.targets_seen
         if given is None:
-            if self._choosing:
+            if self._reads_choices:
                 raise ActionError(f"choices must be {shape} whole numbers if hunters choose targets, got None")
             return NO_CHOICES
         choices = action_array("choices", given, shape, whole=True)
         if choices.min() < 0 or choices.max() > ranks:
-            self._blame("choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
+            self._raise_illegal(
+                "choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks)
+            )
         if choices.dtype == np.int64 and choices.flags.carray:
             return choices
         return np.array(choices, np.int64, order="C")  # every rank fits into int64
@@ -355,19 +357,19 @@ class VectorArena:
     def _checked_commands(self, given: Any) -> NDArray[np.float32]:
         shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
         if given is None:
-            if self._driving:
+            if self._reads_commands:
                 raise ActionError(f"commands must be {shape} numbers if agents drive themselves, got None")
             return NO_COMMANDS
         commands = action_array("commands", given, shape)
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
             if not np.isfinite(commands).all():
-                self._blame("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
+                self._raise_illegal("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
             commands = clipped(commands)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
         return np.array(commands, np.float32, order="C")  # rounded to float32
 
-    def _blame(self, subject: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
+    def _raise_illegal(self, subject: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
         arena, row = (int(found) for found in np.argwhere(illegal)[0])
         agent = (*self.config.hunter_names, *self.config.prey_names)[row]
         raise ActionError(
@@ -417,9 +419,9 @@ class VectorArena:
         self._engine.require_saved(saved, alone=False)
         self._require_controls(saved, self._engine.controls)
         self._engine.restore(saved)
-        self._begun = True
+        self._has_begun = True
         self._update_ends()
-        return self._begun_with()
+        return self._reset_results()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: return the state of one arena, which any row of a batch of equal config can take."""
@@ -439,7 +441,7 @@ class VectorArena:
         self._require_controls(saved, self._engine.controls[arena])
         self._engine.restore_row(arena, saved)
         self._update_ends()
-        return self._begun_with()
+        return self._reset_results()
 
     def _require_controls(self, saved: SavedState, controls: NDArray[np.int8]) -> None:
         if (saved.controls != controls).any():
@@ -478,7 +480,7 @@ class VectorArena:
         return self._engine.seeds()
 
     def _require_begun(self, method: str) -> None:
-        if not self._begun:
+        if not self._has_begun:
             raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")
 
     def _row(self, method: str, arena: int) -> int:

@@ -74,7 +74,7 @@ def encode_bundle(replay: Replay) -> bytes:
             [state - 1, ruling.hunter, ruling.verdict.name, numbers.get(ruling.target)] for ruling in world.rulings
         ]
         contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
-        _follow(state, world, targets, numbers)
+        _update_tracks(state, world, targets, numbers)
         for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):
             if prey.target is not None and prey.target not in played:
                 played[prey.target] = name
@@ -126,7 +126,7 @@ def _contest(contest: Contest, names: tuple[str, ...], prey: str | None) -> dict
     }
 
 
-def _follow(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
+def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
     """Add the targets' poses in a state to their tracks."""
     for target in world.targets:
         numbers[target.name] = target.number

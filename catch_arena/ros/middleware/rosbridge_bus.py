@@ -130,7 +130,7 @@ class RosbridgeBus(Bus):
             if not self._read(one.connection):
                 self._calls.pop(name, None)
         end = time.monotonic() + SPIN_S
-        while sum(self._hand_out(key) for key in tuple(self._inboxes)) and time.monotonic() <= end:
+        while sum(self._dispatch(key) for key in tuple(self._inboxes)) and time.monotonic() <= end:
             pass
 
     def close(self) -> None:
@@ -153,14 +153,14 @@ class RosbridgeBus(Bus):
             while time.monotonic() < end:
                 text = connection.recv(timeout_s)
                 timeout_s, end = 0.0, min(end, time.monotonic() + SPIN_S)
-                self._sort_in(text)
+                self._route(text)
         except TimeoutError:
             return True
         except WebSocketException:
             return False
         return True
 
-    def _sort_in(self, text: str | bytes) -> None:
+    def _route(self, text: str | bytes) -> None:
         """Put a frame into its inbox; a full inbox drops its oldest frame."""
         if len(text) > LONGEST:
             self._warn_once(f"a frame of more than {LONGEST // 1024} KiB is left out")
@@ -180,7 +180,7 @@ class RosbridgeBus(Bus):
             if inbox is not None:
                 inbox.frames.append(frame)
 
-    def _hand_out(self, key: tuple[str, str]) -> int:
+    def _dispatch(self, key: tuple[str, str]) -> int:
         """Handle the oldest frame of an inbox, and return the number of handled frames: 0 or 1."""
         inbox = self._inboxes[key]
         if not inbox.frames:

@@ -21,7 +21,7 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
         BusError: if no node serves the service.
     """
     tests = [(test, _cases(test)) for test in spec.tests]
-    node.meet()
+    node.wait_for_node()
     for test, cases in tests:
         yield _grade(test, run_on_node(node, cases))
 

@@ -51,7 +51,7 @@ class NodeUnderTest:
         self._has_answered = False
         """True if any request was answered."""
 
-    def meet(self) -> None:
+    def wait_for_node(self) -> None:
         """Wait until the service is there, and publish the list if the node does not.
 
         Raises:
@@ -87,7 +87,8 @@ class NodeUnderTest:
         """Publish a position for a while, then request a target; return the answer, or None without one in time.
 
         Raises:
-            BusError: if no request was ever answered: over rosbridge `meet` cannot check that a node serves it.
+            BusError: if no request was ever answered: over rosbridge `wait_for_node` cannot check that a node serves
+                it.
         """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)

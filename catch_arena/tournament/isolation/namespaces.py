@@ -24,12 +24,12 @@ from catch_arena.tournament.isolation.quotas import Level
 TEMPORARY: Final = Path("/tmp")  # noqa: S108 - in a file system of its own
 SHARED: Final = Path("/dev/shm")  # noqa: S108
 _PROGRAM: Final = "bwrap"
-_NOBODY: Final = 65534
+_UNPRIVILEGED_ID: Final = 65534
 _PROBE_S: Final = 20.0
 _SYSCTL: Final = Path("/proc/sys")
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
-    *("--uid", f"{_NOBODY}", "--gid", f"{_NOBODY}", "--hostname", "arena"),
+    *("--uid", f"{_UNPRIVILEGED_ID}", "--gid", f"{_UNPRIVILEGED_ID}", "--hostname", "arena"),
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
