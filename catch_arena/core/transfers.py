@@ -154,10 +154,10 @@ def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int
                 builder.store(part, pointer_to(context, builder, out, builder.add(at, at.type(index)), number))
             return context.get_dummy_value()
         transposed = _transposed if array.dtype == types.float32 else _transposed_doubles
-        nothing = ir.Constant(low_level(number), None)
+        zero = ir.Constant(low_level(number), None)
         for first, count in pieces_of(len(parts)):
             some = parts[first : first + count]
-            some += [nothing] * (count - len(some))
+            some += [zero] * (count - len(some))
             row = Vector(array.dtype, count)
             offset = builder.add(at, at.type(first))
             for value in transposed(builder, some):
@@ -207,9 +207,9 @@ def _type_of_where(present: Any, columns: Any) -> Any:
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     (present, columns), number = arguments, signature.return_type.dtype
     given = signature.args[1]
-    nothing = ir.Constant(low_level(number), None)
+    zero = ir.Constant(low_level(number), None)
     kept = [
-        builder.select(present, context.cast(builder, column, of, number), nothing)
+        builder.select(present, context.cast(builder, column, of, number), zero)
         for column, of in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
     ]
     return context.make_tuple(builder, signature.return_type, kept)

@@ -33,7 +33,7 @@ def with_seat(name: str, seat: int) -> str:
     return name if name == own or name.endswith(f"({own})") else f"{name} ({own})"
 
 
-def how_it_left(replay: Replay, seat: int) -> str:
+def exit_cause(replay: Replay, seat: int) -> str:
     """Return the reason why a hunter left: "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
 
