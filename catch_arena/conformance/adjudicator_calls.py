@@ -76,7 +76,7 @@ class WrongTarget:
 
 
 def call_adjudicator(call: str, function: Callable[..., object], *arguments: object) -> Any:
-    """Call a function of the code under test and return its result; `what` names the call.
+    """Call a function of the code under test and return its result; `call` names it.
 
     Raises:
         DiffersError: if it raises anything.

@@ -78,7 +78,7 @@ class Bodies(NamedTuple):
     """Length of each body's rows."""
     total: int
     observer_index: int
-    """Index of the observer among the bodies, or _NOT_AMONG_THEM."""
+    """Index of the observer among the bodies, or _NO_OBSERVER."""
     ranks: int
     """Number of bodies that are seen."""
     first_column: int

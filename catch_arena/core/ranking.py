@@ -59,7 +59,7 @@ def item_of(key: int) -> int:
 
 
 @rule
-def equally_far(nearer: int, farther: int) -> bool:
+def are_equally_far(nearer: int, farther: int) -> bool:
     """Return whether two keys have the same distance; `farther` must not be the smaller one."""
     return (nearer < FAR) & ((nearer & ~_SLOTS) == (farther & ~_SLOTS))
 
@@ -226,9 +226,9 @@ def any_tied(keys: Keys, ranks: int, lane: int) -> bool:
         keys: sorted by distance up to one rank after `ranks`, at least two rows of LANES.
         ranks: number of bodies that are seen.
     """
-    tied = equally_far(keys[lane], keys[LANES + lane])
+    tied = are_equally_far(keys[lane], keys[LANES + lane])
     for rank in range(1, ranks):
-        tied = tied | equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
+        tied = tied | are_equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
     return tied
 
 
@@ -246,12 +246,12 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
         number of keys, from the first on, that must be sorted.
     """
     edge = keys[ranks * LANES + lane]
-    if not equally_far(keys[(ranks - 1) * LANES + lane], edge):
+    if not are_equally_far(keys[(ranks - 1) * LANES + lane], edge):
         return ranks
     count = ranks + 1
     for at in range(count, total):
         key = keys[at * LANES + lane]
-        if equally_far(edge, key):
+        if are_equally_far(edge, key):
             keys[count * LANES + lane] = key
             count += 1
     return count
@@ -283,7 +283,7 @@ def sort_ties(
             at = newest
             while at > 0:
                 before = keys[(at - 1) * LANES + lane]
-                if not equally_far(before, key):
+                if not are_equally_far(before, key):
                     break
                 one, other = item_of(key), item_of(before)
                 newer, older = rows[one * size :], rows[other * size :]

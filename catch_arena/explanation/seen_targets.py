@@ -63,7 +63,7 @@ class SeenTargets:
         return [name for _, name in ranked[: self._config.targets_seen]]
 
     def ranked_rivals(self, world: World, seat: int) -> list[int]:
-        """R7.1: return the seats of the rivals in a seat's view by rank: nearest first, ties in the order of `precedes`
+        """R7.1: return the seats of the rivals in a seat's view by rank: nearest first, ties in the order of `sort_ties`
         in `core/ranking.py`.
         """
         me = world.hunters[seat]

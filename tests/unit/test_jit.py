@@ -221,7 +221,7 @@ def test_a_damaged_cache_that_cannot_be_replaced_is_told_and_the_rules_run(tmp_p
     (index,) = tmp_path.rglob("*.nbi")
     index.unlink()
     index.mkdir()
-    cache._tell_not_kept.cache_clear()
+    cache._warn_not_kept.cache_clear()
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, False]
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}: Is a directory; every start")

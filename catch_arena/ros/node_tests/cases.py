@@ -53,7 +53,7 @@ def fits_a_service(case: ArbiterCase | ArenaCase) -> bool:
 
 
 def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -> Report:
-    """Play the cases that a node can be asked, after `meet`, and return a report; the other cases count as not played.
+    """Play the cases that fit a service, after `wait_for_node`, and return a report; other cases count as not played.
 
     Raises:
         BusError: if no node answers over this bus.
