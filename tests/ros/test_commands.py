@@ -20,7 +20,7 @@ def run(*arguments):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "printed"),
+    ("arguments", "error"),
     [
         (("serve", "--seat", "nearest"), "--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got 'nearest'"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),

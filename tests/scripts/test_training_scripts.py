@@ -275,7 +275,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
 
 @pytest.mark.torch
 @pytest.mark.parametrize(
-    ("arguments", "output"),
+    ("arguments", "error"),
     [
         ("--head tail", "argument --head: invalid choice: 'tail'"),
         ("--hold 0", "--hold must be at least 1, got 0"),
