@@ -82,7 +82,7 @@ def arbitrate(
         row[arbiter.REQUEST_REACH] = reaches_um[seat]
         row[arbiter.REQUEST_INACTIVE] = seat in out
         row[arbiter.REQUEST_DISTANCE] = state.NOT_MEASURED
-        row[arbiter.REQUEST_TARGET] = target_asked_for(name, numbers, gone)
+        row[arbiter.REQUEST_TARGET] = requested_target(name, numbers, gone)
         if isinstance(name, str) and row[arbiter.REQUEST_TARGET] > 0:
             (x, y), (target_x, target_y) = places[seat], alive[name]
             row[arbiter.REQUEST_NUMBER] = numbers[name]
@@ -99,7 +99,7 @@ def arbitrate(
     return rulings_of(table, [name for _, name in requests], number_of_step)
 
 
-def target_asked_for(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
+def requested_target(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
     """Return a name's entry in a request table: the number or slot of the alive target, or a code for none (R5.2)."""
     if not isinstance(name, str) or len(name) > _LONGEST_NAME:
         return state.MALFORMED_REQUEST

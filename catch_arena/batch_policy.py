@@ -6,7 +6,7 @@ from typing import Any, Final
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.layout import SelfFeatures, first_rival_column, observation_size, rival_features, target_features
 from catch_arena.policy import Limits
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 TYPE_CHECKING = False  # agents that do not use NumPy need not load it
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class BatchView:
         size = observation_size(limits)
         if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
             raise ConfigError(
-                f"observations must be an array whose last axis has length {size}, got {in_short(observations)}"
+                f"observations must be an array whose last axis has length {size}, got {shortened(observations)}"
             )
         self.observations = observations
         """Observations as they were given, for policies that learn."""

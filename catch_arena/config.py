@@ -11,7 +11,7 @@ from typing import Any, Final, Literal, get_args
 
 from catch_arena.errors import ConfigError, did_you_mean, suggest
 from catch_arena.plain import as_python, plain_setting, real_number, whole_number
-from catch_arena.text import in_short, with_type
+from catch_arena.text import shortened, with_type
 
 Control = Literal["target", "velocity", "full"]
 """R4.1, R4.4: kinds of control of a hunter."""
@@ -466,7 +466,9 @@ class ArenaConfig:
     def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
         """Return the config that `to_dict` wrote; raise ConfigError for unknown or impossible settings."""
         if not isinstance(settings, Mapping) or not all(isinstance(name, str) for name in settings):
-            raise ConfigError(f"settings must map names to values, as to_dict() returns them, got {in_short(settings)}")
+            raise ConfigError(
+                f"settings must map names to values, as to_dict() returns them, got {shortened(settings)}"
+            )
         return cls().replace(**settings)
 
     @property
@@ -521,7 +523,7 @@ def _require_number(
         raise ConfigError(f"{name} must be a finite number {low}{otherwise}, got {shown}")
     enough = number > above if above is not None else at_least is None or number >= at_least
     if not (enough and number <= at_most):
-        shown = repr(number) if abs(number) < 1e300 else in_short(number)  # a whole number may have any length
+        shown = repr(number) if abs(number) < 1e300 else shortened(number)  # a whole number may have any length
         raise ConfigError(f"{name} must be {low} and at most {at_most:g}{otherwise}, got {shown}")
 
 

@@ -151,8 +151,8 @@ def prepare_folder(folder: Path) -> Path:
         probe.unlink(missing_ok=True)  # another process may probe the folder at the same time
     except (FileExistsError, NotADirectoryError):
         taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
-        is_what = "a link that leads to itself" if is_loop(taken) else "a file, not a folder"
-        raise OutputError(f"{taken}: cannot be written: is {is_what}") from None
+        found = "a link that leads to itself" if is_loop(taken) else "a file, not a folder"
+        raise OutputError(f"{taken}: cannot be written: is {found}") from None
     except OSError as error:
         raise unwritable(folder, error) from None
     return folder

@@ -29,9 +29,9 @@ class _Command:
 
     status = 2  # exit code; until the command has ended, the one for an unexpected error
     first_signal = 0  # its number, or 0
-    unwinds = False  # the command is running, so KeyboardInterrupt can be raised
-    lingers = False  # an interrupt is the command's normal end
-    keeps = False  # the command is saving results, so an interrupt waits
+    is_running = False  # the command is running, so KeyboardInterrupt can be raised
+    is_waiting = False  # an interrupt is the command's normal end
+    is_saving = False  # the command is saving results, so an interrupt waits
     more: "Callable[[], str]" = str
 
 
@@ -39,7 +39,7 @@ def listen() -> None:
     """Install the signal handlers. A signal that was ignored when the process started stays ignored."""
     for name in _WORDS:
         if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _hear)
+            signal.signal(number, _on_signal)
     atexit.register(_exit)  # registered first, so called last
 
 
@@ -48,10 +48,10 @@ def run(command: "Callable[[], object]") -> "NoReturn":
     status: object = None
     try:
         try:
-            _Command.unwinds = True
+            _Command.is_running = True
             status = command()
         finally:
-            _Command.unwinds = False
+            _Command.is_running = False
     except SystemExit as exit_:
         status = exit_.code
     except BaseException:
@@ -64,50 +64,50 @@ def run(command: "Callable[[], object]") -> "NoReturn":
     sys.exit(status)  # type: ignore[arg-type]
 
 
-def linger(last: "Callable[[], object]") -> None:
+def run_until_signal(last: "Callable[[], object]") -> None:
     """Call `last`; a signal ends it as the command's normal end, with exit code 0."""
-    _Command.lingers = True
+    _Command.is_waiting = True
     try:
         last()
     except KeyboardInterrupt:
         pass
     finally:
-        _Command.lingers = False
+        _Command.is_waiting = False
 
 
-def wait(tell: "Callable[[], object]") -> None:
-    """Call `tell`, and then wait for a signal: the command's normal end, with exit code 0."""
+def wait(announce: "Callable[[], object]") -> None:
+    """Call `announce`, and then wait for a signal: the command's normal end, with exit code 0."""
 
     def last() -> None:
-        tell()
+        announce()
         while True:
             time.sleep(_LONG_S)
 
-    linger(last)
+    run_until_signal(last)
 
 
-def keep(save: "Callable[[], object]") -> None:
+def run_uninterrupted(save: "Callable[[], object]") -> None:
     """Call `save`; an interrupt during the call is raised after it."""
-    before, _Command.keeps = _Command.first_signal, True
+    before, _Command.is_saving = _Command.first_signal, True
     try:
         save()
     finally:
-        _Command.keeps = False
+        _Command.is_saving = False
     if _Command.first_signal != before:
         raise KeyboardInterrupt
 
 
-def received() -> bool:
+def was_interrupted() -> bool:
     """Return whether a signal has arrived; errors after it need no report."""
     return bool(_Command.first_signal)
 
 
-def also_say(more: "Callable[[], str]") -> None:
+def add_to_message(more: "Callable[[], str]") -> None:
     """Append the text that `more` returns to the line that is printed after a signal."""
     _Command.more = more
 
 
-def family(*roots: int) -> set[int]:
+def descendants(*roots: int) -> set[int]:
     """Return the ids of the running descendants of these processes; empty if the system does not list processes."""
     children: dict[int, list[int]] = {}
     for name in os.listdir("/proc") if LINUX else ():  # noqa: PTH208 - pathlib takes long to import
@@ -124,30 +124,30 @@ def family(*roots: int) -> set[int]:
     return {*found} - {*roots}
 
 
-def _hear(number: int, _: object) -> None:
+def _on_signal(number: int, _: object) -> None:
     if _Command.first_signal:
         _Command.status = 128 + _Command.first_signal  # not a normal end any more, since the command was still busy
         _end()
-    _Command.first_signal, _Command.status = number, 0 if _Command.lingers else 128 + number
+    _Command.first_signal, _Command.status = number, 0 if _Command.is_waiting else 128 + number
     sys.unraisablehook = _swallowed
     if (threading := sys.modules.get("threading")) is not None:
         threading.excepthook = lambda _: None  # type: ignore[attr-defined]
-    if _Command.unwinds and not _Command.keeps:
+    if _Command.is_running and not _Command.is_saving:
         raise KeyboardInterrupt
-    if not _Command.keeps:
+    if not _Command.is_saving:
         _end()
 
 
-def _swallowed(what: "sys.UnraisableHookArgs") -> None:
+def _swallowed(unraisable: "sys.UnraisableHookArgs") -> None:
     """End if a destructor or a callback from C has swallowed the interrupt; print nothing."""
-    if what.exc_type is KeyboardInterrupt:
+    if unraisable.exc_type is KeyboardInterrupt:
         _end()
 
 
 def _end() -> "NoReturn":
     """End this process and all its descendants, without Python's work at exit."""
     try:
-        _end_family()
+        _end_descendants()
         if _Command.status:
             line = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}"
             try:
@@ -160,11 +160,11 @@ def _end() -> "NoReturn":
         os._exit(_Command.status)
 
 
-def _end_family() -> None:
+def _end_descendants() -> None:
     """End all descendants of this process: first by SIGTERM, a moment later by SIGKILL."""
     for number in (signal.SIGTERM, signal.SIGKILL) if LINUX else ():
-        patience = time.monotonic() + _GRACE_S
-        while (left := family(os.getpid())) and time.monotonic() < patience:
+        deadline = time.monotonic() + _GRACE_S
+        while (left := descendants(os.getpid())) and time.monotonic() < deadline:
             for pid in left:
                 try:  # noqa: SIM105 - contextlib may be half imported
                     os.kill(pid, number)

@@ -73,7 +73,7 @@ class _Arena(NamedTuple):
         )
 
 
-class _Said(NamedTuple):
+class _Spec(NamedTuple):
     """Description of a column in a table, without its name."""
 
     unit: str
@@ -94,41 +94,41 @@ def _flag(_: _Arena) -> tuple[float, float]:
     return 0.0, 1.0
 
 
-_Cosine = Annotated[float, _Said("1", _any_part, "cosine of the heading")]
-_Sine = Annotated[float, _Said("1", _any_part, "sine of the heading")]
-_RelativeCosine = Annotated[float, _Said("1", _any_part, "cosine of its heading relative to the agent's own")]
-_RelativeSine = Annotated[float, _Said("1", _any_part, "sine of its heading relative to the agent's own")]
+_Cosine = Annotated[float, _Spec("1", _any_part, "cosine of the heading")]
+_Sine = Annotated[float, _Spec("1", _any_part, "sine of the heading")]
+_RelativeCosine = Annotated[float, _Spec("1", _any_part, "cosine of its heading relative to the agent's own")]
+_RelativeSine = Annotated[float, _Spec("1", _any_part, "sine of its heading relative to the agent's own")]
 
 
 class SelfFeatures(NamedTuple):
     """Columns of a hunter's observation that describe the hunter itself."""
 
-    x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
-    y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
+    x: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
+    y: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
     heading_cos: _Cosine
     heading_sin: _Sine
-    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "forward velocity")]
-    angular_velocity: Annotated[float, _Said("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
-    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
-    score: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "granted catches so far")]
+    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.speeds, "forward velocity")]
+    angular_velocity: Annotated[float, _Spec("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
+    time_left: Annotated[float, _Spec("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
+    score: Annotated[float, _Spec("catches", lambda a: (0.0, a.catches), "granted catches so far")]
     distance_integral: Annotated[
-        float, _Said("m s", lambda a: (0.0, a.diagonal * a.duration), "linear integral of R4.3")
+        float, _Spec("m s", lambda a: (0.0, a.diagonal * a.duration), "linear integral of R4.3")
     ]
     bearing_integral: Annotated[
-        float, _Said("rad s", lambda a: _either_side(3.15 * a.duration), "angular integral of R4.3")
+        float, _Spec("rad s", lambda a: _either_side(3.15 * a.duration), "angular integral of R4.3")
     ]
 
 
 class TargetFeatures(NamedTuple):
     """Columns of a hunter's observation for each target, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
+    forward: Annotated[float, _Spec("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
     left: Annotated[
-        float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
+        float, _Spec("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
     ]
-    present: Annotated[float, _Said("flag", _flag, "1 if this rank has a target")]
-    age: Annotated[float, _Said("s", lambda a: (0.0, a.duration), "time since it appeared")]
-    active: Annotated[float, _Said("flag", _flag, "1 if it is the hunter's active target")]
+    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a target")]
+    age: Annotated[float, _Spec("s", lambda a: (0.0, a.duration), "time since it appeared")]
+    active: Annotated[float, _Spec("flag", _flag, "1 if it is the hunter's active target")]
 
 
 class MotionFeatures(NamedTuple):
@@ -136,58 +136,58 @@ class MotionFeatures(NamedTuple):
 
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.target_speeds, "its forward velocity")]
 
 
 class RivalFeatures(NamedTuple):
     """Columns of a hunter's observation for each rival, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
+    forward: Annotated[float, _Spec("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
     left: Annotated[
-        float, _Said("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
+        float, _Spec("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
     ]
-    present: Annotated[float, _Said("flag", _flag, "1 if this rank has a rival")]
+    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a rival")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.speeds, "its forward velocity")]
     score_difference: Annotated[
-        float, _Said("catches", lambda a: _either_side(a.catches), "its score minus the agent's own")
+        float, _Spec("catches", lambda a: _either_side(a.catches), "its score minus the agent's own")
     ]
 
 
 class TeamFeatures(NamedTuple):
     """R7.4: further column for each rival if there are teams."""
 
-    mate: Annotated[float, _Said("flag", _flag, "1 if it is a team-mate")]
+    mate: Annotated[float, _Spec("flag", _flag, "1 if it is a team-mate")]
 
 
 class PreySelfFeatures(NamedTuple):
     """R12.4: columns of prey's observation that describe the prey itself."""
 
-    x: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
-    y: Annotated[float, _Said("m", lambda a: (0.0, a.side), "position in the world frame")]
+    x: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
+    y: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
     heading_cos: _Cosine
     heading_sin: _Sine
-    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.target_speeds, "forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.target_speeds, "forward velocity")]
     angular_velocity: Annotated[
-        float, _Said("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
+        float, _Spec("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
     ]
-    time_left: Annotated[float, _Said("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
-    times_caught: Annotated[float, _Said("catches", lambda a: (0.0, a.catches), "number of times it was caught so far")]
-    alive: Annotated[float, _Said("flag", _flag, "0 between a catch and its return")]
+    time_left: Annotated[float, _Spec("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
+    times_caught: Annotated[float, _Spec("catches", lambda a: (0.0, a.catches), "number of times it was caught so far")]
+    alive: Annotated[float, _Spec("flag", _flag, "0 between a catch and its return")]
 
 
 class BodyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each hunter and for each other prey, nearest first."""
 
-    forward: Annotated[float, _Said("m", lambda a: _either_side(a.diagonal), "distance ahead; negative is behind")]
+    forward: Annotated[float, _Spec("m", lambda a: _either_side(a.diagonal), "distance ahead; negative is behind")]
     left: Annotated[
-        float, _Said("m", lambda a: _either_side(a.diagonal), "distance to the left; negative is to the right")
+        float, _Spec("m", lambda a: _either_side(a.diagonal), "distance to the left; negative is to the right")
     ]
-    present: Annotated[float, _Said("flag", _flag, "1 if this rank has {body}")]
+    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has {body}")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Said("m/s", lambda a: a.speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.speeds, "its forward velocity")]
 
 
 def _both(name: str, first: Any, more: Any) -> Any:
@@ -268,7 +268,7 @@ def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
-def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
+def _cached(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
     """Cache the columns of each config, since a tournament makes an env for each match."""
     kept = lru_cache(maxsize=16)(make)
 
@@ -280,7 +280,7 @@ def _kept(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaC
     return checked
 
 
-@_kept
+@_cached
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     arena = _Arena.of(config)
@@ -291,7 +291,7 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
 
 
-@_kept
+@_cached
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: return the columns of prey's observation in order; () if there is no prey."""
     if not config.prey:
@@ -318,11 +318,11 @@ STATE_HUNTER_COLUMNS: Final = (
     "score",
     "withdrawn",
 )
-"""R7.3: columns of the global view for each hunter, by seat."""
+"""R7.3: columns of the global state for each hunter, by seat."""
 STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
-"""R7.3: columns of the global view for each of max_targets places of targets, in spawning order."""
+"""R7.3: columns of the global state for each of max_targets places of targets, in spawning order."""
 STATE_MOVING_TARGET_COLUMNS: Final = (*STATE_TARGET_COLUMNS, "heading_cos", "heading_sin", "linear_velocity")
-"""R7.3: columns of the global view for each place of a target if targets move."""
+"""R7.3: columns of the global state for each place of a target if targets move."""
 STATE_PREY_COLUMNS: Final = (
     "alive",
     "x",
@@ -334,12 +334,12 @@ STATE_PREY_COLUMNS: Final = (
     "times_caught",
     "withdrawn",
 )
-"""R7.3: columns of the global view for each prey, by index."""
+"""R7.3: columns of the global state for each prey, by index."""
 
 
-@_kept
+@_cached
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
-    """R7.3: return the columns of the global view, in the world frame."""
+    """R7.3: return the columns of the global state, in the world frame."""
     arena = _Arena.of(config)
     hunter, target, prey = (
         {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}

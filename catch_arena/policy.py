@@ -19,7 +19,7 @@ from catch_arena.layout import (
     rival_features,
     target_features,
 )
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 Side = Literal["hunter", "prey"]
 """R12.7: kind of player that an agent plays."""
@@ -325,7 +325,7 @@ def _first_columns(observation: Sequence[float], count: int, size: int) -> Seque
         pass
     raise ConfigError(
         f"observation must be a vector of {size} numbers, as env.step returns it for each agent, "
-        f"got {in_short(observation)}"
+        f"got {shortened(observation)}"
     )
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, FaultRates, Gains
 from catch_arena.errors import ConfigError, suggest
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 _STANDARD: Final = ArenaConfig()
 
@@ -99,7 +99,7 @@ def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     if "continuous_actions" in overrides:
         continuous = overrides.pop("continuous_actions")
         if not isinstance(continuous, bool):
-            raise ConfigError(f"continuous_actions must be True or False, got {in_short(continuous)}")
+            raise ConfigError(f"continuous_actions must be True or False, got {shortened(continuous)}")
         if "control" in overrides:
             raise ConfigError("control and continuous_actions must not both be given: they are one setting")
         overrides["control"] = "velocity" if continuous else "target"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.arbitration import rulings_of, target_asked_for
+from catch_arena.arbitration import requested_target, rulings_of
 from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
 from catch_arena.engine import Engine
@@ -19,7 +19,7 @@ from catch_arena.plain import as_python, real_number
 from catch_arena.replay import Recorder, Replay
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
@@ -210,15 +210,15 @@ class ArenaService:
         self,
         cmd_vel: Mapping[str, Twist] | None = None,
         requests: Sequence[tuple[str, CatchTurtleRequest]] = (),
-        goals: Mapping[str, str] | None = None,
+        active_targets: Mapping[str, str] | None = None,
     ) -> list[Ruling]:
         """R1.4: play one control period.
 
         Args:
             cmd_vel: Twists [m/s, rad/s] by hunter, limited by R2.5; a hunter without a Twist is at rest.
             requests: (hunter, request) in any order. After the end nothing moves, and every request is MATCH_OVER.
-            goals: names of the targets that hunters under target control drive to. A hunter without a goal holds, and
-                so does one whose goal is out of its sight (R7.5), or not in its observation.
+            active_targets: names of the targets that hunters under target control drive to, by hunter. A hunter without
+                one holds, and so does one whose target is out of its sight (R7.5), or not in its observation.
 
         Returns:
             one ruling for each request; `response` converts it to the service's answer. The rulings of other hunters
@@ -230,22 +230,26 @@ class ArenaService:
             EpisodeError: before the first reset.
         """
         before = self.world
-        for field, given, values in (("cmd_vel", cmd_vel, "Twists"), ("goals", goals, "names of targets")):
+        for field, given, values in (
+            ("cmd_vel", cmd_vel, "Twists"),
+            ("active_targets", active_targets, "names of targets"),
+        ):
             if not isinstance(given, Mapping | None):
-                raise ActionError(f"{field} must map hunters to {values}, got {in_short(given)}")
+                raise ActionError(f"{field} must map hunters to {values}, got {shortened(given)}")
         if not isinstance(requests, Collection):
-            raise ActionError(f"requests must be a sequence of (hunter, request), got {in_short(requests)}")
-        goals = goals or {}
+            raise ActionError(f"requests must be a sequence of (hunter, request), got {shortened(requests)}")
+        active_targets = active_targets or {}
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
-        seats = [self._asking_seat(hunter) for hunter, _ in requests]
+        seats = [self._requesting_seat(hunter) for hunter, _ in requests]
         names = [request.name for _, request in requests]
-        hosted = self._hosted_requests(before, goals) if requests else []  # without requests the engine makes them
+        # without requests the engine makes those of the hosted controllers
+        hosted = self._hosted_requests(before, active_targets) if requests else []
         table = np.zeros((len(seats) + len(hosted), REQUEST_COLUMNS), dtype=np.int64)
         table[:, REQUEST_SEAT] = seats + [seat for seat, _ in hosted]
         table[:, REQUEST_TARGET] = [
-            target_asked_for(name, slots, self._appeared) for name in (*names, *(name for _, name in hosted))
+            requested_target(name, slots, self._appeared) for name in (*names, *(name for _, name in hosted))
         ]
-        choices = self._choices(table[: len(seats)], names, goals)
+        choices = self._choices(table[: len(seats)], names, active_targets)
         commands = self._commands(cmd_vel or {})
         running = not self.over
         self._engine.step(choices, commands, requests=table)
@@ -255,7 +259,7 @@ class ArenaService:
         self._publish_changes(before)
         return rulings_of(table[: len(seats)], names, before.step)
 
-    def _hosted_requests(self, world: World, goals: Mapping[str, str]) -> list[tuple[int, str]]:
+    def _hosted_requests(self, world: World, active_targets: Mapping[str, str]) -> list[tuple[int, str]]:
         """R4.1, R4.4: return the hosted controllers' requests, as (seat, name)."""
         found = []
         for seat, (control, hunter) in enumerate(zip(self._config.controls, world.hunters, strict=True)):
@@ -266,16 +270,18 @@ class ArenaService:
                 if not within_reach(um, self._config.reaches_um[seat]):
                     continue
                 rank = self._engine.rank_of(0, seat, target.name)
-                if rank and (rank == 1 if control == "velocity" else goals.get(hunter.name) == target.name):
+                if rank and (rank == 1 if control == "velocity" else active_targets.get(hunter.name) == target.name):
                     found.append((seat, target.name))
         return found
 
-    def _choices(self, table: NDArray[np.int64], names: Sequence[str], goals: Mapping[str, str]) -> NDArray[np.int64]:
+    def _choices(
+        self, table: NDArray[np.int64], names: Sequence[str], active_targets: Mapping[str, str]
+    ) -> NDArray[np.int64]:
         """R4.1, R4.4: return the rank of each hunter's active target in this step, (1, H): the target that it drives
         to, or that it asks for first.
         """
         ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
-        for hunter, name in goals.items():
+        for hunter, name in active_targets.items():
             seat = self._seat(hunter)
             ranks[0, seat] = self._engine.rank_of(0, seat, name)
         for (seat, slot), name in zip(table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist(), names[::-1], strict=True):
@@ -326,7 +332,7 @@ class ArenaService:
         if self.is_recorded:
             raise EpisodeError(f"cannot {call} while the episode is recorded: a replay cannot repeat this call")
 
-    def _asking_seat(self, hunter: str) -> int:
+    def _requesting_seat(self, hunter: str) -> int:
         seat = self._seat(hunter)
         control = self._config.controls[seat]
         if control != "full":

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from math import inf
 
-from catch_arena.conformance.answers import DiffersError, RaisedError, time_limit
+from catch_arena.conformance.adjudicator_calls import DiffersError, RaisedError, time_limit
 from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner
 from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
 from catch_arena.conformance.case_files import load_cases
@@ -97,9 +97,11 @@ def _run_case(
             with time_limit(limit_s):
                 runner.run()
         except DiffersError as error:
-            failure = Failure(case, runner.how, error.differences)
+            failure = Failure(case, runner.variation, error.differences)
             break
         except TimeoutError as error:  # the limit can also pass between two calls
-            failure = Failure(case, runner.how, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),))
+            failure = Failure(
+                case, runner.variation, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),)
+            )
             break
     return Result(case, failure, time.perf_counter() - start, None if runners else needs(case))

@@ -13,7 +13,7 @@ LONGEST_NAME: Final = 100
 """Largest length of an entrant's name [characters]."""
 LONGEST_LINE: Final = 300
 """Largest length of a failure's description [characters]."""
-_LOOKED_AT: Final = 8 * LONGEST_LINE
+_MAX_READ: Final = 8 * LONGEST_LINE
 _FOLDERS: Final = re.compile(
     r"""(?<=['"])/(?:[^/'"]+/+)+|(?<![\w<.~/])~?/(?:[^\s/'"<>]+/+)+|\b[A-Za-z]:[\\/](?:[^\s\\/'"<>]+[\\/]+)*"""
 )
@@ -41,10 +41,10 @@ def printable_lines(text: str) -> str:
 
 def one_line(text: str) -> str:
     """Return the text's words in one line of at most LONGEST_LINE characters."""
-    return printable(" ".join(text[:_LOOKED_AT].split()))[:LONGEST_LINE]
+    return printable(" ".join(text[:_MAX_READ].split()))[:LONGEST_LINE]
 
 
-def in_short(value: object) -> str:
+def shortened(value: object) -> str:
     """Return the shortened `repr` of any value in one line; the name of its type in <> if `repr` fails."""
     try:
         return printable(" ".join(reprlib.repr(value).split()))
@@ -54,7 +54,7 @@ def in_short(value: object) -> str:
 
 def with_type(value: object) -> str:
     """Return a value's shortened `repr` with the name of its type, for errors about types: `'4' (str)`."""
-    return "None" if value is None else f"{in_short(value)} ({printable(type(value).__name__)})"
+    return "None" if value is None else f"{shortened(value)} ({printable(type(value).__name__)})"
 
 
 def name_fault(name: str) -> str | None:

@@ -1,4 +1,4 @@
-"""Threads that share the blocks of a batch; compiled code releases Python's global lock, so they run in parallel."""
+"""Threads that share the chunks of a batch; compiled code releases Python's global lock, so they run in parallel."""
 
 import itertools
 import os

@@ -495,7 +495,7 @@ def train() -> None:
     torch.manual_seed(settings.seed)
     learner = Learner(Arenas(settings), settings)
     prepare_folder(settings.out)
-    interrupts.also_say(lambda: f"after {learner.decisions:,} decisions; --resume continues")
+    interrupts.add_to_message(lambda: f"after {learner.decisions:,} decisions; --resume continues")
     if state is not None:
         learner.restore(state)
     else:
@@ -511,9 +511,9 @@ def train() -> None:
                 learner.evaluate()
             if learner.decisions >= settings.decisions:
                 break
-            interrupts.keep(learner.update)  # Ctrl-C does not break off an update
+            interrupts.run_uninterrupted(learner.update)  # Ctrl-C does not break off an update
     except KeyboardInterrupt:
-        interrupts.keep(learner.save)
+        interrupts.run_uninterrupted(learner.save)
         raise
     print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}", flush=True)
 

@@ -127,19 +127,19 @@ def play_by_name(seed: int) -> tuple[Replay, list[list[Ruling]]]:
     service.record(("a", "b", "c"))
     service.reset(seed)
     met: dict[str, None] = {}
-    answers = []
+    rulings = []
     while not service.over:
         met |= dict.fromkeys(target.name for target in service.world.targets)
         names = [*met, *ODD_NAMES]
-        asked = [
+        requests = [
             (source.choice(["hunter_0", "hunter_2"]), CatchTurtleRequest(source.choice(names)))
             for _ in range(source.choice([0, 0, 1, 2, 5]))
         ]
         if service.world.step == 200:
             service.withdraw("hunter_2")
         twists = {f"hunter_{seat}": Twist(source.uniform(0, 2), source.uniform(-4, 4)) for seat in range(3)}
-        answers.append(service.step(twists, asked))
-    return service.replay, answers
+        rulings.append(service.step(twists, requests))
+    return service.replay, rulings
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.outputs import reservations
-from catch_arena.cli.terminal import WIDE, own_console, own_streams, say
+from catch_arena.cli.terminal import WIDE, echo, own_console, own_streams
 from catch_arena.errors import CatchArenaError
 
 EXIT_NO: Final = 1
@@ -56,28 +56,28 @@ class _Commands(TyperGroup):
                 with reservations():
                     sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
             except CatchArenaError as error:
-                if not interrupts.received():  # an error after Ctrl-C is expected
-                    _say_error(str(error), error.hint)
+                if not interrupts.was_interrupted():  # an error after Ctrl-C is expected
+                    _print_error(str(error), error.hint)
             except _UsageError as error:
                 context: Any = getattr(error, "ctx", None)
                 if type(error).__name__ == "NoArgsIsHelpError":
-                    say(str(error))
+                    echo(str(error))
                 else:
                     text = " ".join(cast(Any, error).format_message().split())
-                    _say_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
+                    _print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
             except OSError as error:
                 with suppress(OSError):  # stderr may be full too
-                    _say_error(_in_words(error))
+                    _print_error(_describe(error))
             sys.exit(EXIT_ERROR)
 
 
-def _say_error(text: str, hint: str | None = None) -> None:
-    say(f"error: {text}", err=True)
+def _print_error(text: str, hint: str | None = None) -> None:
+    echo(f"error: {text}", err=True)
     if hint:
-        say(f"hint: {hint}", err=True)
+        echo(f"hint: {hint}", err=True)
 
 
-def _in_words(error: OSError) -> str:
+def _describe(error: OSError) -> str:
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if isinstance(error, FileNotFoundError):  # os.getcwd
@@ -151,7 +151,7 @@ def _show_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        say(f"catch-arena {version('catch-arena')}")
+        echo(f"catch-arena {version('catch-arena')}")
         raise typer.Exit
 
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 from typer.core import TyperCommand
 
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Backend
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
-from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, described, is_service, open_bus
+from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, describe_bus, is_service, open_bus
 
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
@@ -98,7 +98,7 @@ class Bus(Packages):
         Raises:
             BusError: if the bus cannot be reached.
         """
-        return open_bus(self.bus, node=node, domain=self.domain, url=self.url, log=lambda line: say(line, err=True))
+        return open_bus(self.bus, node=node, domain=self.domain, url=self.url, log=lambda line: echo(line, err=True))
 
     @contextmanager
     def joined(self, node: str) -> Iterator[JoinedBus]:
@@ -111,7 +111,7 @@ class Bus(Packages):
         types = self.types()
         bus = self.opened(node)
         try:
-            say(described(bus, self.domain, bus.interfaces(types)), err=True)
+            echo(describe_bus(bus, self.domain, bus.interfaces(types)), err=True)
             yield bus
         finally:
             bus.close()
@@ -155,7 +155,7 @@ class NodeUnderTestOptions:
         bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
         types = bus.types()
         with bus.joined("catch_arena") as joined:
-            yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: say(line, err=True))
+            yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: echo(line, err=True))
 
     def refuse(self) -> None:
         """Check that no option of a bus was given, because no bus is joined.

@@ -9,7 +9,7 @@ import typer
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import own_console, say
+from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 
 _LIMIT_S = 60.0
@@ -58,7 +58,7 @@ def conformance(
 
     if listing:
         for case in select_cases(only or ()):
-            say(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
+            echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
         return
     if arbiter is None and arena is None:
         raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
@@ -70,11 +70,11 @@ def conformance(
         if arena is not None:
             raise ConfigError("--arena must be left out with a service, which answers yes or no")
         with service.node(arbiter) as node:
-            node.meet()
+            node.wait_for_node()
             report = run_on_node(node, select_cases(only or ()))
     else:
         service.refuse()
-        tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _made(arena)
+        tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _make(arena)
         with progress_bar("cases", late=True) as show:
             report = run_conformance(
                 tried,
@@ -85,13 +85,13 @@ def conformance(
                 progress=show,
             )
     width = min(WIDTH, own_console().width)
-    say(report.in_full(width) if everything else report.by_mistake(width))
+    echo(report.in_full(width) if everything else report.by_mistake(width))
     if report.failures and not everything:
         first = report.diagnoses[0].failures[0].case.id
-        say(wrapped(f"--all shows every failure in full, --only {first} plays one case.", width))
+        echo(wrapped(f"--all shows every failure in full, --only {first} plays one case.", width))
     if junit is not None:
         write_whole(junit, report.junit().encode())
-        say(f"JUnit XML: {junit}")
+        echo(f"JUnit XML: {junit}")
     if not report.passed:
         raise typer.Exit(EXIT_NO)
 
@@ -107,7 +107,7 @@ def _function(spec: str) -> Any:
     return found
 
 
-def _made(spec: str) -> Any:
+def _make(spec: str) -> Any:
     """Return the arena that a class or a function without arguments makes."""
     make = _callable(spec)
     try:

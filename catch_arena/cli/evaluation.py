@@ -16,11 +16,11 @@ from catch_arena.cli.options import (
     Trust,
     enter_agents,
     jobs_or_all,
-    say_seed,
-    say_who_needs_prey,
+    print_missing_prey,
+    print_seed,
     secret_of,
 )
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def compare(
         )
     test = Sprt(*(shares or (share_of_elo(elo0), share_of_elo(elo1))))
     entrants = enter_agents([*agents, *(against or ())], quotas)
-    say_who_needs_prey(entrants, config)
+    print_missing_prey(entrants, config)
     first, second, *field = (entrant.name for entrant in entrants)
     low, high = test.bounds
     with progress_bar("playing") as show:
@@ -96,12 +96,12 @@ def compare(
             progress=show_test,
         )
     for name, codes in found.forfeits.items():
-        say(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
+        echo(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
     order = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
     field_text = f"{order} against {', '.join(field)}" if field else "against each other"
-    say(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
-    say(f"share of {first}: {_in_words(found.share)}")
-    say(
+    echo(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
+    echo(f"share of {first}: {_describe(found.share)}")
+    echo(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
         f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
     )
@@ -110,12 +110,12 @@ def compare(
         "H0": f"{first} is not stronger than {second} (H0)",
         None: f"undecided after {found.blocks} blocks",
     }
-    say_seed(secret)
-    say(f"verdict: {verdicts[found.decision]}")
+    print_seed(secret)
+    echo(f"verdict: {verdicts[found.decision]}")
     raise typer.Exit(_EXIT_CODES[found.decision])
 
 
-def _in_words(share: "Estimate") -> str:
+def _describe(share: "Estimate") -> str:
     """Return a share in per cent and in points, each with its interval if there is one."""
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
     from catch_arena.tournament.statistics.sprt import elo_of_share

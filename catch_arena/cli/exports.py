@@ -7,7 +7,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 
 Format = Literal["jsonl", "csv", "parquet"]
@@ -45,4 +45,4 @@ def export(
             )
         output_file(output, *(f".{one}" for one in get_args(Format)), ".json", force=force)
         write(store, form or named or "jsonl", output, timing=timing)
-        say(f"{store.count_played()} of {store.count_planned()} matches: {output}")
+        echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")

@@ -7,9 +7,9 @@ import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.options import MAX_FORFEITS, Agent, SettingOption, Trust, arena, say_level
+from catch_arena.cli.options import MAX_FORFEITS, Agent, SettingOption, Trust, arena, print_level
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 
@@ -45,12 +45,12 @@ def check_agent(
     with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
-                say_level(quotas, [resolve_spec(agent)])
+                print_level(quotas, [resolve_spec(agent)])
             errors += finding.level == "error"
-            say(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
+            echo(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if errors:
         raise typer.Exit(EXIT_NO)
-    say(f"{agent} is fit to play")
+    echo(f"{agent} is fit to play")
 
 
 @main.command()
@@ -92,7 +92,7 @@ def grade(
         with service.node(agent) as node:
             for test_grade in grade_node(exercise, node):
                 grades.append(test_grade)
-                say(str(test_grade))
+                echo(str(test_grade))
     else:
         service.refuse()
         for test in exercise.tests:
@@ -102,7 +102,7 @@ def grade(
                 )
         name, digest = _grade_agent(exercise, agent, trust.quotas(), spec, grades)
     points, possible = sum(grade.points for grade in grades), sum(grade.possible for grade in grades)
-    say(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
+    echo(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
     if junit is not None:
         write_whole(junit, junit_text(exercise, name, grades).encode())
     if json is not None:
@@ -129,7 +129,7 @@ def _grade_agent(
     with sandbox_for(quotas) as sandbox:
         inspect = inspector(sandbox)
         (student,) = enter([agent], inspect)
-        say_level(quotas, [student.spec])
+        print_level(quotas, [student.spec])
         for test in exercise.tests:
             opponents = enter(test.opponents, inspect)
             for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
@@ -137,5 +137,5 @@ def _grade_agent(
                     raise ConfigError(f"{spec}: {test.name}: opponent {opponent_spec} cannot play: {opponent.fault}")
             with progress_bar(test.name, test.matches) as show:
                 grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
-            say(str(grades[-1]))
+            echo(str(grades[-1]))
     return student.name, student.digest

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.terminal import own_console, plain_table, say
+from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
@@ -59,7 +59,7 @@ def docs(
     name = page.lower().rpartition("/")[2].removesuffix(".md")
     if name not in pages:
         raise ConfigError(f"unknown page {page!r}: {suggest(name, pages)}")
-    say(pages[name].rstrip("\n"))
+    echo(pages[name].rstrip("\n"))
 
 
 def _other_settings(config: ArenaConfig) -> Iterator[str]:

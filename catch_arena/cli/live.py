@@ -10,7 +10,7 @@ from catch_arena.cli.app import main
 from catch_arena.cli.matches import print_logs, print_result
 from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 
@@ -103,7 +103,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
     print_logs(shown.names, shown.result.logs)
     print_result(Parties.of(config), shown.result, shown.names)
     if record is not None:
-        say(f"replay: {save(shown.replay)}")
+        echo(f"replay: {save(shown.replay)}")
 
 
 def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:

@@ -21,12 +21,12 @@ from catch_arena.cli.options import (
     Trust,
     enter_agents,
     jobs_or_all,
-    say_seed,
-    say_who_needs_prey,
+    print_missing_prey,
+    print_seed,
     secret_of,
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
-from catch_arena.cli.terminal import own_console, say, shown
+from catch_arena.cli.terminal import echo, own_console, shown
 from catch_arena.errors import ConfigError, OutputError
 
 if TYPE_CHECKING:  # heavy
@@ -108,7 +108,7 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.progress import keeping
+    from catch_arena.cli.progress import noting_kept_results
     from catch_arena.files import prepare_folder
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS
@@ -138,7 +138,7 @@ def tournament(
     new = not (out / STORE).exists()
     if new:
         _require_free_folder(out, parties, recorded=record, force=force)
-        _say_plan(plan, worker, jobs, max_forfeits)
+        _print_plan(plan, worker, jobs, max_forfeits)
     prepare_folder(out / REPLAYS if record else out)
 
     def kept() -> str:
@@ -147,22 +147,22 @@ def tournament(
         return shown(f"{played} of {size} matches are kept in {out}; the same command with --resume goes on")
 
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
-        say(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
-        say_who_needs_prey(entrants, config)
-        with keeping(kept):
+        echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
+        print_missing_prey(entrants, config)
+        with noting_kept_results(kept):
             with _executor(worker, jobs, executor, address) as ready:
                 _play_tournament(store, plan, ready, max_forfeits, out)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
-        _say_standings(tables, entrants)
+        _print_standings(tables, entrants)
         if not isinstance(plan, FixedPlan) and plan.last is not None:
-            say(f"after {played} matches, {plan.last}")
+            echo(f"after {played} matches, {plan.last}")
         if (out / LOGS).exists():
-            say(f"what agents printed, and how they failed: {out / LOGS}")
-        say_seed(secret)
-        say(f"results: {out}")
-        say(f"report: {write_report(out)}")
+            echo(f"what agents printed, and how they failed: {out / LOGS}")
+        print_seed(secret)
+        echo(f"results: {out}")
+        echo(f"report: {write_report(out)}")
 
 
 def _plan(
@@ -191,7 +191,7 @@ def _plan(
     )
 
 
-def _say_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
+def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
     """Print the plan, and its cost after some matches that are not kept."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table
@@ -257,7 +257,7 @@ def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force
     require_folder(out)
 
 
-def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
+def _print_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
     """Print the standings, and the number of matches from which each excluded entrant was left out."""
     from catch_arena.cli.tables import standings_tables
 
@@ -267,7 +267,7 @@ def _say_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entran
         lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
         if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
             matches = sum(one.matches for one in lines)
-            say(f"{entrant.name} was excluded: {without} of its {matches} matches were played without it")
+            echo(f"{entrant.name} was excluded: {without} of its {matches} matches were played without it")
 
 
 @contextmanager
@@ -276,9 +276,9 @@ def _watched(folder: Path) -> Iterator[None]:
     from catch_arena.report.watch import LiveReport, serve
 
     with serve(LiveReport(folder)) as address:
-        say(f"watch: {address}")
+        echo(f"watch: {address}")
         yield
-        interrupts.wait(lambda: say(f"the report is served at {address} until Ctrl-C"))
+        interrupts.wait(lambda: echo(f"the report is served at {address} until Ctrl-C"))
 
 
 @main.command()
@@ -333,15 +333,15 @@ def match(
     names = [entrant.name for entrant in in_parties(config, entrants)]
     print_logs(names, result.logs)
     print_result(parties, result, names)
-    say(f"seed: {drawn}")
-    say(f"replay: {target}")
+    echo(f"seed: {drawn}")
+    echo(f"replay: {target}")
 
 
 def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
     """Print on stderr the output of the agents of one match, in the order of `names`."""
     for name, log in zip(names, logs, strict=True):
         if log:
-            say(f"{name} printed:\n{log}", err=True)
+            echo(f"{name} printed:\n{log}", err=True)
 
 
 def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
@@ -359,7 +359,7 @@ def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]
     for side in parties.sides:
         cut = parties.on(side)
         if side == "prey":
-            say("prey, by number of times caught:")
+            echo("prey, by number of times caught:")
         print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.forfeits[cut])
 
 
@@ -369,4 +369,4 @@ def print_ranking(
     """Print the ranks and scores of one match, and the forfeits."""
     lines = zip(ranks, scores, names, forfeits, strict=True)
     for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
-        say(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))
+        echo(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))

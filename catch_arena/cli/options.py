@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of
@@ -112,14 +112,14 @@ class Trust:
         Raises:
             ConfigError: for an unknown limit, a level that this machine does not have, or --limit with --trusted.
         """
-        from catch_arena.tournament.isolation.namespaces import level_here
+        from catch_arena.tournament.isolation.namespaces import available_level
 
         if self.trusted:
             if self.limit:
                 raise ConfigError(f"--limit must be left out with --trusted, which sets no limits, got {self.limit[0]}")
             return None
         quotas = Quotas.of(**dict(_pairs("--limit", self.limit)))
-        level_here(quotas.isolation)
+        available_level(quotas.isolation)
         return quotas
 
 
@@ -165,19 +165,19 @@ def secret_of(seed: str | None) -> Secret:
     return Secret.of(None) if seed is None else Secret.parse(seed)
 
 
-def say_seed(secret: Secret) -> None:
+def print_seed(secret: Secret) -> None:
     """Print the seed, with which others can repeat all random draws."""
     warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
-    say(f"seed: {secret.digits}{warning}")
+    echo(f"seed: {secret.digits}{warning}")
 
 
-def say_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
+def print_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
     """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
     from catch_arena.tournament.agent_spec import is_shipped
-    from catch_arena.tournament.isolation.namespaces import level_here, level_line
+    from catch_arena.tournament.isolation.namespaces import available_level, level_line
 
     if quotas is not None and not all(map(is_shipped, specs)):
-        say(level_line(level_here(quotas.isolation)), err=True)
+        echo(level_line(available_level(quotas.isolation)), err=True)
 
 
 def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant, ...]":
@@ -205,19 +205,19 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant,
             return inspect(spec)
 
         entrants = enter(specs, inspect_next)
-    say_level(quotas, [entrant.spec for entrant in entrants])
+    print_level(quotas, [entrant.spec for entrant in entrants])
     for entrant in entrants:
         if entrant.fault is not None:
-            say(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
+            echo(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
     return entrants
 
 
-def say_who_needs_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> None:
+def print_missing_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> None:
     """Print the entrants without their own prey in an arena with prey, and the agent that plays prey for them."""
     from catch_arena.tournament.entrants import SHIPPED_PREY
 
     if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
-        say(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
+        echo(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
 
 
 def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:

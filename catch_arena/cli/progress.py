@@ -28,23 +28,23 @@ def progress_bar(description: str, total: int | None = None, *, late: bool = Fal
         late: True to show no bar on a terminal for work of less than two seconds.
     """
     console = own_console(err=True)
-    began = said = time.monotonic()
+    began_s = last_line_s = time.monotonic()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     # with redirection, Rich would print stdout's text on stderr even if stdout is a file or a pipe
     bar = Progress(*columns, console=console, transient=True, redirect_stdout=own_console().is_terminal)
     task = bar.add_task(description, total=total)
 
     def show(done: int, total: int, doing: str = description) -> None:
-        nonlocal said
+        nonlocal last_line_s
         now = time.monotonic()
         if console.is_terminal:
             bar.update(task, completed=done, total=total, description=doing)
-            if now - began >= _LATE_S:
+            if now - began_s >= _LATE_S:
                 bar.start()
-        elif now - said >= _LINE_EVERY_S:
-            said = now
-            left = (now - began) * (total - done) / max(done, 1)
-            line = f"{doing}: {done} of {total}, {now - began:.0f} s, about {left:.0f} s left"
+        elif now - last_line_s >= _LINE_EVERY_S:
+            last_line_s = now
+            left = (now - began_s) * (total - done) / max(done, 1)
+            line = f"{doing}: {done} of {total}, {now - began_s:.0f} s, about {left:.0f} s left"
             console.print(line, soft_wrap=True)
 
     try:
@@ -57,9 +57,9 @@ def progress_bar(description: str, total: int | None = None, *, late: bool = Fal
 
 
 @contextmanager
-def keeping(kept: Callable[[], str]) -> Iterator[None]:
+def noting_kept_results(kept: Callable[[], str]) -> Iterator[None]:
     """Append the text of `kept`, which says what is kept, to the line about an interrupt or an error."""
-    interrupts.also_say(kept)
+    interrupts.add_to_message(kept)
     try:
         yield
     except (MatchFailedError, OutputError, StoreError) as error:

@@ -8,7 +8,7 @@ import typer
 
 from catch_arena.cli.app import EXIT_ERROR, EXIT_NO, main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.terminal import WIDE, own_console, say
+from catch_arena.cli.terminal import WIDE, echo, own_console
 from catch_arena.errors import ConfigError, ReplayError
 
 
@@ -28,19 +28,19 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
             replay = Replay.load(path)
         except ReplayError as error:
             codes.append(EXIT_ERROR)
-            say(f"error: {error}", err=True)
+            echo(f"error: {error}", err=True)
             continue
         with progress_bar("verifying", late=True) as show:
             faults = verification.verify(replay, show)
         for fault in faults:
-            say(f"{path}: {fault}", err=True)
+            echo(f"{path}: {fault}", err=True)
         if faults:
             codes.append(EXIT_NO)
         else:
-            say(f"{path}: all {replay.steps} steps play as recorded")
+            echo(f"{path}: all {replay.steps} steps play as recorded")
     if codes:
         if len(replays) > 1:
-            say(f"{len(codes)} of {len(replays)} replays failed", err=True)
+            echo(f"{len(codes)} of {len(replays)} replays failed", err=True)
         raise typer.Exit(max(codes))
 
 
@@ -56,10 +56,10 @@ def diff(replays: Annotated[tuple[Path, Path], typer.Argument(metavar="A B", hel
     a, b = replays
     lines = replay_differences(Replay.load(a), Replay.load(b))
     if not lines:
-        say("the replays are equal")
+        echo("the replays are equal")
         return
     for line in (f"A: {a}", f"B: {b}", *lines):
-        say(line)
+        echo(line)
     raise typer.Exit(EXIT_NO)
 
 
@@ -104,4 +104,4 @@ def explain(
         result = explanation.explain_step(recorded, step, hunter)
     width = min(WIDE, own_console().width)
     for paragraph in result.lines():
-        say(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))
+        echo(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

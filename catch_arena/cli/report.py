@@ -8,7 +8,7 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 
 _MOST_MB = 1000
@@ -47,11 +47,11 @@ def report(
         live = LiveReport(folder)
         live.state()  # raises errors here, before a browser opens the page
         with serve(live) as address:
-            interrupts.wait(lambda: say(f"report: {address} (Ctrl-C ends)"))
+            interrupts.wait(lambda: echo(f"report: {address} (Ctrl-C ends)"))
         return
     from catch_arena.report import BUDGET, write_report
 
     if output is not None:
         output_file(output, ".html", force=force)
     size = BUDGET if budget is None else round(1e6 * budget)
-    say(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")
+    echo(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")

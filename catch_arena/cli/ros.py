@@ -12,12 +12,12 @@ from catch_arena.cli.app import EXIT_NO, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.ros.middleware.opening import is_service
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.text import in_short, name_fault
+from catch_arena.text import name_fault, shortened
 
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
@@ -102,7 +102,7 @@ def serve(
     if record is not None:
         output_file(record, *REPLAY, force=force)
     if scenario is None:
-        say(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
+        echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
     types = bus.types()
     entrants = dict(zip(specs, enter_agents(list(specs.values()), quotas), strict=True)) if specs else {}
     names = [
@@ -122,15 +122,15 @@ def serve(
         wait=True,
         record=record,
         title=scenario or EXERCISE,
-        log=say,
+        log=echo,
     )
     _print_ranking(served, config)
     for line in served.remarks:
-        say(line)
+        echo(line)
     rate = served.rate
-    say(f"{rate.late} of {rate.ticks} ticks were late by more than 5 ms, the worst by {rate.latest_s * 1e3:.0f} ms")
+    echo(f"{rate.late} of {rate.ticks} ticks were late by more than 5 ms, the worst by {rate.latest_s * 1e3:.0f} ms")
     if record is not None:
-        say(f"replay: {record}")
+        echo(f"replay: {record}")
 
 
 @ros.command(cls=NodeCommand)
@@ -178,7 +178,7 @@ def controller(
         bus.joined("turtle_controller") as joined,
     ):
         types = joined.interfaces(types)
-        node = Controller(joined, players, config, turtle, types, service=service, log=say)
+        node = Controller(joined, players, config, turtle, types, service=service, log=echo)
         rate = Rate(PERIOD_S)
 
         def drive() -> None:
@@ -188,7 +188,7 @@ def controller(
                 node.tick()
 
         try:
-            interrupts.linger(drive)
+            interrupts.run_until_signal(drive)
         finally:
             node.stop()
 
@@ -228,12 +228,12 @@ def spawner(
     )
     types = bus.types()
     with bus.joined("turtle_spawner") as joined:
-        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(None), log=say)
+        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(None), log=echo)
         rate = Rate(DT)
 
         def judge() -> None:
             if not node.ready:
-                say("waiting for turtlesim: /spawn and /kill")
+                echo("waiting for turtlesim: /spawn and /kill")
             while not node.ready:
                 rate.sleep()
                 joined.spin()
@@ -243,7 +243,7 @@ def spawner(
                 joined.spin()
                 node.tick()
 
-        interrupts.linger(judge)
+        interrupts.run_until_signal(judge)
 
 
 @ros.command()
@@ -260,10 +260,10 @@ def doctor(*, bus: Bus) -> None:
     finally:
         joined.close()
     for line in (*facts, *(f"problem: {one}" for one in problems)):
-        say(line)
+        echo(line)
     if problems:
         raise typer.Exit(EXIT_NO)
-    say("no problem found")
+    echo("no problem found")
 
 
 def checked_turtle(setting: str, name: str) -> str:
@@ -273,7 +273,7 @@ def checked_turtle(setting: str, name: str) -> str:
         ConfigError: for an invalid name.
     """
     if not _TURTLE.fullmatch(name):
-        raise ConfigError(f"{setting} must be letters, digits and underscores, such as turtle1, got {in_short(name)}")
+        raise ConfigError(f"{setting} must be letters, digits and underscores, such as turtle1, got {shortened(name)}")
     return name
 
 

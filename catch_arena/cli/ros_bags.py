@@ -11,7 +11,7 @@ from catch_arena.cli.bus import Packages
 from catch_arena.cli.options import Recorded
 from catch_arena.cli.outputs import VIDEO, Force, output_file
 from catch_arena.cli.ros import ros
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.cli.videos import Film, print_report
 from catch_arena.errors import BusError, ConfigError, install_hint
 
@@ -47,7 +47,7 @@ def bag(
         raise ConfigError(f"{folder}: --output must be a folder, without the ending {folder.suffix}")
     with progress_bar("writing", late=True) as show:
         messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
-    say(f"bag: {folder} ({messages} messages)")
+    echo(f"bag: {folder} ({messages} messages)")
 
 
 @ros.command(name="import")
@@ -83,10 +83,10 @@ def import_(
         contents = read_bag(bag, show)
     judged = judge_bag(contents, reach)
     for one in judged:
-        say(str(one))
-    say(summary(judged))
+        echo(str(one))
+    echo(summary(judged))
     if contents.left_out:
-        say(f"left out: {contents.left_out} messages that are damaged or have impossible values", err=True)
+        echo(f"left out: {contents.left_out} messages that are damaged or have impossible values", err=True)
     if listing:
         return
     from catch_arena.ros.bags.video import render_bag

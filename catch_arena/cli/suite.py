@@ -9,7 +9,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
 from catch_arena.cli.outputs import Force, output_file
-from catch_arena.cli.terminal import own_console, plain_table, say, shown
+from catch_arena.cli.terminal import echo, own_console, plain_table, shown
 
 if TYPE_CHECKING:
     from catch_arena.suite.measures import AgentMeasures
@@ -53,7 +53,7 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
-    from catch_arena.cli.progress import keeping, progress_bar
+    from catch_arena.cli.progress import noting_kept_results, progress_bar
     from catch_arena.cli.tables import duration
     from catch_arena.files import prepare_folder, write_whole
     from catch_arena.suite.contents import QUICK_BLOCKS, SUITE
@@ -91,25 +91,25 @@ def suite(
     with sandbox_for(quotas) as sandbox:
         for evaluation in evaluations:
             for scenario, fault in evaluation.cannot_play(sandbox):
-                say(f"{evaluation.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
+                echo(f"{evaluation.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
     total = sum(evaluation.matches for evaluation in evaluations)
     seconds = sum(evaluation.estimate_s() for evaluation in evaluations)
     processes = f"{workers} processes" if workers > 1 else "one process"
-    say(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
+    echo(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
-        say(
+        echo(
             f"--quick: a first look, NOT the protocol, which has {SUITE.blocks} blocks; "
             f"intervals (? below) need {FEWEST_BLOCKS} blocks"
         )
     takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of them played already"
-    say(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
+    echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
 
     done = 0
 
     def kept() -> str:
         return shown(f"{done} of {total} matches are kept in {out}; the same command with --resume goes on")
 
-    with keeping(kept), progress_bar("playing", total) as show:
+    with noting_kept_results(kept), progress_bar("playing", total) as show:
 
         def on_results(played: Sequence[object]) -> None:
             nonlocal done
@@ -125,13 +125,13 @@ def suite(
     if runs:
         _show_runs(measured)
     if not known:
-        say(f"there are no reference scores for {SUITE.name} {SUITE.digest}; `make card` plays the references")
+        echo(f"there are no reference scores for {SUITE.name} {SUITE.digest}; `make card` plays the references")
     if quick:
-        say("NOT the protocol: leave out --quick for figures that others can compare with")
+        echo("NOT the protocol: leave out --quick for figures that others can compare with")
     if json is not None:
         write_whole(json, _json_text(measured, known, runs=runs).encode())
-        say(f"figures: {json}")
-    say(f"matches: {out}")
+        echo(f"figures: {json}")
+    echo(f"matches: {out}")
 
 
 def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
@@ -158,17 +158,17 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                     str(sum(scenario.forfeits.values())),
                 )
         own_console().print(shown)
-    say(_KEY)
-    say(f"interquartile mean, training: {_figure(measures.training)}")
-    say(f"interquartile mean, held out: {_figure(measures.held_out)}")
-    say(f"gap, training minus held out: {_figure(measures.gap)}")
-    say(f"time: {measures.move_ms:.2f} ms per move")
+    echo(_KEY)
+    echo(f"interquartile mean, training: {_figure(measures.training)}")
+    echo(f"interquartile mean, held out: {_figure(measures.held_out)}")
+    echo(f"gap, training minus held out: {_figure(measures.gap)}")
+    echo(f"time: {measures.move_ms:.2f} ms per move")
     for name, scores in known.items():
         parts = (("training", False), ("held out", True))
         figures = ", ".join(
             f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in parts
         )
-        say(f"probability of improvement over {name}: {figures}")
+        echo(f"probability of improvement over {name}: {figures}")
 
 
 def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
@@ -176,11 +176,11 @@ def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
     from catch_arena.suite.measures import over_training_runs
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
 
-    say(f"training method, over {len(measured)} runs:")
+    echo(f"training method, over {len(measured)} runs:")
     for part, held_out in (("training", False), ("held out", True)):
-        say(f"interquartile mean, {part}: {_figure(over_training_runs(measured, held_out=held_out))}")
+        echo(f"interquartile mean, {part}: {_figure(over_training_runs(measured, held_out=held_out))}")
     if len(measured) < FEWEST_RUNS:
-        say(f"an interval needs {FEWEST_RUNS} training runs")
+        echo(f"an interval needs {FEWEST_RUNS} training runs")
 
 
 def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]", *, runs: bool) -> str:

@@ -25,7 +25,7 @@ _FOLDER: Final[list[str]] = []
 """Folder that this command was started in; empty if it does not exist."""
 
 
-def say(text: str, *, err: bool = False) -> None:
+def echo(text: str, *, err: bool = False) -> None:
     """Print lines, on stderr if `err`. Control characters, which a stranger's text may hold, are printed as escapes."""
     typer.echo(printable_lines(shown(text)), file=_stream(err=err), err=err)  # noqa: TID251 - here
 

@@ -11,7 +11,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
 from catch_arena.cli.outputs import VIDEO, Force, output_file
-from catch_arena.cli.terminal import say
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.text import printable
 from catch_arena.tournament.store import STORE
@@ -176,7 +176,7 @@ def mosaic(
     found = {path.stem: replay for path, replay in matches.items()}
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
-    say(f"matches: {len(found)} of {there}{_fewer(len(found), count, 'the folder has no more')}")
+    echo(f"matches: {len(found)} of {there}{_fewer(len(found), count, 'the folder has no more')}")
     print_report(report)
 
 
@@ -223,9 +223,9 @@ def highlights(
         )
     for path, highlight in selected:
         when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
-        say(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
+        echo(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
     if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
-        say(f"moments: {len(selected)}{fewer}", err=True)
+        echo(f"moments: {len(selected)}{fewer}", err=True)
     if listing:
         return
     target = output or output_file(None, force=force, usual="highlights.mp4")
@@ -236,7 +236,7 @@ def highlights(
 
 def print_report(report: "RenderReport") -> None:
     """Print the path, the number of frames and the length of a video."""
-    say(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
+    echo(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 
 def _width_and_height(text: str | None) -> tuple[int, int] | None:
@@ -277,7 +277,7 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | Non
                 found[path] = read(Replay.load(path))
             except ReplayError as error:
                 named = "" if str(error).startswith(str(path)) else f"{path}: "
-                say(f"left out: {named}{error}", err=True)
+                echo(f"left out: {named}{error}", err=True)
             if len(found) == limit:
                 break
             show(done, len(paths))

@@ -8,10 +8,10 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from catch_arena.conformance.answers import Difference, DiffersError
+from catch_arena.conformance.adjudicator_calls import Difference, DiffersError
 from catch_arena.conformance.cases import LOT, ArbiterCase, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Strictness, ask_for_rulings, compare
-from catch_arena.text import in_short
+from catch_arena.conformance.comparison import Strictness, compare, request_rulings
+from catch_arena.text import shortened
 from catch_arena.verdicts import Verdict
 
 Arbiter = Callable[..., object]
@@ -34,7 +34,7 @@ class ArbiterRunner:
         self._arbiter = arbiter
         self._case = case
         self._strictness = strictness
-        self.how = ""
+        self.variation = ""
         """Description of the variant that is being played; "" for the unchanged case."""
 
     def run(self) -> None:
@@ -45,18 +45,18 @@ class ArbiterRunner:
         """
         case = self._case
         decided = _with_lots_decided(case, self._judge("", case))
-        for variants in (_reordered(decided), _without_a_loser(decided), _renumbered(case)):
-            for how, variant in variants:
-                self._judge(how, variant)
+        for variants in (_reordered(decided), _without_loser(decided), _renumbered(case)):
+            for variation, variant in variants:
+                self._judge(variation, variant)
         if case.fair_over_steps:
             self._require_fair_lots(case)
         if case.under_nearest:
             self._judge("under the policy nearest", _under_nearest(case))
 
-    def _judge(self, how: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
-        self.how = how
+    def _judge(self, variation: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
+        self.variation = variation
         arguments = copy.deepcopy(case.arguments())  # the code under test may change its arguments
-        given = ask_for_rulings(lambda: self._arbiter(**arguments), case.expected)
+        given = request_rulings(lambda: self._arbiter(**arguments), case.expected)
         return compare(
             given,
             case.expected,
@@ -71,13 +71,13 @@ class ArbiterRunner:
         for variant in _in_other_steps(case):
             decided = self._judge(steps, variant)
             won |= {(ruling.target, ruling.winner) for ruling in decided}
-            for how, fewer in _without_a_loser(_with_lots_decided(variant, decided)):
-                self._judge(f"{how}, in one of many steps", fewer)
+            for variation, fewer in _without_loser(_with_lots_decided(variant, decided)):
+                self._judge(f"{variation}, in one of many steps", fewer)
         for lot in case.lots:
             if never := [seat for seat in lot.seats if (lot.target, seat) not in won]:
                 raise DiffersError(
                     Difference(
-                        f"target {in_short(lot.target)}",
+                        f"target {shortened(lot.target)}",
                         f"each of the hunters {', '.join(map(str, lot.seats))} wins in some of the steps",
                         f"never won by {' or '.join(f'hunter {seat}' for seat in never)}",
                         kind="success",
@@ -133,7 +133,7 @@ def _in_seats(reach_m: float | Sequence[float], order: Sequence[int]) -> float |
     return reach_m if isinstance(reach_m, int | float) else tuple(reach_m[old] for old in order)
 
 
-def _without_a_loser(case: ArbiterCase) -> Variants:
+def _without_loser(case: ArbiterCase) -> Variants:
     """R5.5: yield variants without the requests of one hunter that won nothing; the lots of the case are decided.
 
     No other ruling changes, with one exception: a refused kill without a rival is no longer a contest (R5.6).
@@ -184,11 +184,11 @@ def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
 def _orders(seats: tuple[int, ...], name: str) -> list[tuple[int, ...]]:
     """Return orders of the requests, by their places, in which the requests of one seat keep their order."""
     given = tuple(range(len(seats)))
-    found = dict.fromkeys(_in_turn(seats, order) for order in _permutations(len(seats), name))
+    found = dict.fromkeys(_permuted(seats, order) for order in _permutations(len(seats), name))
     return [order for order in found if order != given]
 
 
-def _in_turn(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
+def _permuted(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
     """Return the order with the places of each seat sorted."""
     waiting = {seat: iter([place for place, owner in enumerate(seats) if owner == seat]) for seat in set(seats)}
     return tuple(next(waiting[seats[place]]) for place in order)

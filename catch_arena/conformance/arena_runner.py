@@ -8,10 +8,10 @@ from typing import Any, Protocol
 from msgspec.structs import replace
 
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.answers import Difference, DiffersError, call_adjudicator
+from catch_arena.conformance.adjudicator_calls import Difference, DiffersError, call_adjudicator
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, CaseStep, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Strictness, ask_for_rulings, compare
-from catch_arena.text import in_short
+from catch_arena.conformance.comparison import Strictness, compare, request_rulings
+from catch_arena.text import shortened
 from catch_arena.verdicts import Verdict
 
 
@@ -94,7 +94,7 @@ class ArenaRunner:
         self._case = case
         # the arena chooses its own seed, so a case cannot know which seat a lot draws
         self._strictness = replace_field(strictness, exact_lots=False)
-        self.how = ""
+        self.variation = ""
         """Description of the part of the case that is being played."""
 
     def run(self) -> None:
@@ -104,13 +104,13 @@ class ArenaRunner:
             DiffersError: at the first part of the play that differs from the case.
         """
         case = self._case
-        self.how = "in an arena"
+        self.variation = "in an arena"
         if isinstance(case, ArbiterCase):
             self._play_position(case)
             return
         call_adjudicator("reset", self._arena.reset, case.settings)
         for count, step in enumerate(case.play, start=1):
-            self.how = f"in an arena, part {count} of {len(case.play)}"
+            self.variation = f"in an arena, part {count} of {len(case.play)}"
             self._play_step(case, step)
 
     def _play_position(self, case: ArbiterCase) -> None:
@@ -165,7 +165,7 @@ class ArenaRunner:
         refused: Sequence[int] = (),
     ) -> tuple[ExpectedRuling, ...]:
         requests = [(ruling.hunter, operator.index(ruling.target)) for ruling in expected]
-        given = ask_for_rulings(lambda: self._arena.step(requests, *driven), expected)
+        given = request_rulings(lambda: self._arena.step(requests, *driven), expected)
         return compare(given, expected, lots=lots, refused=refused, strictness=self._strictness)
 
     def _require_readings(self, expected: Mapping[str, Any]) -> None:
@@ -176,6 +176,6 @@ class ArenaRunner:
             if isinstance(got, Iterable) and not isinstance(got, str):
                 got = list(got)
             if got != value:
-                differences.append(Difference(name, repr(value), in_short(got)))
+                differences.append(Difference(name, repr(value), shortened(got)))
         if differences:
             raise DiffersError(*differences)

@@ -6,16 +6,16 @@ from typing import Final, NamedTuple
 
 from msgspec.structs import replace
 
-from catch_arena.conformance.answers import (
+from catch_arena.conformance.adjudicator_calls import (
     Difference,
     DiffersError,
     WrongTarget,
     call_adjudicator,
+    describe_request,
     read_rulings,
-    request_in_words,
 )
 from catch_arena.conformance.cases import ANY, LOT, ExpectedRuling, Lot
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling, Verdict
 
 
@@ -35,7 +35,7 @@ REFUSED: Final = Verdict.OUT_OF_REACH
 """Verdict that stands for every refusal if an answer contains only the success."""
 
 
-def ask_for_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
+def request_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
     """Call an adjudicator and return its rulings.
 
     Raises:
@@ -70,9 +70,9 @@ def compare(
     decided = _decide_lots(expected, winners, set(refused))
     differences = [
         Difference(
-            request_in_words(place, right),
-            _in_words(right, right, strictness),
-            _in_words(right, ruling, strictness),
+            describe_request(place, right),
+            _describe(right, right, strictness),
+            _describe(right, ruling, strictness),
             kind=_kind(right, ruling),
         )
         for place, (right, ruling) in enumerate(zip(decided, given, strict=True), start=1)
@@ -100,7 +100,7 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
     if len(won) != 1 or won[0] not in allowed:
         raise DiffersError(
             Difference(
-                f"target {in_short(lot.target)}",
+                f"target {shortened(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
                 f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'no hunter'}",
                 kind="success",
@@ -152,7 +152,7 @@ def _compared(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness
     return _Compared(ruling.hunter, ruling.target, ruling.verdict, distance_um, ruling.winner)
 
 
-def _in_words(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness: Strictness) -> str:
+def _describe(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness: Strictness) -> str:
     """Return the compared fields of a ruling in words; its lot is decided."""
     hunter, target, verdict, distance_um, winner = _compared(right, ruling, strictness)
     words = [verdict.name if isinstance(verdict, Verdict) else verdict]
@@ -163,5 +163,5 @@ def _in_words(right: ExpectedRuling, ruling: ExpectedRuling | Ruling, strictness
     if hunter != right.hunter:
         words.append(f"for hunter {hunter}")
     if isinstance(target, WrongTarget):
-        words.append(f"for target {target.in_short}")
+        words.append(f"for target {target.shortened}")
     return ", ".join(words)

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from catch_arena.conformance.answers import counted
+from catch_arena.conformance.adjudicator_calls import counted
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
@@ -63,7 +63,7 @@ class Report:
     def by_mistake(self, width: int) -> str:
         """Return the report by mistake (see `__str__`), in lines of at most `width` characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
-        paragraphs = [self._in_words(number, diagnosis, width) for number, diagnosis in numbered[:_MOST_IN_FULL]]
+        paragraphs = [self._diagnosis_text(number, diagnosis, width) for number, diagnosis in numbered[:_MOST_IN_FULL]]
         if rest := numbered[_MOST_IN_FULL:]:
             lines = ["More mistakes; --only with the id of a case shows it in full:"]
             lines += [
@@ -75,16 +75,16 @@ class Report:
 
     def in_full(self, width: int = WIDTH) -> str:
         """Return every failure, the passed cases by group if any failed, and the summary."""
-        failures = (failure.in_words(width) for failure in self.failures)
+        failures = (failure.describe(width) for failure in self.failures)
         return "\n\n".join([*failures, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
 
-    def _in_words(self, number: int, diagnosis: Diagnosis, width: int) -> str:
+    def _diagnosis_text(self, number: int, diagnosis: Diagnosis, width: int) -> str:
         """Return a diagnosis as text: its heading, its first failure, and the names of the others."""
         first, *remaining = diagnosis.failures
         lines = [
             wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
             *([wrapped(diagnosis.rule, width, "   ")] if diagnosis.rule else []),
-            textwrap.indent(first.in_words(width - 3, brief=True), "   "),
+            textwrap.indent(first.describe(width - 3, brief=True), "   "),
         ]
         if remaining:
             names = f"{len(remaining)} more: {self._names(remaining)}"

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from catch_arena.conformance.answers import KINDS, Difference
+from catch_arena.conformance.adjudicator_calls import KINDS, Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 WIDTH: Final = 100
 """Default width of a report [characters]."""
@@ -21,7 +21,7 @@ class Failure:
     """One case in which an adjudicator's answer differs from the rulebook's."""
 
     case: ArbiterCase | ArenaCase
-    how: str
+    variation: str
     """Description of the variant or part that failed; "" for the unchanged case."""
     differences: tuple[Difference, ...]
 
@@ -33,9 +33,9 @@ class Failure:
 
     def __str__(self) -> str:
         """Return the failure as text: case, clauses, expected and given answer, and why it matters."""
-        return self.in_words(WIDTH)
+        return self.describe(WIDTH)
 
-    def in_words(self, width: int, *, brief: bool = False) -> str:
+    def describe(self, width: int, *, brief: bool = False) -> str:
         """Return the failure as text (see `__str__`) in lines of at most `width` characters; `brief` cuts it."""
         case = self.case
         if isinstance(case, ArbiterCase):
@@ -43,8 +43,8 @@ class Failure:
         else:
             paragraphs = [f"Settings: {_settings(case)}"]
             paragraphs += [f"Part {part}: {_case_step(step)}" for part, step in enumerate(case.play, start=1)]
-        if self.how:
-            paragraphs.append(f"It was played {self.how}.")
+        if self.variation:
+            paragraphs.append(f"It was played {self.variation}.")
         limit = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
         differences = [str(difference) for difference in self.differences[:limit]]
         if (left := len(self.differences) - limit) > 0:
@@ -110,7 +110,7 @@ def wrapped(text: str, width: int, first: str = "", then: str | None = None, max
 def _position(case: ArbiterCase) -> str:
     """Return the places of hunters and targets, and the arguments that differ from the defaults."""
     hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
-    targets = [f"{in_short(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
+    targets = [f"{shortened(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
     given = case.arguments()
     unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
     return "; ".join([*hunters, *targets, *unusual]) or "no hunters and no targets"
@@ -140,7 +140,7 @@ def _case_step(step: CaseStep) -> str:
 
 
 def _requests(expected: Sequence[ExpectedRuling]) -> str:
-    return "; ".join(f"hunter {ruling.hunter} asks for {in_short(ruling.target)}" for ruling in expected) or "none"
+    return "; ".join(f"hunter {ruling.hunter} asks for {shortened(ruling.target)}" for ruling in expected) or "none"
 
 
 def _either(options: Sequence[str]) -> str:

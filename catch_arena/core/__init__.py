@@ -2,9 +2,9 @@
 cache; no frameworks, no validation.
 
 A *rule* computes one or a few values for one lane or a group of lanes, from numbers and arrays. It writes nothing, and
-cites its clause if it stands for one. A *phase* is one block: the loop over its lanes, or other phases in their order;
+cites its clause if it stands for one. A *phase* is one chunk: the loop over its lanes, or other phases in their order;
 an *outlined* one is compiled as small code, since it is rare. An *entry* is a function that Python calls: it walks the
-blocks.
+chunks.
 
 - tick: one step, phase by phase: begin to read here. episodes: begin and end of episodes. placing: bodies at given
   poses.
@@ -21,22 +21,22 @@ Parameters that have the same meaning in every function; docstrings do not repea
 
 - memory: see memory.py. arena: its number in the batch. choices, commands and given_requests: see `tick.run`, of the
   lanes. sections: see `memory.Sections`; so are controls (of the lanes), limits, teams and team_seats.
-- They come in this order: block or me; s; first and width; lanes or lane; seat; order; targets; slot, index or at;
+- They come in this order: chunk or me; s; first and width; lanes or lane; seat; order; targets; slot, index or at;
   other numbers; sections; and last the results, or the room for them.
-- s: the settings, see `state.Settings`. block: the rows of LANES arenas, see state.py; lane: one of them. lanes: number
-  of the block's lanes that are arenas, from 0 up. first and last: the first arena of the block, and the one after its
+- s: the settings, see `state.Settings`. chunk: the rows of LANES arenas, see state.py; lane: one of them. lanes: number
+  of the chunk's lanes that are arenas, from 0 up. first and last: the first arena of the chunk, and the one after its
   last.
 - width: number of lanes in a group; first: the first lane of the group, in functions of one group (see vectors.py).
 - seat: number of a hunter. me: the rows of the body, hunter or prey that the function works on. index: number of a
   prey. one, other: the rows, or the seats, of two that are compared. bodies: see `prey_views.Bodies`.
-- targets: the slots of the block; slot: one of them; at: offset of one in `targets`, its lane included; slots: number
+- targets: the slots of the chunk; slot: one of them; at: offset of one in `targets`, its lane included; slots: number
   of slots in use in the lane that uses most. order: the slots or seats that a seat sees, by rank, see
   `state.slot_at_rank`.
 - x, y: a position [m]; theta: a heading [rad]; sine, cosine: those of a heading. side: side of the arena [m]. number: a
   spawn number, from 1. seed: the arena's seed. step: number of steps played before this one. time_ms: time since the
   reset.
-- requested and goals: see `controllers.look_up_choices`. reference: the progress reference of a seat, or that of a
-  prey, see `memory.Sections`. rewards and parts: see `rewards`. keys: sorting keys, rows of LANES. tied: one row of
-  flags, see `ranking.some_tied`. ranks: number of bodies that are seen.
+- requested and active_targets: see `controllers.look_up_choices`. reference: the progress reference of a seat, or that
+  of a prey, see `memory.Sections`. rewards and parts: see `rewards`. keys: sorting keys, rows of LANES. tied: one row
+  of flags, see `ranking.any_tied`. ranks: number of bodies that are seen.
 - place: place at which observations are written, see `transfers.Place`. tiles: see tiles.py.
 """

@@ -82,14 +82,14 @@ def _find(context: Any, builder: Any, array: Any, indices: list[Any]) -> Any:
 def _indices(context: Any, builder: Any, index: Any, of: Any) -> list[Any]:
     if not isinstance(of, types.BaseTuple):
         return [whole_number(context, builder, index, of)]
-    each = cgutils.unpack_tuple(builder, index, len(of))
-    return [whole_number(context, builder, one, kind) for one, kind in zip(each, of, strict=True)]
+    values = cgutils.unpack_tuple(builder, index, len(of))
+    return [whole_number(context, builder, one, kind) for one, kind in zip(values, of, strict=True)]
 
 
 def _indexes(index: Any) -> int:
     """Return the number of dimensions of an index; 0 for anything that is not an index."""
-    each = list(index) if isinstance(index, types.BaseTuple) else [index]
-    return len(each) if all(isinstance(one, types.Integer) for one in each) else 0
+    values = list(index) if isinstance(index, types.BaseTuple) else [index]
+    return len(values) if all(isinstance(one, types.Integer) for one in values) else 0
 
 
 def _type_of_item(array: Any, index: Any) -> Any:

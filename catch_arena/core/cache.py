@@ -118,8 +118,8 @@ class _Cache(caching.FunctionCache):  # type: ignore[misc]
             found = None
             with contextlib.suppress(OSError):  # `save_overload` reports if the cache cannot be written
                 self.flush()  # the index may be damaged, and it is read again before anything is saved
-        for tell in () if found else on_miss:
-            tell()
+        for callback in () if found else on_miss:
+            callback()
         return found
 
     def save_overload(self, types: Any, compiled: Any) -> None:
@@ -127,7 +127,7 @@ class _Cache(caching.FunctionCache):  # type: ignore[misc]
         try:
             super().save_overload(types, compiled)
         except Exception as error:  # noqa: BLE001 - a damaged index that cannot be replaced is read here again
-            _tell_not_kept(getattr(error, "strerror", None) or str(error))
+            _warn_not_kept(getattr(error, "strerror", None) or str(error))
 
 
 def kept(compiled: Any) -> Any:
@@ -141,7 +141,7 @@ def kept(compiled: Any) -> Any:
 
 
 @cache
-def _tell_not_kept(reason: str) -> None:
+def _warn_not_kept(reason: str) -> None:
     """Print once for each reason that the cache cannot be written."""
     sys.stderr.write(
         f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them again, "

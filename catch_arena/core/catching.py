@@ -23,7 +23,7 @@ from catch_arena.core.arbiter import (
     judge,
     measure_um,
 )
-from catch_arena.core.jit import Block, phase
+from catch_arena.core.jit import Rows, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
@@ -55,76 +55,76 @@ from catch_arena.core.state import (
     X,
     Y,
     limits_of,
+    played_lanes,
     seat_of,
-    span,
 )
-from catch_arena.core.vectors import Width, any_of, each, group, long, select, truncate
+from catch_arena.core.vectors import Width, any_of, group, lane_numbers, long, select, truncate
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
 """Value in place of a seat, above every seat: the target is not caught."""
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
-_UNANSWERED: Final = float(NO_REQUEST)
+_NO_VERDICT: Final = float(NO_REQUEST)
 """Value in place of a verdict: the hunter has no request, or no answer yet."""
 
 
 @phase
-def clear_verdicts(block: Block, s: Settings, width: Width) -> None:
+def clear_verdicts(chunk: Rows, s: Settings, width: Width) -> None:
     """Clear the verdicts of the last step. Without a verdict the evidence next to it is not read."""
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        for first in range(0, span(width), len(width)):
-            me[VERDICT + group(first, width)] = _UNANSWERED
+        me = seat_of(chunk, seat)
+        for first in range(0, played_lanes(width), len(width)):
+            me[VERDICT + group(first, width)] = _NO_VERDICT
 
 
 @phase
-def ask_service(block: Block, s: Settings, width: Width, lanes: int, service_up: Block) -> None:
+def decide_kill_service(chunk: Rows, s: Settings, width: Width, lanes: int, service_up: Rows) -> None:
     """R8.3: decide whether the kill service answers in this step.
 
     Args:
         service_up: the result, one row: 1 if it answers, else 0.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         service_up[group(first, width)] = 1.0
     if s.kill_down_rate > 0.0:
         for lane in range(lanes):
-            seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-            service_up[lane] = 0.0 if kill_service_down(seed, block[STEP + lane], s.kill_down_rate) else 1.0
+            seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+            service_up[lane] = 0.0 if kill_service_down(seed, chunk[STEP + lane], s.kill_down_rate) else 1.0
 
 
 @phase
 def refuse_requests(
-    block: Block, s: Settings, width: Width, lanes: int, targets: Block, sections: Sections, service_up: Block
+    chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, sections: Sections, service_up: Rows
 ) -> None:
     """R5.2: answer the requests that fail a test regardless of other requests, several lanes at the same time.
 
     This only saves time, since under full control most requests fail so: `judge` gives the same verdicts without it.
 
     Args:
-        block: the block without verdicts; verdicts, evidence and tallies of these requests are written.
+        chunk: the chunk without verdicts; verdicts, evidence and tallies of these requests are written.
         sections: see `memory.Sections`; its requested slots are read.
     """
     duplicate = False  # a hunter has one request
     for seat in range(s.hunters):
-        me, own = seat_of(block, seat), limits_of(sections.limits, seat)
+        me, own = seat_of(chunk, seat), limits_of(sections.limits, seat)
         requested = sections.requested_slots[seat]
         for first in range(0, lanes, len(width)):
-            lane, lane_number = group(first, width), each(first, width)
+            lane, lane_number = group(first, width), lane_numbers(first, width)
             slot = requested[lane]
-            asks = (slot != float(NO_TARGET)) & (lane_number < lanes)
-            if not any_of(asks):
+            requests_target = (slot != float(NO_TARGET)) & (lane_number < lanes)
+            if not any_of(requests_target):
                 continue
             named = slot >= 0.0
             at = long(truncate(select(named, slot, 0.0))) * s.slot_size + lane_number
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
-            inactive, over, serves = me[WITHDRAWN + lane] > 0.0, block[ENDED + lane] != RUNNING, service_up[lane] > 0.0
+            inactive, over, serves = me[WITHDRAWN + lane] > 0.0, chunk[ENDED + lane] != RUNNING, service_up[lane] > 0.0
             failed = first_failed_test(slot, distance_um, own.reach_um, inactive, duplicate, over, serves)
-            refused = asks & (failed != float(ELIGIBLE))
+            refused = requests_target & (failed != float(ELIGIBLE))
             if any_of(refused):
                 number = select(named, targets[NUMBER + at], 0.0)
                 distance_given = select(failed == float(OUT_OF_REACH), distance_um, float(NOT_MEASURED))
-                me[VERDICT + lane] = select(refused, failed, _UNANSWERED)
+                me[VERDICT + lane] = select(refused, failed, _NO_VERDICT)
                 me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
                 me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
                 me[WINNER + lane] = select(refused, float(NO_SEAT), me[WINNER + lane])
@@ -136,7 +136,7 @@ def refuse_requests(
 
 
 @phase
-def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -> int:
+def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections) -> int:
     """Write the seats and slots of the requests of one lane that have no answer yet into the request table, and return
     their number.
 
@@ -145,7 +145,7 @@ def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -
     number = 0
     for seat in range(s.hunters):
         slot = sections.requested_slots[seat, lane]
-        if slot != float(NO_TARGET) and seat_of(block, seat)[VERDICT + lane] == _UNANSWERED:
+        if slot != float(NO_TARGET) and seat_of(chunk, seat)[VERDICT + lane] == _NO_VERDICT:
             sections.requests[number, REQUEST_SEAT] = seat
             sections.requests[number, REQUEST_TARGET] = int(slot)
             number += 1
@@ -154,7 +154,7 @@ def collect_requests(block: Block, s: Settings, lane: int, sections: Sections) -
 
 @phase
 def fill_requests(
-    block: Block, s: Settings, lane: int, targets: Block, limits: NDArray[np.float64], requests: RequestTable
+    chunk: Rows, s: Settings, lane: int, targets: Rows, limits: NDArray[np.float64], requests: RequestTable
 ) -> None:
     """Write the arbiter's facts about each request, as they are in S_t.
 
@@ -162,11 +162,11 @@ def fill_requests(
         requests: the request table of the lane with its seats and slots, or codes in the place of slots; the columns
             from REQUEST_NUMBER to REQUEST_REACH are written.
     """
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-    step = block[STEP + lane]
+    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+    step = chunk[STEP + lane]
     for i in range(len(requests)):
         seat = requests[i, REQUEST_SEAT]
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         slot = requests[i, REQUEST_TARGET]
         requests[i, REQUEST_NUMBER] = 0
         requests[i, REQUEST_DISTANCE] = NOT_MEASURED
@@ -184,16 +184,16 @@ def fill_requests(
 
 
 @phase
-def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable, service_up: bool) -> None:
+def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable, service_up: bool) -> None:
     """R1.4's phase 3 in one lane: judge the request table, and keep the ruling on each hunter's first request.
 
     Args:
         requests: the request table of the lane; its verdicts and winners are written.
     """
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-    judge(requests, s.policy, seed, int(block[STEP + lane]), block[ENDED + lane] != RUNNING, service_up)
+    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+    judge(requests, s.policy, seed, int(chunk[STEP + lane]), chunk[ENDED + lane] != RUNNING, service_up)
     for i in range(len(requests) - 1, -1, -1):  # backwards: a hunter's first request is written last
-        me = seat_of(block, requests[i, REQUEST_SEAT])
+        me = seat_of(chunk, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
         me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
         me[DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
@@ -210,7 +210,7 @@ def judge_requests(block: Block, s: Settings, lane: int, requests: RequestTable,
 
 
 @phase
-def commit(block: Block, s: Settings, lane: int, targets: Block, requests: RequestTable, sections: Sections) -> None:
+def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: RequestTable, sections: Sections) -> None:
     """R1.4's phase 4 in one lane: credit the grants, and remove the targets whose kill is not refused (R5.7, R5.8).
 
     Under `capstone` a grant counts even if the kill is refused, and several hunters may have one for the same target.
@@ -220,11 +220,11 @@ def commit(block: Block, s: Settings, lane: int, targets: Block, requests: Reque
         sections: see `memory.Sections`; the progress references are renewed.
     """
     for i in range(len(requests)):
-        seat_of(block, requests[i, REQUEST_SEAT])[SCORE + lane] += (
+        seat_of(chunk, requests[i, REQUEST_SEAT])[SCORE + lane] += (
             1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
         )
     removed = 0
-    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
+    for slot in range(int(chunk[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         catcher = _NO_CATCHER
         for i in range(len(requests)):
             granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
@@ -232,45 +232,45 @@ def commit(block: Block, s: Settings, lane: int, targets: Block, requests: Reque
                 catcher = min(catcher, requests[i, REQUEST_SEAT])  # of several, under `capstone`, the lowest
         if catcher != _NO_CATCHER:
             if s.prey > 0:
-                catch_prey(block, s, lane, catcher, slot)
-            remove_target(block, s, lane, targets, slot)
+                catch_prey(chunk, s, lane, catcher, slot)
+            remove_target(chunk, s, lane, targets, slot)
             removed += 1
     if removed > 0 and s.needs_progress:
         for seat in range(s.hunters):
             reference = sections.progress_references[seat]
             renew_progress_reference(
-                block, seat_of(block, seat), s, lane, targets, limits_of(sections.limits, seat), reference
+                chunk, seat_of(chunk, seat), s, lane, targets, limits_of(sections.limits, seat), reference
             )
 
 
 @phase
 def resolve_requests(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     width: Width,
     lanes: int,
-    targets: Block,
+    targets: Rows,
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
     """R1.4's phases 3 and 4: refuse requests that fail alone, several lanes together, and judge the rest lane by lane.
 
     Args:
-        given_requests: requests that replace those of the hunters, in a block of one arena: their seats and slots, or
+        given_requests: requests that replace those of the hunters, in a chunk of one arena: their seats and slots, or
             the codes in place of slots; or empty.
     """
     service_up = sections.scratch_rows[:LANES]
-    clear_verdicts(block, s, width)
-    ask_service(block, s, width, lanes, service_up)
+    clear_verdicts(chunk, s, width)
+    decide_kill_service(chunk, s, width, lanes, service_up)
     from_hunters = len(given_requests) == 0
     if from_hunters and s.policy != CAPSTONE:
-        refuse_requests(block, s, width, lanes, targets, sections, service_up)
+        refuse_requests(chunk, s, width, lanes, targets, sections, service_up)
     for lane in range(lanes):
         requests = given_requests
         if from_hunters:
-            requests = sections.requests[: collect_requests(block, s, lane, sections)]
+            requests = sections.requests[: collect_requests(chunk, s, lane, sections)]
             if len(requests) == 0:
                 continue
-        fill_requests(block, s, lane, targets, sections.limits, requests)
-        judge_requests(block, s, lane, requests, service_up[lane] > 0.0)
-        commit(block, s, lane, targets, requests, sections)
+        fill_requests(chunk, s, lane, targets, sections.limits, requests)
+        judge_requests(chunk, s, lane, requests, service_up[lane] > 0.0)
+        commit(chunk, s, lane, targets, requests, sections)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
-from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.memory import Sections
 from catch_arena.core.rewards import set_progress_reference
@@ -31,9 +31,9 @@ from catch_arena.core.state import (
     X,
     Y,
     limits_of,
+    played_lanes,
     seat_of,
     slot_at_rank,
-    span,
     target_order_of,
     targets_of,
 )
@@ -42,10 +42,10 @@ from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
 FULL_CONTROL: Final = 2
-GOAL_X: Final = 0
-GOAL_Y: Final = LANES
-GOAL_NUMBER: Final = 2 * LANES
-"""Rows of goals: the target to which each lane drives."""
+ACTIVE_X: Final = 0
+ACTIVE_Y: Final = LANES
+ACTIVE_NUMBER: Final = 2 * LANES
+"""Rows of the active target of each lane."""
 CONTROLS: Final = {"target": TARGET_CONTROL, "velocity": VELOCITY_CONTROL, "full": FULL_CONTROL}
 
 
@@ -73,15 +73,15 @@ def pi_step(
 
 @phase
 def look_up_choices(
-    me: Block,
+    me: Rows,
     s: Settings,
     lanes: int,
     seat: int,
-    order: Block,
-    targets: Block,
+    order: Rows,
+    targets: Rows,
     choices: NDArray[np.int64],
-    requested: Block,
-    goals: Block,
+    requested: Rows,
+    active_targets: Rows,
 ) -> None:
     """R4.1, R5.2's MALFORMED: look up the target of the rank that each lane has chosen.
 
@@ -90,8 +90,8 @@ def look_up_choices(
     Args:
         requested: the result, one row: the target's slot, NO_TARGET for hold, MALFORMED_REQUEST for a rank without a
             target.
-        goals: the result, the rows GOAL_X, GOAL_Y [m] and GOAL_NUMBER of the target; its number is 0 if the hunter
-            holds or is withdrawn.
+        active_targets: the result, the rows ACTIVE_X, ACTIVE_Y [m] and ACTIVE_NUMBER of the target; its number is 0 if
+            the hunter holds or is withdrawn.
     """
     for lane in range(lanes):
         rank = choices[lane, seat]
@@ -101,25 +101,27 @@ def look_up_choices(
         at = select(seen, slot, 0) * s.slot_size + lane
         unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
         requested[lane] = select(seen, float(slot), unseen)
-        goals[GOAL_X + lane] = targets[TARGET_X + at]
-        goals[GOAL_Y + lane] = targets[TARGET_Y + at]
-        goals[GOAL_NUMBER + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[NUMBER + at], 0.0)
+        active_targets[ACTIVE_X + lane] = targets[TARGET_X + at]
+        active_targets[ACTIVE_Y + lane] = targets[TARGET_Y + at]
+        active_targets[ACTIVE_NUMBER + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[NUMBER + at], 0.0)
 
 
 @phase
-def drive_to_goal(me: Block, s: Settings, width: Width, goals: Block, limits: SeatLimits, requested: Block) -> None:
-    """R4.1, R4.2, R4.3: drive to the goals by the hosted controllers, and drop requests for targets out of reach.
+def drive_to_target(
+    me: Rows, s: Settings, width: Width, active_targets: Rows, limits: SeatLimits, requested: Rows
+) -> None:
+    """R4.1, R4.2, R4.3: drive to active targets by the hosted controllers, and drop requests for targets out of reach.
 
     Args:
         me: the rows of the seat; its velocities, integrals and active target are written.
-        goals: see `look_up_choices`.
+        active_targets: see `look_up_choices`.
         requested: the result of `look_up_choices`; NO_TARGET is written if the target is out of reach.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        dx = goals[GOAL_X + lane] - me[X + lane]
-        dy = goals[GOAL_Y + lane] - me[Y + lane]
-        number = goals[GOAL_NUMBER + lane]
+        dx = active_targets[ACTIVE_X + lane] - me[X + lane]
+        dy = active_targets[ACTIVE_Y + lane] - me[Y + lane]
+        number = active_targets[ACTIVE_NUMBER + lane]
         holds = number == 0.0
         fresh = holds | (number != me[ACTIVE + lane])
         sine, cosine = me[SINE + lane], me[COSINE + lane]
@@ -154,7 +156,7 @@ def drive_to_goal(me: Block, s: Settings, width: Width, goals: Block, limits: Se
 
 @phase
 def request_nearest(
-    me: Block, s: Settings, lanes: int, order: Block, targets: Block, limits: SeatLimits, requested: Block
+    me: Rows, s: Settings, lanes: int, order: Rows, targets: Rows, limits: SeatLimits, requested: Rows
 ) -> None:
     """R4.4: request the nearest target whenever it is within reach, under velocity control."""
     for lane in range(lanes):
@@ -169,7 +171,7 @@ def request_nearest(
 
 @phase
 def drive_by_command(
-    me: Block, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Block
+    me: Rows, seat: int, commands: NDArray[np.float32], width: Width, lanes: int, limits: SeatLimits, requested: Rows
 ) -> None:
     """R2.5, R4.4: set velocities from fractions of the limits; a hunter whose request names a rank without a target
     holds (R5.2).
@@ -180,7 +182,7 @@ def drive_by_command(
     for lane in range(lanes):
         me[SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
         me[TURN_RATE + lane] = np.float64(commands[lane, seat, 1]) * limits.max_turn_rate
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         holds = (requested[lane] == float(MALFORMED_REQUEST)) | (me[WITHDRAWN + lane] > 0.0)
         speed = clamp(me[SPEED + lane], limits.min_speed, limits.max_speed)
@@ -191,19 +193,19 @@ def drive_by_command(
 
 @phase
 def steer_seat(
-    me: Block,
+    me: Rows,
     s: Settings,
     width: Width,
     lanes: int,
     seat: int,
-    order: Block,
-    targets: Block,
+    order: Rows,
+    targets: Rows,
     control: int,
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     limits: SeatLimits,
-    requested: Block,
-    goals: Block,
+    requested: Rows,
+    active_targets: Rows,
 ) -> None:
     """R4.1, R4.4: steer one seat by one control, in all lanes.
 
@@ -211,32 +213,32 @@ def steer_seat(
         control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
     """
     if control == TARGET_CONTROL:
-        look_up_choices(me, s, lanes, seat, order, targets, choices, requested, goals)
-        drive_to_goal(me, s, width, goals, limits, requested)
+        look_up_choices(me, s, lanes, seat, order, targets, choices, requested, active_targets)
+        drive_to_target(me, s, width, active_targets, limits, requested)
     elif control == VELOCITY_CONTROL:
         request_nearest(me, s, lanes, order, targets, limits, requested)
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
     else:
-        look_up_choices(me, s, lanes, seat, order, targets, choices, requested, goals)
-        for first in range(0, span(width), len(width)):  # R4.4: the requested target is active in this step
+        look_up_choices(me, s, lanes, seat, order, targets, choices, requested, active_targets)
+        for first in range(0, played_lanes(width), len(width)):  # R4.4: the requested target is active in this step
             lane = group(first, width)
-            me[ACTIVE + lane] = goals[GOAL_NUMBER + lane]
+            me[ACTIVE + lane] = active_targets[ACTIVE_NUMBER + lane]
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
 
 
 @outlined
 def steer_lane_by_lane(
-    me: Block,
+    me: Rows,
     s: Settings,
     seat: int,
-    order: Block,
-    targets: Block,
+    order: Rows,
+    targets: Rows,
     controls: NDArray[np.int8],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
     limits: SeatLimits,
-    requested: Block,
-    goals: Block,
+    requested: Rows,
+    active_targets: Rows,
 ) -> None:
     """Steer one seat whose control differs by arena: each lane as an arena of its own."""
     for lane in range(len(controls)):
@@ -253,12 +255,12 @@ def steer_lane_by_lane(
             commands[lane:],
             limits,
             requested[lane:],
-            goals,
+            active_targets,
         )
 
 
 @phase
-def differ(controls: NDArray[np.int8], seat: int) -> bool:
+def controls_differ(controls: NDArray[np.int8], seat: int) -> bool:
     """Return whether a seat's control differs by arena."""
     found = False
     for lane in range(1, len(controls)):
@@ -268,7 +270,7 @@ def differ(controls: NDArray[np.int8], seat: int) -> bool:
 
 @phase
 def apply_actions(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     width: Width,
     lanes: int,
@@ -282,15 +284,17 @@ def apply_actions(
     Args:
         sections: see `memory.Sections`; the requested slots and the progress references are written.
     """
-    targets, goals = targets_of(block, s), sections.scratch_rows
+    targets, active_targets = targets_of(chunk, s), sections.scratch_rows
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        order = target_order_of(block, s, seat)
+        me = seat_of(chunk, seat)
+        order = target_order_of(chunk, s, seat)
         own, requested = limits_of(sections.limits, seat), sections.requested_slots[seat]
-        if s.any_control and differ(controls, seat):
-            steer_lane_by_lane(me, s, seat, order, targets, controls, choices, commands, own, requested, goals)
+        if s.any_control and controls_differ(controls, seat):
+            steer_lane_by_lane(me, s, seat, order, targets, controls, choices, commands, own, requested, active_targets)
         else:
             control = controls[0, seat]
-            steer_seat(me, s, width, lanes, seat, order, targets, control, choices, commands, own, requested, goals)
+            steer_seat(
+                me, s, width, lanes, seat, order, targets, control, choices, commands, own, requested, active_targets
+            )
         if s.needs_progress:
             set_progress_reference(me, s, lanes, order, targets, sections.progress_references[seat])

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, entry, outlined
+from catch_arena.core.jit import Rows, entry, outlined
 from catch_arena.core.memory import Bytes, sections_of
 from catch_arena.core.random import drops_out, seed_of
 from catch_arena.core.state import (
@@ -22,7 +22,7 @@ from catch_arena.core.state import (
 
 
 @outlined
-def withdraw(me: Block, lane: int) -> None:
+def withdraw(me: Rows, lane: int) -> None:
     """R1.6: withdraw a hunter: it stands still, and the others do not see it; `me` has the rows of its seat."""
     me[WITHDRAWN + lane] = 1.0
     for offset in AT_REST:
@@ -30,27 +30,27 @@ def withdraw(me: Block, lane: int) -> None:
 
 
 @outlined
-def drop_out(block: Block, s: Settings, lanes: int) -> None:
+def drop_out(chunk: Rows, s: Settings, lanes: int) -> None:
     """R1.7: withdraw the hunters that drop out in this step, before everything else."""
     for lane in range(lanes):
-        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+        seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
         for seat in range(s.hunters):
-            me = seat_of(block, seat)
-            if me[WITHDRAWN + lane] == 0.0 and drops_out(seed, block[STEP + lane], seat, s.dropout_rate):
+            me = seat_of(chunk, seat)
+            if me[WITHDRAWN + lane] == 0.0 and drops_out(seed, chunk[STEP + lane], seat, s.dropout_rate):
                 withdraw(me, lane)
 
 
 @outlined
-def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
+def write_active(chunk: Rows, s: Settings, lanes: int, active: NDArray[np.int8]) -> None:
     """R1.6, R1.7, R12.3: write 1 for hunters that take part and for prey that is in play, else 0; `active`, (lanes, N),
     is the result.
     """
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         for lane in range(lanes):
             active[lane, seat] = 1 if me[WITHDRAWN + lane] == 0.0 else 0
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         for lane in range(lanes):
             active[lane, s.hunters + index] = 0 if me[PREY_SLOT + lane] == NO_TARGET else 1
 
@@ -58,4 +58,4 @@ def write_active(block: Block, s: Settings, lanes: int, active: NDArray[np.int8]
 @entry
 def withdraw_at(memory: Bytes, arena: int, seat: int) -> None:
     """R1.6: withdraw the hunter in one seat."""
-    withdraw(seat_of(sections_of(memory, 0).blocks[arena // LANES], seat), arena % LANES)
+    withdraw(seat_of(sections_of(memory, 0).chunks[arena // LANES], seat), arena % LANES)

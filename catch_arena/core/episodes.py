@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, outlined, phase
+from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.math import PI, TAU, sincos, wrap
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import begin_prey, write_prey_records
@@ -14,7 +14,6 @@ from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import (
     ALIVE,
-    ANSWER,
     CONTESTS_WON,
     ENDED,
     FINAL_CONTESTS_WON,
@@ -25,6 +24,7 @@ from catch_arena.core.state import (
     FINAL_TEAM_SCORE,
     LANES,
     REWARD_SUM,
+    RULING,
     RUNNING,
     SCORE,
     SEED_HIGH,
@@ -39,15 +39,15 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    played_lanes,
     seat_of,
-    span,
     targets_of,
 )
 from catch_arena.core.vectors import Width, group, select
 
 
 @outlined
-def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
+def write_record(chunk: Rows, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
     """Write the records of one lane's episode as it is now.
 
     Args:
@@ -55,7 +55,7 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
     """
     score = FINAL_TEAM_SCORE if s.has_teams else FINAL_SCORE
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         record[seat, FINAL_SCORE] = me[SCORE + lane]
         record[seat, FINAL_REWARD_SUM] = me[REWARD_SUM + lane]
         record[seat, FINAL_CONTESTS_WON] = me[CONTESTS_WON + lane]
@@ -75,15 +75,15 @@ def write_record(block: Block, s: Settings, lane: int, teams: NDArray[np.int64],
 
 
 @outlined
-def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
+def begin(chunk: Rows, s: Settings, lane: int, start_poses: NDArray[np.float64], seed: np.uint64) -> None:
     """R2.6, R3.1, A.6: set one arena to the beginning of an episode."""
-    for row in range(len(block) // LANES):
-        block[row * LANES + lane] = 0.0
-    block[SEED_HIGH + lane] = float(seed >> np.uint64(32))
-    block[SEED_LOW + lane] = float(seed & np.uint64(0xFFFFFFFF))
+    for row in range(len(chunk) // LANES):
+        chunk[row * LANES + lane] = 0.0
+    chunk[SEED_HIGH + lane] = float(seed >> np.uint64(32))
+    chunk[SEED_LOW + lane] = float(seed & np.uint64(0xFFFFFFFF))
     turn = TAU * fraction(draw(stream(seed, START), np.uint64(0)))
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         if len(start_poses) > 0:
             me[X + lane] = start_poses[seat, 0]
             me[Y + lane] = start_poses[seat, 1]
@@ -97,72 +97,72 @@ def begin(block: Block, s: Settings, lane: int, start_poses: NDArray[np.float64]
             me[X + lane] = s.side_m / 2.0 + s.start_radius_m * cosine
             me[Y + lane] = s.side_m / 2.0 + s.start_radius_m * sine
             me[THETA + lane] = wrap(angle + PI)
-    targets = targets_of(block, s)
+    targets = targets_of(chunk, s)
     for _ in range(s.initial_targets):
-        spawn_next(block, s, lane, targets, seed, 0.0)
+        spawn_next(chunk, s, lane, targets, seed, 0.0)
     if s.prey > 0:
-        begin_prey(block, s, lane)
+        begin_prey(chunk, s, lane)
 
 
 @phase
-def end_test(block: Block, s: Settings, width: Width) -> None:
+def end_test(chunk: Rows, s: Settings, width: Width) -> None:
     """R1.1, R1.5, R12.6, R1.4's phase 6: advance the clock by whole milliseconds, and end finished episodes."""
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        time = block[TIME + lane] + s.period_ms
-        finished = (block[SPAWNED + lane] >= s.spawned_in_full) & (block[ALIVE + lane] == 0.0)
-        block[TIME + lane] = time
-        block[STEP + lane] = block[STEP + lane] + 1.0
-        block[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit_ms, TRUNCATED, RUNNING))
+        time = chunk[TIME + lane] + s.period_ms
+        finished = (chunk[SPAWNED + lane] >= s.spawned_in_full) & (chunk[ALIVE + lane] == 0.0)
+        chunk[TIME + lane] = time
+        chunk[STEP + lane] = chunk[STEP + lane] + 1.0
+        chunk[ENDED + lane] = select(finished, TERMINATED, select(time >= s.time_limit_ms, TRUNCATED, RUNNING))
 
 
 @phase
-def some_ended(block: Block, lanes: int) -> bool:
+def any_ended(chunk: Rows, lanes: int) -> bool:
     """Return whether an episode is over in some lane."""
     most = RUNNING
     for lane in range(lanes):
-        most = block[ENDED + lane] if block[ENDED + lane] > most else most
+        most = chunk[ENDED + lane] if chunk[ENDED + lane] > most else most
     return most != RUNNING
 
 
 @phase
-def write_ends(block: Block, lanes: int, ends: NDArray[np.int8]) -> None:
+def write_ends(chunk: Rows, lanes: int, ends: NDArray[np.int8]) -> None:
     """R1.5: write the state of each episode for callers outside the core.
 
     Args:
         ends: the result, (lanes,): RUNNING, TERMINATED or TRUNCATED.
     """
     for lane in range(lanes):
-        ends[lane] = np.int8(block[ENDED + lane])
+        ends[lane] = np.int8(chunk[ENDED + lane])
 
 
 @phase
-def take_snapshot(block: Block, snapshot: Block) -> None:
-    """Keep the block as it was before a step, for `restore_finished`."""
-    for i in range(len(block)):
-        snapshot[i] = block[i]
+def take_snapshot(chunk: Rows, snapshot: Rows) -> None:
+    """Keep the chunk as it was before a step, for `restore_finished`."""
+    for i in range(len(chunk)):
+        snapshot[i] = chunk[i]
 
 
 @phase
-def restore_finished(block: Block, s: Settings, lanes: int, sections: Sections, rewards: Rewards, parts: Parts) -> None:
+def restore_finished(chunk: Rows, s: Settings, lanes: int, sections: Sections, rewards: Rewards, parts: Parts) -> None:
     """R1.5: restore the arenas that had ended before this step, since nothing moves after the end. They were played
-    with their block; only their answers stay, which are MATCH_OVER (R5.2).
+    with their chunk; only their answers stay, which are MATCH_OVER (R5.2).
 
     Args:
-        sections: see `memory.Sections`; its snapshot is the block before the step.
+        sections: see `memory.Sections`; its snapshot is the chunk before the step.
     """
     for lane in range(lanes):
         if sections.snapshot[ENDED + lane] == RUNNING:
             continue
         for seat in range(s.hunters):
-            now, then = seat_of(block, seat), seat_of(sections.snapshot, seat)
-            for offset in ANSWER:
+            now, then = seat_of(chunk, seat), seat_of(sections.snapshot, seat)
+            for offset in RULING:
                 then[offset + lane] = now[offset + lane]
             rewards[lane, seat] = 0.0
             for column in range(parts.shape[2] if len(parts) > 0 else 0):
                 parts[lane, seat, column] = 0.0
-        for row in range(len(block) // LANES):
-            block[row * LANES + lane] = sections.snapshot[row * LANES + lane]
+        for row in range(len(chunk) // LANES):
+            chunk[row * LANES + lane] = sections.snapshot[row * LANES + lane]
 
 
 @outlined
@@ -174,17 +174,17 @@ def keep_rows(seen: NDArray[Any], last_seen: NDArray[Any]) -> None:
 
 
 @phase
-def begin_again(block: Block, s: Settings, lanes: int, first_arena: int, sections: Sections) -> None:
+def begin_again(chunk: Rows, s: Settings, lanes: int, first_arena: int, sections: Sections) -> None:
     """A.5: keep the last observations and records of each episode that has just ended, and begin the next one."""
     for lane in range(lanes):
-        if block[ENDED + lane] == RUNNING:
+        if chunk[ENDED + lane] == RUNNING:
             continue
         arena = first_arena + lane
         keep_rows(sections.observations[arena], sections.final_observations[arena])
         keep_rows(sections.masks[arena], sections.final_masks[arena])
-        sections.lengths[arena] = block[STEP + lane]
-        write_record(block, s, lane, sections.teams, sections.records[arena])
+        sections.lengths[arena] = chunk[STEP + lane]
+        write_record(chunk, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
-            write_prey_records(block, s, lane, sections.records[arena])
-        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-        begin(block, s, lane, sections.start_poses, next_seed(seed))
+            write_prey_records(chunk, s, lane, sections.records[arena])
+        seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+        begin(chunk, s, lane, sections.start_poses, next_seed(seed))

@@ -4,7 +4,7 @@ layout.py's table, and the time left.
 
 from typing import Any, NamedTuple
 
-from catch_arena.core.jit import Block, rule
+from catch_arena.core.jit import Rows, rule
 from catch_arena.core.state import (
     ACTIVE,
     COSINE,
@@ -42,7 +42,7 @@ class Observer(NamedTuple):
 
 
 @rule
-def observer_of(me: Block, lane: int) -> Observer:
+def observer_of(me: Rows, lane: int) -> Observer:
     """Return a body as an observer, from its rows up to SCORE."""
     return Observer(
         x=me[X + lane],
@@ -125,8 +125,8 @@ def moving_target_seen(me: Observer, target: TargetTile) -> Any:
 
 
 @rule
-def time_left_at(block: Block, s: Settings, lane: int) -> float:
+def time_left_at(chunk: Rows, s: Settings, lane: int) -> float:
     """R7.1, R12.4: return the time left until the time limit [s]."""
-    remaining = s.time_limit_ms - block[TIME + lane]
+    remaining = s.time_limit_ms - chunk[TIME + lane]
     seconds: float = select(remaining > 0.0, remaining / 1000.0, 0.0)
     return seconds

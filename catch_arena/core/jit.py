@@ -26,7 +26,7 @@ if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each compil
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-Block = NDArray[np.float64]
+Rows = NDArray[np.float64]
 """Slice of the arena memory (core/state.py): fields lie LANES apart, and one lane is one arena."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
@@ -46,7 +46,7 @@ def rule(function: F) -> F:
 
 
 def phase(function: F) -> F:
-    """Compile a phase: one block, a loop over its lanes, or one group of them; or a sequence of phases, or a name for a
+    """Compile a phase: one chunk, a loop over its lanes, or one group of them; or a sequence of phases, or a name for a
     part of the memory. LLVM decides whether to inline it.
     """
     return cast(F, numba.njit(**_INNER)(function))
@@ -66,7 +66,7 @@ def unkept_entry(function: F) -> F:
 
 
 def entry(function: F) -> F:
-    """Compile a function that Python calls: `tick.run`, which plays the blocks of a batch, or a smaller one. The cache
+    """Compile a function that Python calls: `tick.run`, which plays the chunks of a batch, or a smaller one. The cache
     only keeps entries: they contain all that they call.
     """
     if INTERPRETED:

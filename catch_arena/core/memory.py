@@ -69,7 +69,7 @@ Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
 
 
 class Sections(NamedTuple):
-    """Sections of an engine's memory: B arenas in blocks; N agents, H hunters and then P prey; K targets seen.
+    """Sections of an engine's memory: B arenas in chunks; N agents, H hunters and then P prey; K targets seen.
 
     Each field's type gives its element type and its number of dimensions. A section that a scenario or a batch does not
     need is empty. The order matters where a line says so: adjacent sections are saved and copied together.
@@ -122,10 +122,10 @@ class Sections(NamedTuple):
     gathered_prey: ScratchDoubles2
     """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
     snapshot: ScratchDoubles1
-    """Copy of the block before the step, if some of its arenas had ended."""
-    # ---- saved, from here to the end; all but the blocks have a row for each arena ----
-    blocks: Doubles2
-    """Arena memory, (blocks, rows * LANES): see `state`."""
+    """Copy of the chunk before the step, if some of its arenas had ended."""
+    # ---- saved, from here to the end; all but the chunks have a row for each arena ----
+    chunks: Doubles2
+    """Arena memory, (chunks, rows * LANES): see `state`."""
     rewards: Doubles2
     """R6.2, R12.5: rewards of the last step, (B, N)."""
     parts: Doubles3
@@ -178,7 +178,7 @@ def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_pla
     Args:
         hunters: H.
         prey: P.
-        rows: number of rows of a block.
+        rows: number of rows of a chunk.
         columns: number of columns of an arena's observations, of all agents together.
         team_play: whether there are teams.
     """

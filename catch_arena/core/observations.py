@@ -15,7 +15,7 @@ from catch_arena.core.features import (
     team_rival_seen,
     time_left_at,
 )
-from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import observe_as_prey
@@ -49,10 +49,10 @@ from catch_arena.core.state import (
     body_of,
     limits_of,
     most_alive,
+    played_lanes,
     seat_at,
     seat_of,
     slot_at_rank,
-    span,
     target_order_of,
     targets_of,
     targets_ranked,
@@ -95,15 +95,15 @@ TEAM_RIVAL_WIDTH: Final = len(TeamRivalFeatures._fields)
 _STREAMED: Final = 1 << 21
 """Size of a batch's observations from which they go past the caches: they would displace everything else."""
 _CACHED: Final = 1 << 19
-"""Number of float64 of state that stay in the caches between steps; each block of a larger batch comes from memory."""
+"""Number of float64 of state that stay in the caches between steps; each chunk of a larger batch comes from memory."""
 _LARGE: Final = 1 << 14
-"""Size of a block from which it is not prefetched: it would displace the current block from the second cache."""
+"""Size of a chunk from which it is not prefetched: it would displace the current chunk from the second cache."""
 
 
 @phase
-def update_heading(me: Block, width: Width) -> None:
+def update_heading(me: Rows, width: Width) -> None:
     """Write the heading's sine and cosine, which the observation and the next step's controller read."""
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         sine, cosine = sincos(me[THETA + lane])
         me[SINE + lane] = sine
@@ -111,7 +111,7 @@ def update_heading(me: Block, width: Width) -> None:
 
 
 @phase
-def write_self(me: Block, first: int, width: Width, time_left: float, place: Place) -> None:
+def write_self(me: Rows, first: int, width: Width, time_left: float, place: Place) -> None:
     """R7.1: write a hunter's view of itself, in the lanes of one group; `time_left`: until the time limit [s]."""
     lane = group(first, width)
     seen = SelfFeatures(
@@ -131,56 +131,56 @@ def write_self(me: Block, first: int, width: Width, time_left: float, place: Pla
 
 @phase
 def write_targets(
-    block: Block, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
 ) -> None:
     """R7.1, R7.4: write the targets that one seat sees, in the lanes of one group."""
-    order, tiles, lane = target_order_of(block, s, seat), sections.target_tiles, group(first, width)
-    me = observer_of(seat_of(block, seat), lane)
+    order, tiles, lane = target_order_of(chunk, s, seat), sections.target_tiles, group(first, width)
+    me = observer_of(seat_of(chunk, seat), lane)
     for rank in range(s.targets_seen):
         slots = slot_at_rank(order, rank, lane)
-        there = slots != ABSENT
+        present = slots != ABSENT
         target = target_of_tile(take_tile(tiles, tile_index(slots, width)))
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
-        exactly = s.hunters_seen == 0 and rank + 1 == s.targets_seen
+        is_last = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
-            put_rank(at_rank, there, moving_target_seen(me, target), exactly)
+            put_rank(at_rank, present, moving_target_seen(me, target), is_last)
         else:
-            put_rank(at_rank, there, target_seen(me, target), exactly)
+            put_rank(at_rank, present, target_seen(me, target), is_last)
     if s.view_noise_m > 0.0:
-        blur_seen(block, s, first, width, seat, order, TARGET_KIND, tiles, place)
+        blur_seen(chunk, s, first, width, seat, order, TARGET_KIND, tiles, place)
 
 
 @phase
 def write_rivals(
-    block: Block, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
 ) -> None:
     """R7.1, R7.4: write the rivals that one seat sees, in the lanes of one group."""
     order, tiles, lane = sections.rival_orders[seat], sections.body_tiles, group(first, width)
-    me = observer_of(seat_of(block, seat), lane)
+    me = observer_of(seat_of(chunk, seat), lane)
     for rank in range(s.hunters_seen):
         seats = slot_at_rank(order, rank, lane)
-        there = seats != ABSENT
+        present = seats != ABSENT
         rival = body_of_tile(take_tile(tiles, tile_index(seats, width)))
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
-        exactly = rank + 1 == s.hunters_seen
+        is_last = rank + 1 == s.hunters_seen
         if s.has_teams:
-            put_rank(at_rank, there, team_rival_seen(me, rival, float(sections.teams[seat])), exactly)
+            put_rank(at_rank, present, team_rival_seen(me, rival, float(sections.teams[seat])), is_last)
         else:
-            put_rank(at_rank, there, rival_seen(me, rival), exactly)
+            put_rank(at_rank, present, rival_seen(me, rival), is_last)
     if s.view_noise_m > 0.0:
-        blur_seen(block, s, first, width, seat, order, RIVAL_KIND, tiles, place)
+        blur_seen(chunk, s, first, width, seat, order, RIVAL_KIND, tiles, place)
 
 
 @outlined
 def blur_seen(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     first: int,
     width: Width,
     seat: int,
-    order: Block,
+    order: Rows,
     kind: np.uint64,
-    tiles: Block,
+    tiles: Rows,
     place: Place,
 ) -> None:
     """R7.6: add the errors to the positions that one seat sees, and write them again.
@@ -191,9 +191,9 @@ def blur_seen(
     of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
-        me = observer_of(seat_of(block, seat), lane)
-        seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-        key = blur_key(seed, block[STEP + lane], seat, kind)
+        me = observer_of(seat_of(chunk, seat), lane)
+        seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+        key = blur_key(seed, chunk[STEP + lane], seat, kind)
         at = place.at + (lane - first) * place.stride
         for rank in range(s.targets_seen if of_targets else s.hunters_seen):
             item = slot_at_rank(order, rank, lane)
@@ -219,7 +219,7 @@ def rival_width(s: Settings) -> int:
 
 
 @phase
-def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
+def write_masks(chunk: Rows, s: Settings, lanes: int, masks: Masks) -> None:
     """R7.2: update the masks, 1 for hold and for ranks that have a target. They change rarely; with a full view, all
     seats of an arena change together.
 
@@ -230,10 +230,10 @@ def write_masks(block: Block, s: Settings, lanes: int, masks: Masks) -> None:
     for lane in range(lanes):
         seat = 0
         while seat < s.hunters:
-            there = targets_ranked(block, s, lane, target_order_of(block, s, seat))
-            if masks[lane, seat, there] == 0 or (there < ranks and masks[lane, seat, there + 1] == 1):
+            present = targets_ranked(chunk, s, lane, target_order_of(chunk, s, seat))
+            if masks[lane, seat, present] == 0 or (present < ranks and masks[lane, seat, present + 1] == 1):
                 for rank in range(ranks + 1):
-                    masks[lane, seat, rank] = 1 if rank <= there else 0
+                    masks[lane, seat, rank] = 1 if rank <= present else 0
             elif not s.partial_view:
                 break
             seat += 1
@@ -259,23 +259,21 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
 
 
 @phase
-def prefetch_part(ahead: Block, part: int, parts: int) -> None:
-    """Prefetch one of several equal parts of the next block. All parts together would make the current block wait too.
+def prefetch_part(next_chunk: Rows, part: int, parts: int) -> None:
+    """Prefetch one of several equal parts of the next chunk. All parts together would make the current chunk wait too.
 
     Args:
-        ahead: the next block; or empty.
+        next_chunk: the next chunk; or empty.
     """
-    at, end = len(ahead) * part // parts, len(ahead) * (part + 1) // parts
+    at, end = len(next_chunk) * part // parts, len(next_chunk) * (part + 1) // parts
     while at < end:  # see `copy_to_observations`
-        prefetch(ahead, at)
+        prefetch(next_chunk, at)
         at += PREFETCHED
 
 
 @phase
-def write(
-    block: Block, s: Settings, width: Width, lanes: int, first_arena: int, slots: int, sections: Sections
-) -> None:
-    """R7.1: write the observations of a block, one group of lanes after the other.
+def write(chunk: Rows, s: Settings, width: Width, lanes: int, first_arena: int, slots: int, sections: Sections) -> None:
+    """R7.1: write the observations of a chunk, one group of lanes after the other.
 
     They are written in place, with two exceptions that use the staging section: a group with lanes without an arena,
     and a batch so large that its observations should go past the caches, in the order of the memory.
@@ -283,58 +281,58 @@ def write(
     Args:
         sections: see `memory.Sections`; the hunters' observations are written.
     """
-    ahead = block_after(sections.blocks, first_arena)
+    next_chunk = chunk_after(sections.chunks, first_arena)
     columns, out = sections.observations.shape[2], flat(sections.observations)
     stride = sections.observations.shape[1] * columns
     for first in range(0, lanes, len(width)):
-        apart = lanes - first < len(width) or len(out) > _STREAMED
-        to = sections.staging if apart else out
-        begin = 0 if apart else (first_arena + first) * stride
-        tile_targets(block, s, first, width, targets_of(block, s), slots, sections.target_tiles)
+        is_staged = lanes - first < len(width) or len(out) > _STREAMED
+        destination = sections.staging if is_staged else out
+        begin = 0 if is_staged else (first_arena + first) * stride
+        tile_targets(chunk, s, first, width, targets_of(chunk, s), slots, sections.target_tiles)
         if s.hunters_seen > 0:
-            tile_hunters(block, s, first, width, sections.teams, sections.body_tiles)
-        time_left = time_left_at(block, s, group(first, width))
+            tile_hunters(chunk, s, first, width, sections.teams, sections.body_tiles)
+        time_left = time_left_at(chunk, s, group(first, width))
         for seat in range(s.hunters):
             at = begin + seat * columns
             at_targets = at + SELF_WIDTH
             at_rivals = at_targets + s.targets_seen * target_width(s)
-            write_self(seat_of(block, seat), first, width, time_left, Place(to, at, stride))
-            write_targets(block, s, first, width, seat, sections, Place(to, at_targets, stride))
-            write_rivals(block, s, first, width, seat, sections, Place(to, at_rivals, stride))
-            prefetch_part(ahead, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
-        if apart:
+            write_self(seat_of(chunk, seat), first, width, time_left, Place(destination, at, stride))
+            write_targets(chunk, s, first, width, seat, sections, Place(destination, at_targets, stride))
+            write_rivals(chunk, s, first, width, seat, sections, Place(destination, at_rivals, stride))
+            prefetch_part(next_chunk, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
+        if is_staged:
             copy_to_observations(
                 sections.staging, min(len(width), lanes - first) * stride, out, (first_arena + first) * stride
             )
 
 
 @phase
-def block_after(blocks: NDArray[np.float64], first_arena: int) -> Block:
-    """Return the block that is played next, if it comes from memory and is not large; otherwise an empty one."""
-    size = blocks.shape[1]
+def chunk_after(chunks: NDArray[np.float64], first_arena: int) -> Rows:
+    """Return the chunk that is played next, if it comes from memory and is not large; otherwise an empty one."""
+    size = chunks.shape[1]
     begin = (first_arena // LANES + 1) * size
-    return flat(blocks)[begin : begin + (size if blocks.size > _CACHED and size < _LARGE else 0)]
+    return flat(chunks)[begin : begin + (size if chunks.size > _CACHED and size < _LARGE else 0)]
 
 
 @phase
-def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections) -> None:
+def rank_seen(chunk: Rows, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections) -> None:
     """R7.1: rank the targets and rivals that each hunter sees, in the lanes of one group. One group's numbers, which
     are read again and again, stay in the first cache.
 
     Args:
-        sections: see `memory.Sections`; the rivals' orders are the result, and in the block those of the targets.
+        sections: see `memory.Sections`; the rivals' orders are the result, and in the chunk those of the targets.
     """
-    keys, tied, targets = sections.keys, sections.scratch_rows[:LANES], targets_of(block, s)
-    hunters = block[seat_at(0) : seat_at(s.hunters)]
+    keys, tied, targets = sections.keys, sections.scratch_rows[:LANES], targets_of(chunk, s)
+    hunters = chunk[seat_at(0) : seat_at(s.hunters)]
     if s.hunters_seen > 0:
-        note_positions(block, s, first, width, sections.positions)
+        note_positions(chunk, s, first, width, sections.positions)
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
-        rank_targets(block, me, s, first, width, targets, slots, reach_limit_m2, keys)
-        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(block, s, seat))
+        rank_targets(chunk, me, s, first, width, targets, slots, reach_limit_m2, keys)
+        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(chunk, s, seat))
         if s.hunters_seen > 0:
-            measure_rivals(block, s, first, width, seat, reach_limit_m2, sections.positions, keys)
+            measure_rivals(chunk, s, first, width, seat, reach_limit_m2, sections.positions, keys)
             # one rank more than is seen, to notice a tie at the edge of the view
             sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
             ranks = min(s.hunters_seen, s.hunters - 2)
@@ -345,23 +343,23 @@ def rank_seen(block: Block, s: Settings, first: int, width: Width, lanes: int, s
 
 
 @phase
-def observe(block: Block, s: Settings, width: Width, first_arena: int, stop_arena: int, sections: Sections) -> None:
-    """R7.1, R7.2: rank each hunter's view, and then write the observations and masks of a block, for the arenas from
+def observe(chunk: Rows, s: Settings, width: Width, first_arena: int, stop_arena: int, sections: Sections) -> None:
+    """R7.1, R7.2: rank each hunter's view, and then write the observations and masks of a chunk, for the arenas from
     `first_arena` up to, but not including, `stop_arena`.
 
     The order of the targets stays in the arena: the next step's choices are ranks in it.
     """
     lanes = stop_arena - first_arena
-    targets = targets_of(block, s)
-    slots = most_alive(block, lanes)
+    targets = targets_of(chunk, s)
+    slots = most_alive(chunk, lanes)
     for seat in range(s.hunters):
-        update_heading(seat_of(block, seat), width)
+        update_heading(seat_of(chunk, seat), width)
     if s.targets_move:
         for slot in range(slots):
             update_heading(body_of(targets, s, slot), width)
     for first in range(0, lanes, len(width)):
-        rank_seen(block, s, first, width, lanes, slots, sections)
-    write(block, s, width, lanes, first_arena, slots, sections)
-    write_masks(block, s, lanes, sections.masks[first_arena:stop_arena])
+        rank_seen(chunk, s, first, width, lanes, slots, sections)
+    write(chunk, s, width, lanes, first_arena, slots, sections)
+    write_masks(chunk, s, lanes, sections.masks[first_arena:stop_arena])
     if s.prey > 0:
-        observe_as_prey(block, s, width, lanes, first_arena, sections)
+        observe_as_prey(chunk, s, width, lanes, first_arena, sections)

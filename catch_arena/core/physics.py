@@ -1,8 +1,8 @@
-"""Rulebook chapter 2: motion of turtles. Blocks of LANES arenas; metres, radians, seconds."""
+"""Rulebook chapter 2: motion of turtles. Chunks of LANES arenas; metres, radians, seconds."""
 
 from typing import Final
 
-from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import clamp, sincos, wrap
 from catch_arena.core.state import (
     AT_WALL,
@@ -18,8 +18,8 @@ from catch_arena.core.state import (
     Y,
     body_of,
     most_alive,
+    played_lanes,
     seat_of,
-    span,
 )
 from catch_arena.core.vectors import Width, any_of, floor, group, select
 
@@ -64,7 +64,7 @@ def ticks_until(time_ms: float) -> float:
 
 
 @phase
-def move_body(me: Block, width: Width, side: float, fewest: int, most: int, ticks: Block) -> None:
+def move_body(me: Rows, width: Width, side: float, fewest: int, most: int, ticks: Rows) -> None:
     """R2.2, R2.3: move one body by all ticks of a step.
 
     Args:
@@ -73,7 +73,7 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
         most: greatest number of ticks in any lane: `fewest`, or one more.
         ticks: number of ticks of each lane, one row.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
         stride = me[SPEED + lane] * DT
@@ -96,22 +96,22 @@ def move_body(me: Block, width: Width, side: float, fewest: int, most: int, tick
 
 
 @outlined
-def drop_stale_commands(block: Block, s: Settings, width: Width, stale: Block) -> None:
+def drop_stale_commands(chunk: Rows, s: Settings, width: Width, stale: Rows) -> None:
     """R2.4: stop the hunters whose commands the watchdog dropped in this step.
 
     Args:
         stale: one row: 1 if the watchdog has fired, else 0.
     """
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
-        for first in range(0, span(width), len(width)):
+        me = seat_of(chunk, seat)
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             me[SPEED + lane] = select(stale[lane] > 0.0, 0.0, me[SPEED + lane])
             me[TURN_RATE + lane] = select(stale[lane] > 0.0, 0.0, me[TURN_RATE + lane])
 
 
 @phase
-def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
+def fewest_and_most(ticks: Rows, lanes: int) -> tuple[int, int]:
     """Return the least and the greatest number of ticks of a lane."""
     fewest, most = 1e18, 0.0
     for lane in range(lanes):
@@ -121,7 +121,7 @@ def fewest_and_most(ticks: Block, lanes: int) -> tuple[int, int]:
 
 
 @phase
-def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, counts: Block) -> None:
+def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, counts: Rows) -> None:
     """R1.3: play all ticks in (t, t + period], one after the other.
 
     R2.4's watchdog stops a hunter at the first tick more than a second after its command: later ticks do not move it.
@@ -133,21 +133,21 @@ def move(block: Block, s: Settings, width: Width, lanes: int, targets: Block, co
     """
     due, fresh, stale = counts[:LANES], counts[LANES : 2 * LANES], counts[2 * LANES : 3 * LANES]
     any_stale = False
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        before = ticks_until(block[TIME + lane])
-        ticks = ticks_until(block[TIME + lane] + s.period_ms) - before
-        until_stale = ticks_until(block[TIME + lane] + WATCHDOG_MS) - before
+        before = ticks_until(chunk[TIME + lane])
+        ticks = ticks_until(chunk[TIME + lane] + s.period_ms) - before
+        until_stale = ticks_until(chunk[TIME + lane] + WATCHDOG_MS) - before
         due[lane] = ticks
         fresh[lane] = select(until_stale < ticks, until_stale, ticks)
         stale[lane] = select(until_stale < ticks, 1.0, 0.0)
         any_stale = any_stale | any_of(until_stale < ticks)
     fewest, most = fewest_and_most(fresh, lanes)
     for seat in range(s.hunters):
-        move_body(seat_of(block, seat), width, s.side_m, fewest, most, fresh)
+        move_body(seat_of(chunk, seat), width, s.side_m, fewest, most, fresh)
     if any_stale:
-        drop_stale_commands(block, s, width, stale)
+        drop_stale_commands(chunk, s, width, stale)
     if s.targets_move:
         fewest, most = fewest_and_most(due, lanes)
-        for slot in range(most_alive(block, lanes)):
+        for slot in range(most_alive(chunk, lanes)):
             move_body(body_of(targets, s, slot), width, s.side_m, fewest, most, due)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, entry, phase
+from catch_arena.core.jit import Rows, entry, phase
 from catch_arena.core.math import wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.spawner import add_target, is_played, remove_target
@@ -38,7 +38,7 @@ Table = NDArray[np.float64]
 
 
 @phase
-def put_body(body: Block, lane: int, pose: Table) -> None:
+def put_body(body: Rows, lane: int, pose: Table) -> None:
     """Put a body at a pose: x, y [m] and heading [rad]."""
     body[X + lane] = pose[0]
     body[Y + lane] = pose[1]
@@ -46,16 +46,16 @@ def put_body(body: Block, lane: int, pose: Table) -> None:
 
 
 @phase
-def put_target(block: Block, s: Settings, lane: int, targets: Block, target: Table) -> None:
+def put_target(chunk: Rows, s: Settings, lane: int, targets: Rows, target: Table) -> None:
     """Add a target with the next number, which may have appeared earlier.
 
     Args:
         target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
     """
-    block[LAST_NUMBER + lane] += 1.0
-    add_target(block, s, lane, targets, target[0], target[1], target[2], block[TIME + lane] - target[4])
+    chunk[LAST_NUMBER + lane] += 1.0
+    add_target(chunk, s, lane, targets, target[0], target[1], target[2], chunk[TIME + lane] - target[4])
     if s.targets_move:
-        body_of(targets, s, int(block[ALIVE + lane]) - 1)[SPEED + lane] = target[3]
+        body_of(targets, s, int(chunk[ALIVE + lane]) - 1)[SPEED + lane] = target[3]
 
 
 @entry
@@ -68,27 +68,27 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
-    block, lane = sections.blocks[arena // LANES], arena % LANES
+    chunk, lane = sections.chunks[arena // LANES], arena % LANES
     for seat in range(len(hunters)):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         put_body(me, lane, hunters[seat])
         me[AT_WALL + lane] = 0.0
         for offset in AT_REST:
             me[offset + lane] = 0.0
-    every = targets_of(block, s)
-    for slot in range(int(block[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
-        if not is_played(block, s, lane, slot):
-            remove_target(block, s, lane, every, slot)
+    every = targets_of(chunk, s)
+    for slot in range(int(chunk[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
+        if not is_played(chunk, s, lane, slot):
+            remove_target(chunk, s, lane, every, slot)
     for index in range(len(prey)):
-        slot = int(prey_of(block, s, index)[PREY_SLOT + lane])
+        slot = int(prey_of(chunk, s, index)[PREY_SLOT + lane])
         if slot != NO_TARGET:
             body = body_of(every, s, slot)
             put_body(body, lane, prey[index])
             for offset in (SPEED, TURN_RATE, AT_WALL):
                 body[offset + lane] = 0.0
     for i in range(len(targets)):
-        if block[ALIVE + lane] < s.max_targets:
-            put_target(block, s, lane, every, targets[i])
+        if chunk[ALIVE + lane] < s.max_targets:
+            put_target(chunk, s, lane, every, targets[i])
 
 
 @entry
@@ -106,22 +106,22 @@ def place_all(
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     for i in range(len(arenas)):
-        block, lane = sections.blocks[arenas[i] // LANES], arenas[i] % LANES
-        high, low = block[SEED_HIGH + lane], block[SEED_LOW + lane]
-        for row in range(len(block) // LANES):
-            block[row * LANES + lane] = 0.0
-        block[SEED_HIGH + lane], block[SEED_LOW + lane] = high, low
-        block[STEP + lane] = steps[i]
-        block[TIME + lane] = steps[i] * s.period_ms
-        block[FIRINGS + lane] = np.floor(block[TIME + lane] / s.spawn_period_ms)
+        chunk, lane = sections.chunks[arenas[i] // LANES], arenas[i] % LANES
+        high, low = chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]
+        for row in range(len(chunk) // LANES):
+            chunk[row * LANES + lane] = 0.0
+        chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane] = high, low
+        chunk[STEP + lane] = steps[i]
+        chunk[TIME + lane] = steps[i] * s.period_ms
+        chunk[FIRINGS + lane] = np.floor(chunk[TIME + lane] / s.spawn_period_ms)
         for seat in range(s.hunters):
-            me = seat_of(block, seat)
+            me = seat_of(chunk, seat)
             if np.isnan(hunters[i, seat, 0]):
                 me[WITHDRAWN + lane] = 1.0
             else:
                 put_body(me, lane, hunters[i, seat])
                 me[SPEED + lane] = hunters[i, seat, 3]
-        every = targets_of(block, s)
+        every = targets_of(chunk, s)
         for slot in range(targets.shape[1]):
             if not np.isnan(targets[i, slot, 0]):
-                put_target(block, s, lane, every, targets[i, slot])
+                put_target(chunk, s, lane, every, targets[i, slot])

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, entry, outlined, rule
+from catch_arena.core.jit import Rows, entry, outlined, rule
 from catch_arena.core.math import clamp
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.random import seed_of
@@ -59,10 +59,10 @@ HUNTER_Y: Final = 3 * LANES
 
 
 @outlined
-def begin_prey(block: Block, s: Settings, lane: int) -> None:
+def begin_prey(chunk: Rows, s: Settings, lane: int) -> None:
     """R12.1: give the first targets to prey, by index."""
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         me[PREY_SLOT + lane] = index
         me[CAUGHT_AT + lane] = NOT_CAUGHT
         me[CAUGHT_BY + lane] = NO_SEAT
@@ -70,7 +70,7 @@ def begin_prey(block: Block, s: Settings, lane: int) -> None:
 
 @outlined
 def command_prey(
-    block: Block, s: Settings, lanes: int, targets: Block, commands: NDArray[np.float32], sections: Sections
+    chunk: Rows, s: Settings, lanes: int, targets: Rows, commands: NDArray[np.float32], sections: Sections
 ) -> None:
     """R12.2, R12.5: set prey's velocities for this step, and note the distances from which the gain is counted.
 
@@ -78,7 +78,7 @@ def command_prey(
         sections: see `memory.Sections`; the references are written.
     """
     for index in range(s.prey):
-        me, agent = prey_of(block, s, index), s.hunters + index
+        me, agent = prey_of(chunk, s, index), s.hunters + index
         reference = sections.prey_references[index]
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
@@ -100,52 +100,52 @@ def command_prey(
             targets[BODY + SPEED + at] = speed if driven else 0.0
             targets[BODY + TURN_RATE + at] = turn_rate if driven else 0.0
             if s.needs_gain:
-                seat = nearest_hunter(block, s, lane, targets, at)
+                seat = nearest_hunter(chunk, s, lane, targets, at)
                 if seat >= 0:
-                    x, y = seat_of(block, seat)[X + lane], seat_of(block, seat)[Y + lane]
+                    x, y = seat_of(chunk, seat)[X + lane], seat_of(chunk, seat)[Y + lane]
                     reference[HUNTER_X + lane] = x
                     reference[HUNTER_Y + lane] = y
                     reference[HUNTER_DISTANCE + lane] = distance(targets, at, x, y)
 
 
 @rule
-def distance(targets: Block, at: int, x: float, y: float) -> float:
+def distance(targets: Rows, at: int, x: float, y: float) -> float:
     """Return the distance between a target and a position [m]."""
     dx, dy = x - targets[TARGET_X + at], y - targets[TARGET_Y + at]
     return sqrt(dx * dx + dy * dy)
 
 
 @outlined
-def catch_prey(block: Block, s: Settings, lane: int, seat: int, slot: int) -> None:
+def catch_prey(chunk: Rows, s: Settings, lane: int, seat: int, slot: int) -> None:
     """R12.3: mark the prey that plays the target in one slot as caught by a seat; called before the target leaves."""
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         if me[PREY_SLOT + lane] == slot:
             me[PREY_SLOT + lane] = NO_TARGET
             me[TIMES_CAUGHT + lane] += 1.0
-            me[CAUGHT_AT + lane] = block[TIME + lane]
+            me[CAUGHT_AT + lane] = chunk[TIME + lane]
             me[CAUGHT_BY + lane] = seat
 
 
 @outlined
-def return_prey(block: Block, s: Settings, lanes: int, targets: Block) -> None:
+def return_prey(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
     """R12.3: give prey that was out long enough the next target, after all firings of a step, if there is room."""
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         for lane in range(lanes):
-            now = block[TIME + lane] + s.period_ms
+            now = chunk[TIME + lane] + s.period_ms
             if (
                 me[PREY_SLOT + lane] == NO_TARGET
                 and now >= me[CAUGHT_AT + lane] + s.prey_returns_ms
-                and block[ALIVE + lane] < s.max_targets
+                and chunk[ALIVE + lane] < s.max_targets
             ):
-                me[PREY_SLOT + lane] = block[ALIVE + lane]
+                me[PREY_SLOT + lane] = chunk[ALIVE + lane]
                 me[CAUGHT_AT + lane] = NOT_CAUGHT
-                spawn_next(block, s, lane, targets, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]), now)
+                spawn_next(chunk, s, lane, targets, seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]), now)
 
 
 @rule
-def prey_parts(me: Block, s: Settings, lane: int, targets: Block, reference: Block) -> tuple[float, float, float]:
+def prey_parts(me: Rows, s: Settings, lane: int, targets: Rows, reference: Rows) -> tuple[float, float, float]:
     """R12.5: return the reward parts of one prey that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
     if me[CAUGHT_BY + lane] >= 0.0:
         return 1.0, 0.0, 0.0
@@ -161,10 +161,10 @@ def prey_parts(me: Block, s: Settings, lane: int, targets: Block, reference: Blo
 
 @outlined
 def reward_prey(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     lanes: int,
-    targets: Block,
+    targets: Rows,
     had_ended: bool,
     sections: Sections,
     rewards: NDArray[np.float64],
@@ -178,7 +178,7 @@ def reward_prey(
         parts: (lanes, P, parts), in the order of `state.PREY_PART_NAMES`; or empty.
     """
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         reference = sections.prey_references[index]
         for lane in range(lanes):
             total, caught, survived, gained = 0.0, 0.0, 0.0, 0.0
@@ -196,7 +196,7 @@ def reward_prey(
 
 
 @rule
-def is_ahead(one: Block, other: Block, lane: int) -> bool:
+def is_ahead(one: Rows, other: Rows, lane: int) -> bool:
     """R12.5: return whether one prey ranks before another: withdrawn prey is last, then fewer catches come first."""
     if one[PREY_WITHDRAWN + lane] != other[PREY_WITHDRAWN + lane]:
         return bool(one[PREY_WITHDRAWN + lane] < other[PREY_WITHDRAWN + lane])
@@ -204,17 +204,17 @@ def is_ahead(one: Block, other: Block, lane: int) -> bool:
 
 
 @outlined
-def write_prey_records(block: Block, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
+def write_prey_records(chunk: Rows, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
     """Write the records of one lane's episode as it is now.
 
     Args:
         record: the result, (N, figures); the rows of prey are written.
     """
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         rank = 1.0
         for other in range(s.prey):
-            rank += 1.0 if is_ahead(prey_of(block, s, other), me, lane) else 0.0
+            rank += 1.0 if is_ahead(prey_of(chunk, s, other), me, lane) else 0.0
         record[s.hunters + index, FINAL_SCORE] = me[TIMES_CAUGHT + lane]
         record[s.hunters + index, FINAL_RANK] = rank
         record[s.hunters + index, FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]
@@ -225,8 +225,8 @@ def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
     """R12.5: withdraw one prey: it stands still from now on."""
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
-    block, lane = sections.blocks[arena // LANES], arena % LANES
-    me, targets = prey_of(block, s, index), targets_of(block, s)
+    chunk, lane = sections.chunks[arena // LANES], arena % LANES
+    me, targets = prey_of(chunk, s, index), targets_of(chunk, s)
     me[PREY_WITHDRAWN + lane] = 1.0
     slot = int(me[PREY_SLOT + lane])
     if slot != NO_TARGET:

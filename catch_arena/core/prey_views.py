@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from catch_arena.core.addresses import flat
 from catch_arena.core.features import body_seen, observer_of, time_left_at
-from catch_arena.core.jit import Block, outlined, phase
+from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import (
     FAR,
@@ -50,17 +50,17 @@ Numbers = NDArray[np.float32]
 
 _SELF_WIDTH: Final = len(PreySelfFeatures._fields)
 _BODY_WIDTH: Final = len(BodyFeatures._fields)
-_NOT_AMONG_THEM: Final = -1
+_NO_OBSERVER: Final = -1
 """Value in place of an index: the observer is not one of the ranked bodies."""
 
 
 @outlined
-def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, sections: Sections) -> None:
+def gather_prey(chunk: Rows, s: Settings, lanes: int, targets: Rows, sections: Sections) -> None:
     """Gather the bodies of all prey from their slots. Prey that is out has zeros, and is hidden like a withdrawn
     hunter.
     """
     for index in range(s.prey):
-        me, gathered = prey_of(block, s, index), sections.gathered_prey[index]
+        me, gathered = prey_of(chunk, s, index), sections.gathered_prey[index]
         for lane in range(lanes):
             slot = int(me[PREY_SLOT + lane])
             gathered[WITHDRAWN + lane] = 1.0 if slot == NO_TARGET else 0.0
@@ -72,45 +72,45 @@ def gather_prey(block: Block, s: Settings, lanes: int, targets: Block, sections:
 class Bodies(NamedTuple):
     """Bodies that one prey may see: all hunters, or all prey."""
 
-    rows: Block
+    rows: Rows
     """Rows of all bodies, one body after the other."""
     size: int
     """Length of each body's rows."""
     total: int
-    myself: int
-    """Index of the observer among the bodies, or _NOT_AMONG_THEM."""
+    observer_index: int
+    """Index of the observer among the bodies, or _NO_OBSERVER."""
     ranks: int
     """Number of bodies that are seen."""
     first_column: int
     """First column of rank 1, in the observation of one prey."""
-    exactly: bool
-    """True if the last rank must be copied without extra numbers, since no later column overwrites them."""
+    is_last: bool
+    """True if the last rank has the last columns of the observation: see `tiles.put_rank`."""
 
 
 @phase
-def bodies_of(block: Block, s: Settings, index: int, of_hunters: bool, gathered_prey: Block) -> Bodies:
+def bodies_of(chunk: Rows, s: Settings, index: int, of_hunters: bool, gathered_prey: Rows) -> Bodies:
     """R12.4: return the hunters, or the prey, as bodies that one prey may see."""
     hunters_seen, prey_seen = min(s.hunters, MOST_SEEN_BY_PREY), min(s.prey - 1, MOST_SEEN_BY_PREY)
-    exactly = not of_hunters or prey_seen == 0
+    is_last = not of_hunters or prey_seen == 0
     return Bodies(
-        rows=block[seat_at(0) : seat_at(s.hunters)] if of_hunters else gathered_prey,
+        rows=chunk[seat_at(0) : seat_at(s.hunters)] if of_hunters else gathered_prey,
         size=SEAT_SIZE if of_hunters else WITHDRAWN + LANES,
         total=s.hunters if of_hunters else s.prey,
-        myself=_NOT_AMONG_THEM if of_hunters else index,
+        observer_index=_NO_OBSERVER if of_hunters else index,
         ranks=hunters_seen if of_hunters else prey_seen,
         first_column=_SELF_WIDTH + (0 if of_hunters else hunters_seen * _BODY_WIDTH),
-        exactly=exactly,
+        is_last=is_last,
     )
 
 
 @phase
-def body_in(bodies: Bodies, item: int) -> Block:
+def body_in(bodies: Bodies, item: int) -> Rows:
     """Return the rows of one of the bodies."""
     return bodies.rows[item * bodies.size : (item + 1) * bodies.size]
 
 
 @phase
-def rank_bodies(me: Block, first: int, width: Width, lanes: int, bodies: Bodies, sections: Sections) -> None:
+def rank_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, sections: Sections) -> None:
     """R12.4: rank bodies by distance, then in R7.1's order of rivals, in the lanes of one group.
 
     Args:
@@ -120,17 +120,29 @@ def rank_bodies(me: Block, first: int, width: Width, lanes: int, bodies: Bodies,
     for item in range(bodies.total):
         other = body_in(bodies, item)
         key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
-        unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
+        unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.observer_index)
         keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
     last, teams, tied = min(bodies.ranks, bodies.total - 1), sections.teams, sections.scratch_rows
     resolve_ties(
-        me, first, width, lanes, bodies.myself, bodies.rows, bodies.size, bodies.total, last, teams, False, keys, tied
+        me,
+        first,
+        width,
+        lanes,
+        bodies.observer_index,
+        bodies.rows,
+        bodies.size,
+        bodies.total,
+        last,
+        teams,
+        False,
+        keys,
+        tied,
     )
 
 
 @phase
-def write_bodies(me: Block, first: int, width: Width, bodies: Bodies, sections: Sections, place: Place) -> None:
+def write_bodies(me: Rows, first: int, width: Width, bodies: Bodies, sections: Sections, place: Place) -> None:
     """R12.4: write one prey's view of bodies, in the lanes of one group.
 
     Args:
@@ -142,16 +154,16 @@ def write_bodies(me: Block, first: int, width: Width, bodies: Bodies, sections: 
         put_tile(sections.body_tiles, item, width, body_tile(body_in(bodies, item), 0.0, lane))
     for rank in range(bodies.ranks):
         items = long(item_of(sections.keys[rank * LANES + lane]))
-        there = items != ABSENT
+        present = items != ABSENT
         tile = take_tile(sections.body_tiles, tile_index(items, width))
         at = place.at + bodies.first_column + rank * _BODY_WIDTH
-        exactly = bodies.exactly and rank == bodies.ranks - 1
+        is_last = bodies.is_last and rank == bodies.ranks - 1
         seen = body_seen(observer, body_of_tile(tile))
-        put_rank(Place(place.out, at, place.stride), there, seen, exactly)
+        put_rank(Place(place.out, at, place.stride), present, seen, is_last)
 
 
 @phase
-def write_self(block: Block, me: Block, s: Settings, first: int, width: Width, caught: Block, place: Place) -> None:
+def write_self(chunk: Rows, me: Rows, s: Settings, first: int, width: Width, caught: Rows, place: Place) -> None:
     """R12.4: write one prey's view of itself, in the lanes of one group.
 
     Args:
@@ -165,7 +177,7 @@ def write_self(block: Block, me: Block, s: Settings, first: int, width: Width, c
         heading_sin=me[SINE + lane],
         linear_velocity=me[SPEED + lane],
         angular_velocity=me[TURN_RATE + lane],
-        time_left=time_left_at(block, s, lane),
+        time_left=time_left_at(chunk, s, lane),
         times_caught=caught[lane],
         alive=1.0 - me[WITHDRAWN + lane],
     )
@@ -186,32 +198,32 @@ def copy_lanes(staging: Numbers, start: int, columns: int, lanes: int, stride: i
 
 
 @outlined
-def observe_as_prey(block: Block, s: Settings, width: Width, lanes: int, first_arena: int, sections: Sections) -> None:
-    """R12.4, R12.3: write the observations of all prey of a block.
+def observe_as_prey(chunk: Rows, s: Settings, width: Width, lanes: int, first_arena: int, sections: Sections) -> None:
+    """R12.4, R12.3: write the observations of all prey of a chunk.
 
     Args:
         sections: see `memory.Sections`; prey's rows of `observations` are the result.
     """
-    gather_prey(block, s, lanes, targets_of(block, s), sections)
+    gather_prey(chunk, s, lanes, targets_of(chunk, s), sections)
     out = flat(sections.observations)
     columns = sections.observations.shape[2]
     stride = sections.observations.shape[1] * columns
     for index in range(s.prey):
-        me, caught = sections.gathered_prey[index], prey_of(block, s, index)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
+        me, caught = sections.gathered_prey[index], prey_of(chunk, s, index)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
         for side in range(2):  # a loop, so that the functions it calls are compiled once
             of_hunters = side == 0
-            bodies = bodies_of(block, s, index, of_hunters, flat(sections.gathered_prey))
+            bodies = bodies_of(chunk, s, index, of_hunters, flat(sections.gathered_prey))
             if bodies.ranks == 0:
                 continue
             for first in range(0, lanes, len(width)):
                 rank_bodies(me, first, width, lanes, bodies, sections)
-                apart = lanes - first < len(width)
+                is_staged = lanes - first < len(width)
                 staged = (s.hunters + index) * columns
                 begin = (first_arena + first) * stride + staged
-                place = Place(sections.staging if apart else out, staged if apart else begin, stride)
+                place = Place(sections.staging if is_staged else out, staged if is_staged else begin, stride)
                 if of_hunters:
-                    write_self(block, me, s, first, width, caught, place)
+                    write_self(chunk, me, s, first, width, caught, place)
                 write_bodies(me, first, width, bodies, sections, place)
-                if apart:
+                if is_staged:
                     written = bodies.first_column + bodies.ranks * _BODY_WIDTH
                     copy_lanes(sections.staging, staged, written, lanes - first, stride, out, begin)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.features import body_seen, observer_of
-from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
@@ -59,7 +59,7 @@ def item_of(key: int) -> int:
 
 
 @rule
-def equally_far(nearer: int, farther: int) -> bool:
+def are_equally_far(nearer: int, farther: int) -> bool:
     """Return whether two keys have the same distance; `farther` must not be the smaller one."""
     return (nearer < FAR) & ((nearer & ~_SLOTS) == (farther & ~_SLOTS))
 
@@ -85,7 +85,7 @@ def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> N
 
 
 @phase
-def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Block) -> None:
+def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Rows) -> None:
     """Pack the slots or seats of the first keys, as `state.slot_at_rank` reads them.
 
     Args:
@@ -108,12 +108,12 @@ def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, pac
 
 @phase
 def rank_targets(
-    block: Block,
-    me: Block,
+    chunk: Rows,
+    me: Rows,
     s: Settings,
     first: int,
     width: Width,
-    targets: Block,
+    targets: Rows,
     slots: int,
     reach_limit_m2: float,
     keys: Keys,
@@ -125,7 +125,7 @@ def rank_targets(
     """
     lane = group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-    alive = truncate(block[ALIVE + lane])
+    alive = truncate(chunk[ALIVE + lane])
     for slot in range(slots):
         at = slot * s.slot_size + lane
         dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
@@ -137,7 +137,7 @@ def rank_targets(
 
 
 @phase
-def note_positions(block: Block, s: Settings, first: int, width: Width, positions: Block) -> None:
+def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions: Rows) -> None:
     """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
     is infinitely far, so that no hunter sees it (R1.6).
 
@@ -146,7 +146,7 @@ def note_positions(block: Block, s: Settings, first: int, width: Width, position
     """
     lane = group(first, width)
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         at = 2 * seat * len(width) + group(0, width)
         positions[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
         positions[len(width) + at] = me[Y + lane]
@@ -154,14 +154,14 @@ def note_positions(block: Block, s: Settings, first: int, width: Width, position
 
 @phase
 def measure_rivals(
-    block: Block, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, positions: Block, keys: Keys
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, positions: Rows, keys: Keys
 ) -> None:
     """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
 
     Args:
         keys: the result, by seat, rows of LANES.
     """
-    me, lane = seat_of(block, seat), group(first, width)
+    me, lane = seat_of(chunk, seat), group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     for other in range(s.hunters):
         at = 2 * other * len(width) + group(0, width)
@@ -174,7 +174,7 @@ def measure_rivals(
 
 
 @rule
-def lead(me: Block, one: Block, other: Block, lane: int) -> float:
+def lead(me: Rows, one: Rows, other: Rows, lane: int) -> float:
     """R7.1, R12.4: compare two equally far bodies: the one seen further left comes first, then further forward, and so
     on.
 
@@ -200,7 +200,7 @@ def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -
 
 
 @rule
-def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) -> bool:
+def has_more_catches(one: Rows, other: Rows, lane: int, listed_first: bool) -> bool:
     """R7.1: return whether one of two rivals who look alike comes first: the one with more catches, then the one that
     `is_listed_first`.
     """
@@ -210,7 +210,7 @@ def has_more_catches(one: Block, other: Block, lane: int, listed_first: bool) ->
 
 
 @rule
-def stand_together(one: Block, other: Block, lane: int) -> bool:
+def have_same_position(one: Rows, other: Rows, lane: int) -> bool:
     """Return whether two bodies are in one place and move alike: then they look alike to every observer."""
     in_one_place = (one[X + lane] == other[X + lane]) & (one[Y + lane] == other[Y + lane])
     head_alike = (one[SINE + lane] == other[SINE + lane]) & (one[COSINE + lane] == other[COSINE + lane])
@@ -219,16 +219,16 @@ def stand_together(one: Block, other: Block, lane: int) -> bool:
 
 
 @rule
-def some_tied(keys: Keys, ranks: int, lane: int) -> bool:
+def any_tied(keys: Keys, ranks: int, lane: int) -> bool:
     """R7.1, R12.4: return for each lane whether two seen bodies, or the last one and the next, are equally far.
 
     Args:
         keys: sorted by distance up to one rank after `ranks`, at least two rows of LANES.
         ranks: number of bodies that are seen.
     """
-    tied = equally_far(keys[lane], keys[LANES + lane])
+    tied = are_equally_far(keys[lane], keys[LANES + lane])
     for rank in range(1, ranks):
-        tied = tied | equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
+        tied = tied | are_equally_far(keys[rank * LANES + lane], keys[(rank + 1) * LANES + lane])
     return tied
 
 
@@ -246,12 +246,12 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
         number of keys, from the first on, that must be sorted.
     """
     edge = keys[ranks * LANES + lane]
-    if not equally_far(keys[(ranks - 1) * LANES + lane], edge):
+    if not are_equally_far(keys[(ranks - 1) * LANES + lane], edge):
         return ranks
     count = ranks + 1
     for at in range(count, total):
         key = keys[at * LANES + lane]
-        if equally_far(edge, key):
+        if are_equally_far(edge, key):
             keys[count * LANES + lane] = key
             count += 1
     return count
@@ -259,18 +259,18 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
 
 @outlined
 def sort_ties(
-    me: Block,
+    me: Rows,
     first: int,
     last: int,
     seat: int,
-    rows: Block,
+    rows: Rows,
     size: int,
     total: int,
     ranks: int,
     teams: NDArray[np.int64],
     are_rivals: bool,
     keys: Keys,
-    tied: Block,
+    tied: Rows,
 ) -> None:
     """R7.1, R12.4: sort equally far bodies among themselves, in the lanes from `first` to before `last`, by insertion;
     other arguments as for `resolve_ties`.
@@ -283,17 +283,17 @@ def sort_ties(
             at = newest
             while at > 0:
                 before = keys[(at - 1) * LANES + lane]
-                if not equally_far(before, key):
+                if not are_equally_far(before, key):
                     break
                 one, other = item_of(key), item_of(before)
                 newer, older = rows[one * size :], rows[other * size :]
                 difference = 0.0
-                if not stand_together(newer, older, lane):  # so do most ties late in an episode
+                if not have_same_position(newer, older, lane):  # so do most ties late in an episode
                     difference = lead(me, newer, older, lane)
-                ahead = difference > 0.0
+                goes_first = difference > 0.0
                 if difference == 0.0 and are_rivals:
-                    ahead = has_more_catches(newer, older, lane, is_listed_first(seat, one, other, teams))
-                if not ahead:
+                    goes_first = has_more_catches(newer, older, lane, is_listed_first(seat, one, other, teams))
+                if not goes_first:
                     break
                 keys[at * LANES + lane] = before
                 at -= 1
@@ -302,19 +302,19 @@ def sort_ties(
 
 @phase
 def resolve_ties(
-    me: Block,
+    me: Rows,
     first: int,
     width: Width,
     lanes: int,
     seat: int,
-    rows: Block,
+    rows: Rows,
     size: int,
     total: int,
     ranks: int,
     teams: NDArray[np.int64],
     are_rivals: bool,
     keys: Keys,
-    tied: Block,
+    tied: Rows,
 ) -> None:
     """R7.1, R12.4: sort the bodies in lanes in which two seen ones, or the last one and the next, are equally far. This
     is the order in observations; `arbiter.is_preferred` decides contests.
@@ -327,7 +327,7 @@ def resolve_ties(
         keys: sorted by distance up to one rank after `ranks`; ties are sorted in place.
     """
     lane = group(first, width)
-    some = some_tied(keys, ranks, lane)
+    some = any_tied(keys, ranks, lane)
     if any_of(some):
         tied[lane] = select(some, 1.0, 0.0)
         last = min(first + len(width), lanes)

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, outlined, phase
+from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import FAR, key_of
 from catch_arena.core.state import (
@@ -27,9 +27,9 @@ from catch_arena.core.state import (
     Settings,
     X,
     Y,
+    played_lanes,
     seat_of,
     slot_at_rank,
-    span,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
 from catch_arena.core.visibility import is_seen
@@ -50,7 +50,7 @@ Parts = NDArray[np.float64]
 
 
 @phase
-def set_progress_reference(me: Block, s: Settings, lanes: int, order: Block, targets: Block, reference: Block) -> None:
+def set_progress_reference(me: Rows, s: Settings, lanes: int, order: Rows, targets: Rows, reference: Rows) -> None:
     """R6.2's progress: note the nearest target that the hunter sees on S_t, and its distance."""
     for lane in range(lanes):
         slot = slot_at_rank(order, 0, lane)
@@ -65,12 +65,12 @@ def set_progress_reference(me: Block, s: Settings, lanes: int, order: Block, tar
 
 @outlined
 def renew_progress_reference(
-    block: Block, me: Block, s: Settings, lane: int, targets: Block, limits: SeatLimits, reference: Block
+    chunk: Rows, me: Rows, s: Settings, lane: int, targets: Rows, limits: SeatLimits, reference: Rows
 ) -> None:
     """Note the nearest target again in one lane that targets have just left, among those alive after the commit."""
     reference[2 * LANES + lane] = NOT_MEASURED
     nearest = FAR
-    for slot in range(int(block[ALIVE + lane])):
+    for slot in range(int(chunk[ALIVE + lane])):
         at = slot * s.slot_size + lane
         dx = targets[TARGET_X + at] - me[X + lane]
         dy = targets[TARGET_Y + at] - me[Y + lane]
@@ -83,7 +83,7 @@ def renew_progress_reference(
 
 
 @phase
-def count_catches(block: Block, s: Settings, width: Width, in_teams: bool, sections: Sections, catches: Block) -> None:
+def count_catches(chunk: Rows, s: Settings, width: Width, in_teams: bool, sections: Sections, catches: Rows) -> None:
     """R11.2: count the grants of this step, in total and for each team, under the seat that stands for the team.
 
     Args:
@@ -92,11 +92,11 @@ def count_catches(block: Block, s: Settings, width: Width, in_teams: bool, secti
         catches: the result, one row.
     """
     teams, team_rows = sections.teams, sections.team_rows
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         total = 0.0
         for seat in range(s.hunters):
-            granted = select(seat_of(block, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
+            granted = select(seat_of(chunk, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
             total = total + granted
             if in_teams:
                 at = teams[seat] * LANES
@@ -107,7 +107,7 @@ def count_catches(block: Block, s: Settings, width: Width, in_teams: bool, secti
 
 
 @outlined
-def share_rewards(block: Block, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards) -> None:
+def share_rewards(chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards) -> None:
     """R11.2: replace each seat's own earnings by a mix of them and the mean of its team.
 
     Args:
@@ -120,7 +120,7 @@ def share_rewards(block: Block, s: Settings, width: Width, lanes: int, sections:
         members = 0.0
         for seat in range(leader, s.hunters):
             members += 1.0 if teams[seat] == leader else 0.0
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             total = earned[leader * LANES + lane]
             for seat in range(leader + 1, s.hunters):
@@ -129,7 +129,7 @@ def share_rewards(block: Block, s: Settings, width: Width, lanes: int, sections:
             mean = total / members
             for seat in range(leader, s.hunters):
                 if teams[seat] == leader:
-                    me = seat_of(block, seat)
+                    me = seat_of(chunk, seat)
                     shared = (1.0 - s.team_share) * earned[seat * LANES + lane] + s.team_share * mean
                     shared = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
                     me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + shared
@@ -141,7 +141,7 @@ def share_rewards(block: Block, s: Settings, width: Width, lanes: int, sections:
 
 @phase
 def reward_hunters(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     width: Width,
     lanes: int,
@@ -158,11 +158,11 @@ def reward_hunters(
     catches = sections.scratch_rows[:LANES]
     amounts = sections.scratch_rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and then the parts in their order
     parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
-    count_catches(block, s, width, in_teams, sections, catches)
+    count_catches(chunk, s, width, in_teams, sections, catches)
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         reference = sections.progress_references[seat]
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
             verdict = me[VERDICT + lane]
@@ -214,27 +214,27 @@ def reward_hunters(
 
 @outlined
 def reward_teams(
-    block: Block, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
+    chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
 ) -> None:
     """R11.2: write the rewards of a scenario with teams; arguments as for `reward_hunters`."""
-    reward_hunters(block, s, width, lanes, True, sections, rewards, parts)
+    reward_hunters(chunk, s, width, lanes, True, sections, rewards, parts)
     if s.team_share > 0.0:
-        share_rewards(block, s, width, lanes, sections, rewards)
+        share_rewards(chunk, s, width, lanes, sections, rewards)
 
 
 @outlined
 def write_team_scores(
-    block: Block, s: Settings, width: Width, lanes: int, sections: Sections, scores: NDArray[np.float64]
+    chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, scores: NDArray[np.float64]
 ) -> None:
     """R11.1: write the sum of the scores of each team's hunters; `scores`, (lanes, teams), is the result."""
     teams, team_seats, row = sections.teams, sections.team_seats, sections.scratch_rows
     for team in range(len(team_seats)):
-        for first in range(0, span(width), len(width)):
+        for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             total = 0.0
             for seat in range(s.hunters):
                 if teams[seat] == team_seats[team]:
-                    total = total + seat_of(block, seat)[SCORE + lane]
+                    total = total + seat_of(chunk, seat)[SCORE + lane]
             row[lane] = total
         for lane in range(lanes):
             scores[lane, team] = row[lane]
@@ -242,10 +242,10 @@ def write_team_scores(
 
 @phase
 def reward(
-    block: Block, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
+    chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
 ) -> None:
     """R6.2, R11.2: write the rewards of all hunters for this step; arguments as for `reward_hunters`."""
     if s.has_teams:
-        reward_teams(block, s, width, lanes, sections, rewards, parts)
+        reward_teams(chunk, s, width, lanes, sections, rewards, parts)
     else:
-        reward_hunters(block, s, width, lanes, False, sections, rewards, parts)
+        reward_hunters(chunk, s, width, lanes, False, sections, rewards, parts)

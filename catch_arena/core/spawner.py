@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catch_arena.core.jit import Block, entry, outlined, phase, rule
+from catch_arena.core.jit import Rows, entry, outlined, phase, rule
 from catch_arena.core.math import TAU, wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
@@ -51,82 +51,82 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 
 @phase
 def add_target(
-    block: Block, s: Settings, lane: int, targets: Block, x: float, y: float, theta: float, time_ms: float
+    chunk: Rows, s: Settings, lane: int, targets: Rows, x: float, y: float, theta: float, time_ms: float
 ) -> None:
     """R3.4, R3.8, R8.2: add a target with the latest number at the end of the alive list, at rest.
 
     Args:
         time_ms: time at which it appears [ms since reset].
     """
-    slot = int(block[ALIVE + lane]) * s.slot_size + lane
-    targets[slot + NUMBER] = block[LAST_NUMBER + lane]
+    slot = int(chunk[ALIVE + lane]) * s.slot_size + lane
+    targets[slot + NUMBER] = chunk[LAST_NUMBER + lane]
     targets[slot + APPEARED] = time_ms
     targets[slot + BODY + X] = x
     targets[slot + BODY + Y] = y
     targets[slot + BODY + THETA] = wrap(theta) if s.targets_move else theta
-    block[ALIVE + lane] += 1.0
-    block[SPAWNED + lane] += 1.0
+    chunk[ALIVE + lane] += 1.0
+    chunk[SPAWNED + lane] += 1.0
 
 
 @phase
-def is_played(block: Block, s: Settings, lane: int, slot: int) -> bool:
+def is_played(chunk: Rows, s: Settings, lane: int, slot: int) -> bool:
     """Return whether prey plays the target in a slot."""
     played = False
     for index in range(s.prey):
-        played = played or prey_of(block, s, index)[PREY_SLOT + lane] == slot
+        played = played or prey_of(chunk, s, index)[PREY_SLOT + lane] == slot
     return bool(played)
 
 
 @outlined
-def remove_target(block: Block, s: Settings, lane: int, targets: Block, slot: int) -> None:
+def remove_target(chunk: Rows, s: Settings, lane: int, targets: Rows, slot: int) -> None:
     """R8.2: remove one target from the alive list; later ones move up, so that the order stays."""
     for index in range(s.prey):
-        me = prey_of(block, s, index)
+        me = prey_of(chunk, s, index)
         if me[PREY_SLOT + lane] > slot:
             me[PREY_SLOT + lane] -= 1.0
-    last = int(block[ALIVE + lane]) - 1
+    last = int(chunk[ALIVE + lane]) - 1
     for at in range(slot * s.slot_size + lane, last * s.slot_size, LANES):
         targets[at] = targets[at + s.slot_size]
     for at in range(last * s.slot_size + lane, (last + 1) * s.slot_size, LANES):
         targets[at] = 0.0
-    block[ALIVE + lane] = last
+    chunk[ALIVE + lane] = last
 
 
 @phase
-def spawn_next(block: Block, s: Settings, lane: int, targets: Block, seed: np.uint64, time_ms: float) -> None:
+def spawn_next(chunk: Rows, s: Settings, lane: int, targets: Rows, seed: np.uint64, time_ms: float) -> None:
     """R3.3: add a target with the next number, at that number's pose."""
-    block[LAST_NUMBER + lane] += 1.0
-    x, y, theta = spawn_pose(seed, block[LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
-    add_target(block, s, lane, targets, x, y, theta, time_ms)
+    chunk[LAST_NUMBER + lane] += 1.0
+    x, y, theta = spawn_pose(seed, chunk[LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
+    add_target(chunk, s, lane, targets, x, y, theta, time_ms)
 
 
 @phase
-def fire(block: Block, s: Settings, lane: int, targets: Block, seed: np.uint64) -> None:
+def fire(chunk: Rows, s: Settings, lane: int, targets: Rows, seed: np.uint64) -> None:
     """R3.1, R3.5, R3.6, R8.3: play one firing of the spawn timer."""
-    block[FIRINGS + lane] += 1.0
-    if block[SPAWNED + lane] >= s.target_budget:
+    chunk[FIRINGS + lane] += 1.0
+    if chunk[SPAWNED + lane] >= s.target_budget:
         return
-    if block[ALIVE + lane] >= s.max_targets:
-        block[SKIPPED_FULL + lane] += 1.0
-    elif spawn_service_down(seed, block[FIRINGS + lane], s.spawn_down_rate):
-        block[SKIPPED_DOWN + lane] += 1.0
-    elif spawn_refused(seed, block[LAST_NUMBER + lane] + 1.0, s.spawn_refused_rate):
-        block[LAST_NUMBER + lane] += 1.0
-        block[SPAWNS_REFUSED + lane] += 1.0
+    if chunk[ALIVE + lane] >= s.max_targets:
+        chunk[SKIPPED_FULL + lane] += 1.0
+    elif spawn_service_down(seed, chunk[FIRINGS + lane], s.spawn_down_rate):
+        chunk[SKIPPED_DOWN + lane] += 1.0
+    elif spawn_refused(seed, chunk[LAST_NUMBER + lane] + 1.0, s.spawn_refused_rate):
+        chunk[LAST_NUMBER + lane] += 1.0
+        chunk[SPAWNS_REFUSED + lane] += 1.0
     else:
-        spawn_next(block, s, lane, targets, seed, block[FIRINGS + lane] * s.spawn_period_ms)
+        spawn_next(chunk, s, lane, targets, seed, chunk[FIRINGS + lane] * s.spawn_period_ms)
 
 
 @phase
-def spawn_through(block: Block, s: Settings, lanes: int, targets: Block) -> None:
+def spawn_through(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
     """R1.4's phase 5, its spawning half: play all firings in (t, t + period].
 
     Targets and hunters do not touch each other, and a target that appears stands still until the next step (R3.8).
     Therefore these firings may follow the step's ticks.
     """
     for lane in range(lanes):
-        while (block[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= block[TIME + lane] + s.period_ms:
-            fire(block, s, lane, targets, seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane]))
+        while (chunk[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= chunk[TIME + lane] + s.period_ms:
+            fire(chunk, s, lane, targets, seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]))
 
 
 @entry
@@ -138,12 +138,12 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
-    block, lane = sections.blocks[arena // LANES], arena % LANES
-    if block[ALIVE + lane] >= s.max_targets:
+    chunk, lane = sections.chunks[arena // LANES], arena % LANES
+    if chunk[ALIVE + lane] >= s.max_targets:
         return 0
-    block[LAST_NUMBER + lane] += 1.0
-    add_target(block, s, lane, targets_of(block, s), x, y, theta, block[TIME + lane])
-    return int(block[LAST_NUMBER + lane])
+    chunk[LAST_NUMBER + lane] += 1.0
+    add_target(chunk, s, lane, targets_of(chunk, s), x, y, theta, chunk[TIME + lane])
+    return int(chunk[LAST_NUMBER + lane])
 
 
 @entry
@@ -153,13 +153,13 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     """
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
-    block, lane = sections.blocks[arena // LANES], arena % LANES
-    targets = targets_of(block, s)
-    for slot in range(int(block[ALIVE + lane])):
+    chunk, lane = sections.chunks[arena // LANES], arena % LANES
+    targets = targets_of(chunk, s)
+    for slot in range(int(chunk[ALIVE + lane])):
         if targets[slot * s.slot_size + NUMBER + lane] == number:
-            if is_played(block, s, lane, slot):
+            if is_played(chunk, s, lane, slot):
                 return False
-            remove_target(block, s, lane, targets, slot)
-            block[SPAWNED + lane] -= 1.0
+            remove_target(chunk, s, lane, targets, slot)
+            chunk[SPAWNED + lane] -= 1.0
             return True
     return False

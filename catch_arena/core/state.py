@@ -1,9 +1,9 @@
-"""The arena memory: the whole state of an arena, as rows of float64 in blocks of LANES arenas.
+"""The arena memory: the whole state of an arena, as rows of float64 in chunks of LANES arenas.
 
-A block is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and a copy of
+A chunk is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and a copy of
 that column saves it. A row is one number of each arena, and the constants below are offsets: r * LANES.
 
-The rows of a block: the arena's own, HUNTER_ROWS for each seat, a few for each slot, each seat's order of the targets,
+The rows of a chunk: the arena's own, HUNTER_ROWS for each seat, a few for each slot, each seat's order of the targets,
 and PREY_ROWS for each prey. Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from
 0 in spawning order (R8.2); all other slots are zero.
 """
@@ -13,17 +13,17 @@ from typing import ClassVar, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Rows, phase, rule
 from catch_arena.core.vectors import Width, bits_of
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
-"""Number of arenas side by side in a block: enough for the widest SIMD registers, few enough for the first caches."""
+"""Number of arenas side by side in a chunk: enough for the widest SIMD registers, few enough for the first caches."""
 
 
 @rule
-def span(width: Width) -> int:
-    """Return the number of a block's lanes that are played: one if there is one arena. Lanes after a batch's last arena
+def played_lanes(width: Width) -> int:
+    """Return the number of a chunk's lanes that are played: one if there is one arena. Lanes after a batch's last arena
     are played too, and not read: to leave them out would mostly cost more than to play them.
     """
     return LANES if len(width) > 1 else 1
@@ -65,7 +65,7 @@ ACTIVE: Final = 10 * LANES  # spawn number of the active target, from 1; 0 for n
 SCORE: Final = 11 * LANES  # granted catches, from 0
 WITHDRAWN: Final = 12 * LANES  # R1.6's flag: 0 or 1
 REQUESTED_NUMBER: Final = 13 * LANES  # spawn number of the requested target, from 1; 0 for none
-VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then ANSWER's other rows are old
+VERDICT: Final = 14 * LANES  # R5.2: a number of Verdict, from 1; 0 for no request, and then RULING's other rows are old
 DISTANCE: Final = 15 * LANES  # R5.6: distance to the target [micrometres], from 0, or NOT_MEASURED
 WINNER: Final = 16 * LANES  # R5.6: the winner's seat, from 0, or NO_SEAT
 REWARD_SUM: Final = 17 * LANES  # sum of rewards in this episode, any number
@@ -87,8 +87,8 @@ HUNTER_DIGEST: Final = (
     WITHDRAWN,
 )
 """A.8: rows of a hunter in the digest, in this order."""
-ANSWER: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
-"""R5.6: rows with the answer to a hunter's request, one after the other."""
+RULING: Final = (REQUESTED_NUMBER, VERDICT, DISTANCE, WINNER)
+"""R5.6: rows with the ruling on a hunter's request, one after the other."""
 AT_REST: Final = (SPEED, TURN_RATE, DISTANCE_INTEGRAL, BEARING_INTEGRAL, ACTIVE)
 """Rows of a hunter that are zero while no action drives it."""
 
@@ -280,7 +280,7 @@ def slot_rows(targets_move: bool) -> int:
 
 
 class Regions(NamedTuple):
-    """Offsets in a block at which the rows of each kind begin, one kind after the other, and at which the last ones
+    """Offsets in a chunk at which the rows of each kind begin, one kind after the other, and at which the last ones
     end.
     """
 
@@ -293,7 +293,7 @@ class Regions(NamedTuple):
 
 @rule
 def regions_of(s: Settings) -> Regions:
-    """Return the offsets of a block's regions."""
+    """Return the offsets of a chunk's regions."""
     hunters = ARENA_ROWS * LANES
     targets = hunters + s.hunters * SEAT_SIZE
     target_orders = targets + s.max_targets * s.slot_size
@@ -308,23 +308,23 @@ def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
 
 
 @phase
-def targets_of(block: Block, s: Settings) -> Block:
-    """Return the target slots of a block: slot n begins at n * s.slot_size."""
+def targets_of(chunk: Rows, s: Settings) -> Rows:
+    """Return the target slots of a chunk: slot n begins at n * s.slot_size."""
     regions = regions_of(s)
-    return block[regions.targets : regions.target_orders]
+    return chunk[regions.targets : regions.target_orders]
 
 
 @phase
-def most_alive(block: Block, lanes: int) -> int:
+def most_alive(chunk: Rows, lanes: int) -> int:
     """Return the greatest number of alive targets in a lane; `lanes` is the number of lanes that are arenas."""
     most = 0.0
     for lane in range(lanes):
-        most = block[ALIVE + lane] if block[ALIVE + lane] > most else most
+        most = chunk[ALIVE + lane] if chunk[ALIVE + lane] > most else most
     return int(most)
 
 
 @phase
-def body_of(targets: Block, s: Settings, slot: int) -> Block:
+def body_of(targets: Rows, s: Settings, slot: int) -> Rows:
     """Return the body of the target in one slot; only for targets that move."""
     first = slot * s.slot_size + BODY
     return targets[first : first + BODY_ROWS * LANES]
@@ -332,34 +332,34 @@ def body_of(targets: Block, s: Settings, slot: int) -> Block:
 
 @rule
 def seat_at(seat: int) -> int:
-    """Return the offset of the rows of one seat in a block."""
+    """Return the offset of the rows of one seat in a chunk."""
     return ARENA_ROWS * LANES + seat * SEAT_SIZE
 
 
 @phase
-def seat_of(block: Block, seat: int) -> Block:
+def seat_of(chunk: Rows, seat: int) -> Rows:
     """Return the rows of one seat."""
     first = seat_at(seat)
-    return block[first : first + SEAT_SIZE]
+    return chunk[first : first + SEAT_SIZE]
 
 
 @phase
-def prey_of(block: Block, s: Settings, index: int) -> Block:
+def prey_of(chunk: Rows, s: Settings, index: int) -> Rows:
     """Return the rows of one prey."""
     first = regions_of(s).prey + index * PREY_SIZE
-    return block[first : first + PREY_SIZE]
+    return chunk[first : first + PREY_SIZE]
 
 
 @phase
-def target_order_of(block: Block, s: Settings, seat: int) -> Block:
+def target_order_of(chunk: Rows, s: Settings, seat: int) -> Rows:
     """Return the targets in the order in which one seat sees them: see `slot_at_rank`."""
     size = target_order_rows(s.targets_seen) * LANES
     first = regions_of(s).target_orders + seat * size
-    return block[first : first + size]
+    return chunk[first : first + size]
 
 
 @rule
-def slot_at_rank(order: Block, rank: int, lane: int) -> int:
+def slot_at_rank(order: Rows, rank: int, lane: int) -> int:
     """Return the slot or seat at a rank; ABSENT for none.
 
     An order has rows of LANES numbers, with RANKS_PER_WORD ranks in each. Ranks count from 0 here, and from 1 in
@@ -370,9 +370,9 @@ def slot_at_rank(order: Block, rank: int, lane: int) -> int:
 
 
 @phase
-def targets_ranked(block: Block, s: Settings, lane: int, order: Block) -> int:
+def targets_ranked(chunk: Rows, s: Settings, lane: int, order: Rows) -> int:
     """R7.1, R7.5: return the number of targets that a seat sees; each of them has a rank."""
-    count = min(int(block[ALIVE + lane]), s.targets_seen)
+    count = min(int(chunk[ALIVE + lane]), s.targets_seen)
     if s.partial_view:
         while count > 0 and slot_at_rank(order, count - 1, lane) == ABSENT:
             count -= 1

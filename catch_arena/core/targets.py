@@ -1,12 +1,12 @@
 """Rulebook R3.8 to R3.10: decisions of moving targets in phase 2. They all read S_t only.
 
-Blocks of LANES arenas; metres, radians, seconds.
+Chunks of LANES arenas; metres, radians, seconds.
 """
 
 from typing import Final
 
 from catch_arena.core.arbiter import measure_um
-from catch_arena.core.jit import Block, outlined, phase, rule
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.random import seed_of, threat_lot, wander_draw
 from catch_arena.core.state import (
@@ -35,8 +35,8 @@ from catch_arena.core.state import (
     X,
     Y,
     most_alive,
+    played_lanes,
     seat_of,
-    span,
 )
 from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
 
@@ -70,36 +70,36 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
 
 
 @outlined
-def renew_wander(block: Block, s: Settings, lane: int, targets: Block, at: int) -> None:
+def renew_wander(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) -> None:
     """R3.9: draw the turn of a target's current period after the last period has ended."""
-    period = floor((block[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
+    period = floor((chunk[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
+    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
     targets[WANDER + at] = wander_draw(seed, targets[NUMBER + at], period)
     targets[WANDER_ENDS + at] = targets[APPEARED + at] + (period + 1.0) * s.wander_period_ms
 
 
 @phase
-def keep_wandering(block: Block, s: Settings, width: Width, targets: Block, slot: int) -> None:
+def keep_wandering(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int) -> None:
     """R3.9: draw the turns of the targets in one slot whose periods have ended."""
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= block[TIME + lane]
-        if any_of(ended & (block[ALIVE + lane] > slot)):
-            for each in range(first, first + len(width)):
-                at = slot * s.slot_size + each
-                if targets[WANDER_ENDS + at] <= block[TIME + each] and block[ALIVE + each] > slot:
-                    renew_wander(block, s, each, targets, at)
+        ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= chunk[TIME + lane]
+        if any_of(ended & (chunk[ALIVE + lane] > slot)):
+            for one_lane in range(first, first + len(width)):
+                at = slot * s.slot_size + one_lane
+                if targets[WANDER_ENDS + at] <= chunk[TIME + one_lane] and chunk[ALIVE + one_lane] > slot:
+                    renew_wander(chunk, s, one_lane, targets, at)
 
 
 @outlined
-def nearest_hunter(block: Block, s: Settings, lane: int, targets: Block, at: int) -> int:
+def nearest_hunter(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) -> int:
     """R3.10, R12.5: return the seat nearest to a target, by lot if several are equally near; NO_SEAT for none."""
-    seed = seed_of(block[SEED_HIGH + lane], block[SEED_LOW + lane])
-    step, number = block[STEP + lane], targets[NUMBER + at]
+    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+    step, number = chunk[STEP + lane], targets[NUMBER + at]
     chosen = NO_SEAT
     nearest = _NO_THREAT
     for seat in range(s.hunters):
-        me = seat_of(block, seat)
+        me = seat_of(chunk, seat)
         if me[WITHDRAWN + lane] > 0.0:
             continue
         um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
@@ -110,7 +110,7 @@ def nearest_hunter(block: Block, s: Settings, lane: int, targets: Block, at: int
 
 
 @phase
-def find_threats(block: Block, s: Settings, width: Width, targets: Block, slot: int, threats: Block) -> None:
+def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, threats: Rows) -> None:
     """R3.10: find the nearest hunter of the targets in one slot.
 
     Args:
@@ -118,13 +118,13 @@ def find_threats(block: Block, s: Settings, width: Width, targets: Block, slot: 
             it, east and north [m].
     """
     margin = _TIED_M * s.side_m
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
         # times 0: makes a number for each lane, as the loop below needs
         nearest, second, east, north = 0.0 * x + _NO_THREAT, 0.0 * x + _NO_THREAT, 0.0 * x, 0.0 * x
         for seat in range(s.hunters):
-            me = seat_of(block, seat)
+            me = seat_of(chunk, seat)
             dx, dy = x - me[X + lane], y - me[Y + lane]
             square = select(me[WITHDRAWN + lane] > 0.0, _NO_THREAT, dx * dx + dy * dy)
             nearer = square < nearest
@@ -136,17 +136,17 @@ def find_threats(block: Block, s: Settings, width: Width, targets: Block, slot: 
         threats[LANES + lane] = east
         threats[2 * LANES + lane] = north
         may_tie = second - nearest < margin
-        if any_of(may_tie & (nearest < s.alarm_limit_m2) & (block[ALIVE + lane] > slot)):
-            for each in range(first, first + len(width)):
-                at = slot * s.slot_size + each
-                seat = nearest_hunter(block, s, each, targets, at)
+        if any_of(may_tie & (nearest < s.alarm_limit_m2) & (chunk[ALIVE + lane] > slot)):
+            for one_lane in range(first, first + len(width)):
+                at = slot * s.slot_size + one_lane
+                seat = nearest_hunter(chunk, s, one_lane, targets, at)
                 if seat >= 0:
-                    threats[LANES + each] = targets[TARGET_X + at] - seat_of(block, seat)[X + each]
-                    threats[2 * LANES + each] = targets[TARGET_Y + at] - seat_of(block, seat)[Y + each]
+                    threats[LANES + one_lane] = targets[TARGET_X + at] - seat_of(chunk, seat)[X + one_lane]
+                    threats[2 * LANES + one_lane] = targets[TARGET_Y + at] - seat_of(chunk, seat)[Y + one_lane]
 
 
 @phase
-def steer(block: Block, s: Settings, width: Width, targets: Block, slot: int, threats: Block) -> None:
+def steer(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, threats: Rows) -> None:
     """R3.9, R3.10: command the targets in one slot: away from a threat, else to the centre if a wall held them, else on
     in an arc.
 
@@ -154,7 +154,7 @@ def steer(block: Block, s: Settings, width: Width, targets: Block, slot: int, th
         slot: the slot of the targets; their speeds and turn rates are written.
         threats: as `find_threats` writes them; read if targets flee.
     """
-    for first in range(0, span(width), len(width)):
+    for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         at = slot * s.slot_size + lane
         x, y = targets[TARGET_X + at], targets[TARGET_Y + at]
@@ -173,7 +173,7 @@ def steer(block: Block, s: Settings, width: Width, targets: Block, slot: int, th
             north = select(threatened, select(apart, dy / away, sine) + 2.0 * push(y, s.side_m), north)
             speed = select(threatened, s.target_speed_mps, s.target_speed_mps / 2.0)
             steers = steers | threatened
-        alive = block[ALIVE + lane] > slot
+        alive = chunk[ALIVE + lane] > slot
         turn_rate = targets[WANDER + at] * s.target_turn_rate_radps
         if any_of(steers & alive):
             turn_rate = select(steers, steered(east, north, sine, cosine, s.target_turn_rate_radps), turn_rate)
@@ -182,14 +182,14 @@ def steer(block: Block, s: Settings, width: Width, targets: Block, slot: int, th
 
 
 @phase
-def command_targets(block: Block, s: Settings, width: Width, lanes: int, targets: Block, threats: Block) -> None:
+def command_targets(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, threats: Rows) -> None:
     """R3.8: command every moving target for this step.
 
     Args:
         threats: room for three rows: see `find_threats`.
     """
-    for slot in range(most_alive(block, lanes)):
-        keep_wandering(block, s, width, targets, slot)
+    for slot in range(most_alive(chunk, lanes)):
+        keep_wandering(chunk, s, width, targets, slot)
         if s.target_motion == FLEEING:
-            find_threats(block, s, width, targets, slot, threats)
-        steer(block, s, width, targets, slot, threats)
+            find_threats(chunk, s, width, targets, slot, threats)
+        steer(chunk, s, width, targets, slot, threats)

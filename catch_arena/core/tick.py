@@ -9,15 +9,15 @@ from catch_arena.core.catching import resolve_requests
 from catch_arena.core.controllers import apply_actions
 from catch_arena.core.dropouts import drop_out, write_active
 from catch_arena.core.episodes import (
+    any_ended,
     begin,
     begin_again,
     end_test,
     restore_finished,
-    some_ended,
     take_snapshot,
     write_ends,
 )
-from catch_arena.core.jit import Block, entry, phase
+from catch_arena.core.jit import Rows, entry, phase
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
@@ -31,7 +31,7 @@ from catch_arena.core.vectors import Width
 
 @phase
 def play(
-    block: Block,
+    chunk: Rows,
     s: Settings,
     width: Width,
     first_arena: int,
@@ -41,37 +41,37 @@ def play(
     given_requests: RequestTable,
     sections: Sections,
 ) -> None:
-    """R1.4: play one step of a block, whose arenas are those from `first_arena` up to, but not including,
+    """R1.4: play one step of a chunk, whose arenas are those from `first_arena` up to, but not including,
     `stop_arena`.
     """
     lanes = stop_arena - first_arena
-    targets = targets_of(block, s)
+    targets = targets_of(chunk, s)
     rewards, parts = sections.rewards[first_arena:stop_arena], sections.parts[first_arena:stop_arena]
-    had_ended = some_ended(block, lanes)
+    had_ended = any_ended(chunk, lanes)
     if had_ended:
-        take_snapshot(block, sections.snapshot)
+        take_snapshot(chunk, sections.snapshot)
     if s.dropout_rate > 0.0:
-        drop_out(block, s, lanes)
+        drop_out(chunk, s, lanes)
     controls = sections.controls[first_arena:stop_arena]
     apply_actions(
-        block, s, width, lanes, controls, choices[first_arena:stop_arena], commands[first_arena:stop_arena], sections
+        chunk, s, width, lanes, controls, choices[first_arena:stop_arena], commands[first_arena:stop_arena], sections
     )
     if s.target_motion != STILL:
-        command_targets(block, s, width, lanes, targets, sections.scratch_rows)
+        command_targets(chunk, s, width, lanes, targets, sections.scratch_rows)
     if s.prey > 0:
-        command_prey(block, s, lanes, targets, commands[first_arena:stop_arena], sections)
-    resolve_requests(block, s, width, lanes, targets, given_requests, sections)
-    move(block, s, width, lanes, targets, sections.scratch_rows)
-    spawn_through(block, s, lanes, targets)
+        command_prey(chunk, s, lanes, targets, commands[first_arena:stop_arena], sections)
+    resolve_requests(chunk, s, width, lanes, targets, given_requests, sections)
+    move(chunk, s, width, lanes, targets, sections.scratch_rows)
+    spawn_through(chunk, s, lanes, targets)
     if s.prey > 0:
-        return_prey(block, s, lanes, targets)
-    end_test(block, s, width)
-    reward(block, s, width, lanes, sections, rewards, parts)
+        return_prey(chunk, s, lanes, targets)
+    end_test(chunk, s, width)
+    reward(chunk, s, width, lanes, sections, rewards, parts)
     if had_ended:
-        restore_finished(block, s, lanes, sections, rewards, parts)
+        restore_finished(chunk, s, lanes, sections, rewards, parts)
     if s.prey > 0:
-        reward_prey(block, s, lanes, targets, had_ended, sections, rewards, sections.prey_parts[first_arena:stop_arena])
-    write_ends(block, lanes, sections.ends[first_arena:stop_arena])
+        reward_prey(chunk, s, lanes, targets, had_ended, sections, rewards, sections.prey_parts[first_arena:stop_arena])
+    write_ends(chunk, lanes, sections.ends[first_arena:stop_arena])
 
 
 @entry
@@ -81,8 +81,8 @@ def run(
     options: Options,
     memory: Bytes,
     thread: int,
-    first_block: int,
-    stop_block: int,
+    first_chunk: int,
+    stop_chunk: int,
     resets: NDArray[np.uint64],
     playing: bool,
     choices: NDArray[np.int64],
@@ -97,8 +97,8 @@ def run(
         options: options of the compiled code: see `state.Options`.
         memory: the memory of all arenas: see `memory.Sections`.
         thread: the thread whose scratch sections are used, from 0 up.
-        first_block: the first block that is played and observed.
-        stop_block: the block after the last one.
+        first_chunk: the first chunk that is played and observed.
+        stop_chunk: the chunk after the last one.
         resets: (n, 2), arenas and the seeds with which they begin.
         playing: whether a step is played.
         choices: (B, H), ranks or 0; may be empty if no seat's control reads them.
@@ -111,23 +111,23 @@ def run(
     ranks, velocities, table = by_address(choices), by_address(commands), by_address(given_requests)
     for i in range(len(resets)):
         arena = int(resets[i, 0])
-        begin(sections.blocks[arena // LANES], s, arena % LANES, sections.start_poses, resets[i, 1])
-    for index in range(first_block, stop_block):
-        block = sections.blocks[index]
+        begin(sections.chunks[arena // LANES], s, arena % LANES, sections.start_poses, resets[i, 1])
+    for index in range(first_chunk, stop_chunk):
+        chunk = sections.chunks[index]
         first_arena = index * LANES
         stop_arena = min(first_arena + LANES, len(sections.ends))
         lanes = stop_arena - first_arena
         if playing:
-            play(block, s, width, first_arena, stop_arena, ranks, velocities, table, sections)
+            play(chunk, s, width, first_arena, stop_arena, ranks, velocities, table, sections)
         # if episodes have ended, their last states are observed first, and the new ones after that; in a loop, so that
         # `observe` is compiled once
-        renewing = playing and len(sections.records) > 0 and some_ended(block, lanes)
+        renewing = playing and len(sections.records) > 0 and any_ended(chunk, lanes)
         for turn in range(2 if renewing else 1):
             if turn == 1:
-                begin_again(block, s, lanes, first_arena, sections)
-            observe(block, s, view_width, first_arena, stop_arena, sections)
+                begin_again(chunk, s, lanes, first_arena, sections)
+            observe(chunk, s, view_width, first_arena, stop_arena, sections)
         if s.dropout_rate > 0.0 or s.prey > 0:
-            write_active(block, s, lanes, sections.active[first_arena:stop_arena])
+            write_active(chunk, s, lanes, sections.active[first_arena:stop_arena])
         if s.has_teams:
             team_scores = sections.team_scores[first_arena:stop_arena]
-            write_team_scores(block, s, width, lanes, sections, team_scores)
+            write_team_scores(chunk, s, width, lanes, sections, team_scores)

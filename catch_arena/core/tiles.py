@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import Block, phase, rule
+from catch_arena.core.jit import Rows, phase, rule
 from catch_arena.core.state import (
     APPEARED,
     BODY,
@@ -27,8 +27,8 @@ from catch_arena.core.state import (
     Y,
     seat_of,
 )
-from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_there
-from catch_arena.core.vectors import Width, each, group
+from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_present
+from catch_arena.core.vectors import Width, group, lane_numbers
 
 
 class BodyTile(NamedTuple):
@@ -67,7 +67,7 @@ _TARGET_NUMBERS: Final = len(TargetTile._fields)
 
 
 @rule
-def body_tile(body: Block, team: float, lane: int) -> BodyTile:
+def body_tile(body: Rows, team: float, lane: int) -> BodyTile:
     """Return the tile of a body, from its rows up to SCORE and its team."""
     return BodyTile(
         x=body[X + lane],
@@ -95,22 +95,22 @@ def target_of_tile(tile: tuple[float, ...]) -> TargetTile:
 @rule
 def tile_index(item: int, width: Width) -> int:
     """Return the indices of the tiles of a slot, seat or prey, in the lanes of one group: see `transfers.take_tile`."""
-    return item * len(width) + each(0, width)
+    return item * len(width) + lane_numbers(0, width)
 
 
 @phase
-def put_tile(tiles: Block, item: int, width: Width, tile: tuple[float, ...]) -> None:
+def put_tile(tiles: Rows, item: int, width: Width, tile: tuple[float, ...]) -> None:
     """Write the tiles of a slot, seat or prey, in the lanes of one group; a tuple of four numbers is half of each."""
     put_rows(tiles, item * len(width) * TILE, TILE, tile)
 
 
 @phase
-def tile_targets(block: Block, s: Settings, first: int, width: Width, targets: Block, slots: int, tiles: Block) -> None:
+def tile_targets(chunk: Rows, s: Settings, first: int, width: Width, targets: Rows, slots: int, tiles: Rows) -> None:
     """Write the tiles of all targets, which all seats read, in the lanes of one group."""
     for slot in range(slots):
         lane = group(first, width)
         at = slot * s.slot_size + lane
-        age = (block[TIME + lane] - targets[APPEARED + at]) / 1000.0
+        age = (chunk[TIME + lane] - targets[APPEARED + at]) / 1000.0
         still = targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age
         if s.targets_move:
             body = targets[BODY:]
@@ -120,23 +120,24 @@ def tile_targets(block: Block, s: Settings, first: int, width: Width, targets: B
 
 
 @phase
-def tile_hunters(block: Block, s: Settings, first: int, width: Width, teams: NDArray[np.int64], tiles: Block) -> None:
+def tile_hunters(chunk: Rows, s: Settings, first: int, width: Width, teams: NDArray[np.int64], tiles: Rows) -> None:
     """Write the tiles of all hunters, which all seats read, in the lanes of one group."""
     for seat in range(s.hunters):
-        put_tile(tiles, seat, width, body_tile(seat_of(block, seat), float(teams[seat]), group(first, width)))
+        put_tile(tiles, seat, width, body_tile(seat_of(chunk, seat), float(teams[seat]), group(first, width)))
 
 
 @phase
-def put_rank(place: Place, there: bool, seen: tuple[float, ...], exactly: bool) -> None:
+def put_rank(place: Place, present: bool, seen: tuple[float, ...], is_last: bool) -> None:
     """Write the columns of one rank, in the lanes of one group.
 
     Args:
-        there: whether anything is at the rank; otherwise zeros are written.
+        present: whether anything is at the rank; otherwise zeros are written.
         seen: columns of the rank.
-        exactly: whether to write no extra numbers, since no later column overwrites them.
+        is_last: whether the rank has the last columns: then no numbers are written after it, since nothing would
+            overwrite them.
     """
-    columns = where_there(there, seen)
-    if exactly:
+    columns = where_present(present, seen)
+    if is_last:
         put_exactly(place.out, place.at, place.stride, columns)
     else:
         put_rows(place.out, place.at, place.stride, columns)

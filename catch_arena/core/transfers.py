@@ -61,9 +61,9 @@ def take_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
     return tuple(tiles[index * TILE + number] for number in range(TILE))
 
 
-def where_there(there: bool, columns: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the columns in lanes in which `there` is true, and zeros in the others."""
-    return tuple(select(there, column, 0.0) for column in columns)
+def where_present(present: bool, columns: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the columns in lanes in which `present` is true, and zeros in the others."""
+    return tuple(select(present, column, 0.0) for column in columns)
 
 
 def stream_eight(out: NDArray[np.float32], at: int, source: NDArray[np.float32], start: int) -> None:
@@ -142,20 +142,22 @@ def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int
     def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         out, at, stride, columns = arguments
         array, given = signature.args[0], signature.args[3]
-        number = next((like(each, array.dtype) for each in given if isinstance(each, Vector)), array.dtype)
+        number = next(
+            (like(column_type, array.dtype) for column_type in given if isinstance(column_type, Vector)), array.dtype
+        )
         parts = [
-            context.cast(builder, part, each, number)
-            for part, each in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
+            context.cast(builder, part, column_type, number)
+            for part, column_type in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
         ]
         if not isinstance(number, Vector):
             for index, part in enumerate(parts):
                 builder.store(part, pointer_to(context, builder, out, builder.add(at, at.type(index)), number))
             return context.get_dummy_value()
         transposed = _transposed if array.dtype == types.float32 else _transposed_doubles
-        nothing = ir.Constant(low_level(number), None)
+        zero = ir.Constant(low_level(number), None)
         for first, count in pieces_of(len(parts)):
             some = parts[first : first + count]
-            some += [nothing] * (count - len(some))
+            some += [zero] * (count - len(some))
             row = Vector(array.dtype, count)
             offset = builder.add(at, at.type(first))
             for value in transposed(builder, some):
@@ -195,19 +197,19 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return context.make_tuple(builder, signature.return_type, columns)
 
 
-def _type_of_where(there: Any, columns: Any) -> Any:
+def _type_of_where(present: Any, columns: Any) -> Any:
     if not isinstance(columns, types.BaseTuple):
         return None
-    return types.UniTuple(like(there, types.float64), len(columns))(there, columns)
+    return types.UniTuple(like(present, types.float64), len(columns))(present, columns)
 
 
-@compiled_as(where_there, _type_of_where, 2)
+@compiled_as(where_present, _type_of_where, 2)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    (there, columns), number = arguments, signature.return_type.dtype
+    (present, columns), number = arguments, signature.return_type.dtype
     given = signature.args[1]
-    nothing = ir.Constant(low_level(number), None)
+    zero = ir.Constant(low_level(number), None)
     kept = [
-        builder.select(there, context.cast(builder, column, of, number), nothing)
+        builder.select(present, context.cast(builder, column, of, number), zero)
         for column, of in zip(cgutils.unpack_tuple(builder, columns, len(given)), given, strict=True)
     ]
     return context.make_tuple(builder, signature.return_type, kept)

@@ -47,7 +47,7 @@ def group(first: int, width: Width) -> int:
     return first if len(width) == 1 else cast("int", np.arange(first, first + len(width)))
 
 
-def each(first: int, width: Width) -> int:
+def lane_numbers(first: int, width: Width) -> int:
     """Return the lanes from `first` on as numbers, an int64 in each lane."""
     return group(first, width)
 
@@ -316,11 +316,11 @@ def _(_context: Any, _builder: Any, _signature: Any, arguments: Any) -> Any:
     return arguments[0]
 
 
-def _type_of_each(_first: Any, width: Any) -> Any:
+def _type_of_lane_numbers(_first: Any, width: Any) -> Any:
     return (Vector(types.int64, len(width)) if len(width) > 1 else types.int64)(types.int64, width)
 
 
-@compiled_as(each, _type_of_each, 2)
+@compiled_as(lane_numbers, _type_of_lane_numbers, 2)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     first, lanes = arguments[0], signature.return_type
     if not isinstance(lanes, Vector):

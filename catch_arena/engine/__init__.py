@@ -5,7 +5,7 @@ envs/.
 - compiling: compilation of the core, once in a process, and its message.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
 - saved_state: `SavedState`.
-- block_views: views of the memory by content. world_reading: the memory read as a World.
+- chunk_views: views of the memory by content. world_reading: the memory read as a World.
 """
 
 from catch_arena.engine.engine import Engine as Engine

@@ -34,20 +34,20 @@ class Variant(NamedTuple):
 
 _compiled: Final[set[Variant]] = set()
 """Variants that are compiled in this process."""
-_begun: Final[set[Variant]] = set()
+_running: Final[set[Variant]] = set()
 """Variants that are being compiled; a second thread waits for Numba's own lock."""
 
 
 def compile_once(variant: Variant, play: Callable[[], None]) -> None:
     """Compile, or load from the cache, all that `play` calls, once in a process; print a line if it is compiled."""
-    if INTERPRETED or variant in _compiled or variant in _begun:
+    if INTERPRETED or variant in _compiled or variant in _running:
         return
-    _begun.add(variant)
+    _running.add(variant)
     try:
         with _announced(variant), _without_garbage_collection():
             play()
     finally:
-        _begun.discard(variant)
+        _running.discard(variant)
     _compiled.add(variant)
 
 

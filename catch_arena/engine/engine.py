@@ -29,7 +29,7 @@ from catch_arena.core.memory import (
 from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES, Settings
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
-from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
+from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
 from catch_arena.engine.saved_state import SavedState, require_bytes
@@ -37,12 +37,12 @@ from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.seeding import checked_seed
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.threads import Threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
-_HUNTERS_A_CHUNK: Final = 4096
+_HUNTERS_A_PART: Final = 4096
 """Least number of hunters that a thread plays at a time: fewer are not worth the cost of waking it."""
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
@@ -89,9 +89,9 @@ class Engine:
         self.with_infos = with_infos
         self.auto_reset = auto_reset
         self._any_control = any_control
-        num_blocks = -(-num_arenas // LANES)
-        self._chunks = num_blocks * LANES * config.hunters // _HUNTERS_A_CHUNK
-        self.threads = Threads(max(1, min(num_threads, self._chunks)))
+        num_chunks = -(-num_arenas // LANES)
+        self._num_parts = num_chunks * LANES * config.hunters // _HUNTERS_A_PART
+        self.threads = Threads(max(1, min(num_threads, self._num_parts)))
         self._bind_sections(
             *lay_out(
                 _sections_for(
@@ -99,7 +99,7 @@ class Engine:
                 )
             )
         )
-        spare = num_arenas - (num_blocks - 1) * LANES
+        spare = num_arenas - (num_chunks - 1) * LANES
         # lanes without an arena hold only withdrawn hunters
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
@@ -107,7 +107,7 @@ class Engine:
         """Bind the memory's sections to attributes."""
         self._memory = memory
         self._run_tick: Callable[..., None] = partial(tick.run, *self._compiled_for, memory)
-        self.blocks = sections.blocks
+        self.chunks = sections.chunks
         self.controls = sections.controls
         self.rewards = sections.rewards
         self.parts = sections.parts
@@ -122,14 +122,14 @@ class Engine:
         self.lengths = sections.lengths
         self.records = sections.records
         settings = settings_in(sections.settings, ALL_OPTIONS)
-        self._views = BlockViews(self.config, state.regions_of(settings), self.blocks)
-        self.answers = self._views.hunters[0, :, ANSWER, 0]
+        self._views = ChunkViews(self.config, state.regions_of(settings), self.chunks)
+        self.ruling_rows = self._views.hunters[0, :, RULING, 0]
         """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
         distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
         """
         self.caught_by = self._views.prey[0, :, row_of(state.CAUGHT_BY), 0]
         """R12.3: seat that caught each prey of the first arena in its last step, -1 for none: (P,)."""
-        saved, finished = offset_of("blocks", memory), offset_of("final_observations", memory)
+        saved, finished = offset_of("chunks", memory), offset_of("final_observations", memory)
         self._saved, self._finished = memory[saved:finished], memory[finished:]
         arrays: tuple[NDArray[Any], ...] = sections
         of_arenas, of_finished = map(Sections._fields.index, ("rewards", "final_observations"))
@@ -162,9 +162,9 @@ class Engine:
             self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         if arenas is None:
-            self._observe(0, len(self.blocks), resets)
+            self._observe(0, len(self.chunks), resets)
         else:
-            self._observe_blocks_of(chosen, resets)
+            self._observe_chunks_of(chosen, resets)
 
     def step(
         self,
@@ -182,32 +182,32 @@ class Engine:
                 columns). REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all other columns
                 are written.
         """
-        blocks, chunks = len(self.blocks), self._chunks
+        chunks, num_parts = len(self.chunks), self._num_parts
         playing = True
         if self.threads.size == 1:
-            thread = first_block = 0
-            self._run_tick(thread, first_block, blocks, _NO_RESETS, playing, choices, commands, requests)
+            thread = first_chunk = 0
+            self._run_tick(thread, first_chunk, chunks, _NO_RESETS, playing, choices, commands, requests)
             return
 
-        def play(thread: int, chunk: int) -> None:
-            first_block, stop_block = chunk * blocks // chunks, (chunk + 1) * blocks // chunks
-            self._run_tick(thread, first_block, stop_block, _NO_RESETS, playing, choices, commands, requests)
+        def play(thread: int, part: int) -> None:
+            first_chunk, stop_chunk = part * chunks // num_parts, (part + 1) * chunks // num_parts
+            self._run_tick(thread, first_chunk, stop_chunk, _NO_RESETS, playing, choices, commands, requests)
 
-        self.threads.run(chunks, play)
+        self.threads.run(num_parts, play)
 
-    def _observe(self, first_block: int, stop_block: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations and masks of the blocks from `first_block` up to `stop_block`."""
+    def _observe(self, first_chunk: int, stop_chunk: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """Begin episodes, and write the observations and masks of the chunks from `first_chunk` up to `stop_chunk`."""
         thread, playing = 0, False
-        self._run_tick(thread, first_block, stop_block, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
+        self._run_tick(thread, first_chunk, stop_chunk, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
 
-    def _observe_block_of(self, arena: int) -> None:
+    def _observe_chunk_of(self, arena: int) -> None:
         self._observe(arena // LANES, arena // LANES + 1)
 
-    def _observe_blocks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations of the blocks that contain these arenas."""
-        blocks = np.unique(arenas // LANES)
-        gaps = np.flatnonzero(np.diff(blocks) > 1) + 1
-        for adjoining in np.split(blocks, gaps) if len(blocks) else ():  # one call for each run of blocks
+    def _observe_chunks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """Begin episodes, and write the observations of the chunks that contain these arenas."""
+        chunks = np.unique(arenas // LANES)
+        gaps = np.flatnonzero(np.diff(chunks) > 1) + 1
+        for adjoining in np.split(chunks, gaps) if len(chunks) else ():  # one call for each run of chunks
             self._observe(adjoining[0], adjoining[-1] + 1, resets)
             resets = _NO_RESETS  # all episodes have begun
 
@@ -217,7 +217,7 @@ class Engine:
             dropouts.withdraw_at(self._memory, arena, agent)
         else:
             withdraw_prey_at(self._memory, arena, agent - self.config.hunters)
-        self._observe_block_of(arena)
+        self._observe_chunk_of(arena)
 
     def place(
         self,
@@ -241,7 +241,7 @@ class Engine:
         # 0.0 is added so that no zero is negative
         poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
         placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
-        self._observe_block_of(arena)
+        self._observe_chunk_of(arena)
 
     def place_batch(
         self,
@@ -270,12 +270,12 @@ class Engine:
         self.rewards[arenas] = 0.0
         if self.with_infos:
             self.parts[arenas] = 0.0
-        self._observe_blocks_of(arenas)
+        self._observe_chunks_of(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: add a target outside the timer and return its number, the next one; return 0 in a full arena (R3.5)."""
         number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero is negative
-        self._observe_block_of(arena)
+        self._observe_chunk_of(arena)
         return number
 
     def kill(self, arena: int, number: int) -> bool:
@@ -283,7 +283,7 @@ class Engine:
         if prey plays it, since such a target is never killed.
         """
         killed = spawner.kill(self._memory, arena, number)
-        self._observe_block_of(arena)
+        self._observe_chunk_of(arena)
         return killed
 
     # reading
@@ -356,7 +356,7 @@ class Engine:
             ConfigError: for anything else, such as a state of another version of this package.
         """
         if not isinstance(saved, SavedState):
-            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         if saved.config != self._config_digest:
             raise ConfigError(
                 f"saved must come from an arena with an equal config (digest {self._config_digest}), got {saved.config}"
@@ -377,7 +377,7 @@ class Engine:
             raise ConfigError(f"a saved state must have controls {shape}, got {np.shape(saved.controls)}")
 
     def _column(self, arena: int) -> NDArray[np.float64]:
-        """Return one arena's column of its block: (rows,), a view of the engine's memory."""
+        """Return one arena's column of its chunk: (rows,), a view of the engine's memory."""
         return self._views.fields[arena // LANES, :, arena % LANES]
 
     @cached_property
@@ -391,7 +391,7 @@ class Engine:
         twin.config, twin.num_arenas = self.config, self.num_arenas
         twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
         twin._any_control, twin._compiled_for = self._any_control, self._compiled_for
-        twin._chunks, twin.threads = self._chunks, Threads(self.threads.size)
+        twin._num_parts, twin.threads = self._num_parts, Threads(self.threads.size)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
         return twin
@@ -422,7 +422,7 @@ def _sections_for(
     hunters, prey = config.hunters, config.prey
     agents, columns = hunters + prey, observation_size(config)
     columns = max(columns, prey_observation_size(config)) if prey else columns
-    num_blocks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
+    num_chunks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
     team_play = config.teams is not None
     with_parts, with_records = num_arenas if with_infos else 0, num_arenas if auto_reset else 0
     scratch = scratch_shapes(hunters, prey, num_rows, agents * columns, team_play=team_play)
@@ -433,7 +433,7 @@ def _sections_for(
         limits=limits_by_seat(config),
         teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
         team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
-        blocks=zeros(num_blocks, num_rows * LANES),
+        chunks=zeros(num_chunks, num_rows * LANES),
         rewards=zeros(num_arenas, agents),
         parts=zeros(with_parts, hunters, len(PART_NAMES)),
         prey_parts=zeros(with_parts, prey, len(PREY_PART_NAMES)),

@@ -3,15 +3,15 @@
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
-from catch_arena.engine.block_views import ANSWER, BlockViews, row_of
+from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
 
 
-def read_world(config: ArenaConfig, views: BlockViews, arena: int) -> World:
+def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
     """Return one arena as a World, with names."""
-    block, lane = divmod(arena, LANES)
-    own = views.fields[block, : state.ARENA_ROWS, lane]
+    chunk, lane = divmod(arena, LANES)
+    own = views.fields[chunk, : state.ARENA_ROWS, lane]
     alive = int(own[row_of(state.ALIVE)])
     prey, players = _prey_states(config, views, arena)
     return World(
@@ -50,7 +50,7 @@ def read_world(config: ArenaConfig, views: BlockViews, arena: int) -> World:
                 prey=players.get(slot),
             )
             for slot, (number, x, y, theta, appeared, *motion) in enumerate(
-                views.targets[block, :alive, views.target_digest, lane].T.tolist()
+                views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
             )
         ),
         rulings=read_rulings(config, views, arena),
@@ -59,12 +59,12 @@ def read_world(config: ArenaConfig, views: BlockViews, arena: int) -> World:
     )
 
 
-def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ruling, ...]:
+def read_rulings(config: ArenaConfig, views: ChunkViews, arena: int) -> tuple[Ruling, ...]:
     """R5.6: return the verdicts of one arena's last step with their evidence, by seat."""
     found = []
     steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
     for seat, me in enumerate(views.hunter_rows(arena).tolist()):
-        number, verdict, distance, winner = me[ANSWER]
+        number, verdict, distance, winner = me[RULING]
         if verdict == NO_REQUEST:
             continue
         step = steps if verdict == Verdict.MATCH_OVER else steps - 1
@@ -73,7 +73,7 @@ def read_rulings(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[Ru
     return tuple(found)
 
 
-def _prey_states(config: ArenaConfig, views: BlockViews, arena: int) -> tuple[tuple[PreyState, ...], dict[int, str]]:
+def _prey_states(config: ArenaConfig, views: ChunkViews, arena: int) -> tuple[tuple[PreyState, ...], dict[int, str]]:
     """R12.1: return the states of one arena's prey, and the name of the prey that plays the target in a slot."""
     states, players = [], {}
     numbers = views.prey_numbers(arena).tolist()

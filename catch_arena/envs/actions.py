@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError, suggest
 from catch_arena.plain import as_python, plain_action, real_number, whole_number
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 
 class ActionReader:
@@ -97,7 +97,7 @@ class ActionReader:
         checked_action(self.controls[self.row(agent)], agent, action, self._ranks, clip=True)
 
 
-def checked_choice(agent: str, what: str, action: Any, ranks: int) -> int:
+def checked_choice(agent: str, subject: str, action: Any, ranks: int) -> int:
     """Return an action as a rank from 0 to `ranks`.
 
     Raises:
@@ -106,16 +106,16 @@ def checked_choice(agent: str, what: str, action: Any, ranks: int) -> int:
     usual = type(action) is int or type(action) is np.int64  # faster than whole_number
     number = int(action) if usual else whole_number(plain_action(action))
     if number is None or not 0 <= number <= ranks:
-        raise ActionError(f"{agent}: {what} must be a whole number from 0 to {ranks}, got {in_short(action)}")
+        raise ActionError(f"{agent}: {subject} must be a whole number from 0 to {ranks}, got {shortened(action)}")
     return number
 
 
-def checked_command(agent: str, what: str, action: Any, *, clip: bool = False) -> tuple[float, float]:
+def checked_command(agent: str, subject: str, action: Any, *, clip: bool = False) -> tuple[float, float]:
     """Return an action as two numbers in [-1, 1].
 
     Args:
         agent: name of the agent in the error.
-        what: the action's name in the error.
+        subject: the action's name in the error.
         action: two numbers, as a list, a tuple, an array or a tensor.
         clip: whether finite numbers out of bounds are replaced by the nearest bound.
 
@@ -135,7 +135,7 @@ def checked_command(agent: str, what: str, action: Any, *, clip: bool = False) -
             if clip and -math.inf < speed < math.inf and -math.inf < turn_rate < math.inf:
                 return min(max(speed, -1.0), 1.0), min(max(turn_rate, -1.0), 1.0)
     requirement = "two finite numbers" if clip else "two numbers in [-1, 1]"
-    raise ActionError(f"{agent}: {what} must be {requirement}, got {in_short(action)}")
+    raise ActionError(f"{agent}: {subject} must be {requirement}, got {shortened(action)}")
 
 
 def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> tuple[int, tuple[float, float]]:
@@ -146,7 +146,7 @@ def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> 
     """
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
-        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {in_short(action)}")
+        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {shortened(action)}")
     choice = action["catch"]
     if type(choice) is not int or not 0 <= choice <= ranks:  # the usual case without another call
         choice = checked_choice(agent, "catch", choice, ranks)
@@ -175,12 +175,12 @@ def checked_action(
     return checked_choice(agent, "an action", action, ranks), (0.0, 0.0)
 
 
-def action_array(what: str, given: Any, shape: tuple[int, ...], *, whole: bool = False) -> NDArray[Any]:
+def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: bool = False) -> NDArray[Any]:
     """Return the actions of many agents as one array; each is read as that of a single agent. Its numbers can lie out
     of bounds.
 
     Args:
-        what: the array's name in the error.
+        subject: the array's name in the error.
         given: an array, a tensor, or lists of actions.
         shape: the shape that it must have.
         whole: whether to read choices, which are whole numbers, and not velocities.
@@ -196,13 +196,13 @@ def action_array(what: str, given: Any, shape: tuple[int, ...], *, whole: bool =
     try:
         table = _table(given, axes, read)
     except ValueError:
-        raise ActionError(f"{what} must be rows of equal length, got {described(given)}") from None
+        raise ActionError(f"{subject} must be rows of equal length, got {describe_value(given)}") from None
     if whole and table.ndim > axes and set(table.shape[axes:]) == {1}:  # each choice is an array with one element
         table = table.reshape(table.shape[:axes])
     if table.dtype.kind not in ("iu" if whole else "fiu"):
-        raise ActionError(f"{what} must be {'whole ' if whole else ''}numbers, got {described(given)}")
+        raise ActionError(f"{subject} must be {'whole ' if whole else ''}numbers, got {describe_value(given)}")
     if table.shape != shape:
-        raise ActionError(f"{what} must have the shape {shape}, got {table.shape}")
+        raise ActionError(f"{subject} must have the shape {shape}, got {table.shape}")
     return table
 
 
@@ -223,11 +223,11 @@ def _rows(given: Any, axes: int, read: Callable[[Any], object]) -> Any:
     return read(given)
 
 
-def described(given: object) -> str:
+def describe_value(given: object) -> str:
     """Return a short description of an argument, for an error."""
     if isinstance(given, np.ndarray):
         return f"an array of {given.dtype} of the shape {given.shape}"
-    return in_short(given)
+    return shortened(given)
 
 
 def clipped(commands: NDArray[Any]) -> NDArray[Any]:

@@ -15,7 +15,7 @@ from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode, parallel_env
 from catch_arena.envs.results import Infos
 from catch_arena.equality import equal_fields
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +114,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             ConfigError: for anything that `save` did not return, and for the state of another config.
         """
         if not isinstance(saved, SavedTurn):
-            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         self._parallel.restore(saved.episode)
         self.env.restore_turns(saved.turns)
         self._has_reset = self._has_updated = True
@@ -127,11 +127,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         """Let a loop over the turns begin with a copied or unpickled env too, as after a reset."""
         self.__dict__.update(state, _has_updated=True)
 
-    def _require_turn(self, what: str) -> None:
+    def _require_turn(self, method: str) -> None:
         if not self._has_reset:
-            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")
         if not self.agents:
-            raise EpisodeError(f"cannot call {what}(): the episode is over; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): the episode is over; call reset() first")
 
 
 class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
@@ -141,15 +141,15 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
 
     def __init__(self, parallel: CatchArenaEnv) -> None:
         super().__init__(parallel)
-        self._unchanging = frozenset(vars(self)) | {"_unchanging"}
+        self._constant_names = frozenset(vars(self)) | {"_constant_names"}
 
     def save_turns(self) -> dict[str, Any]:
         """Return a copy of all attributes that an episode changes in this wrapper."""
-        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._unchanging})
+        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._constant_names})
 
     def restore_turns(self, saved: dict[str, Any]) -> None:
         """Restore the result of `save_turns`."""
-        self.__dict__ = {name: vars(self)[name] for name in self._unchanging} | copy.deepcopy(saved)
+        self.__dict__ = {name: vars(self)[name] for name in self._constant_names} | copy.deepcopy(saved)
 
     @property
     def unwrapped(self) -> "_Unwrapped":

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from catch_arena.errors import ConfigError
 from catch_arena.plain import as_python
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 
 def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
@@ -28,7 +28,7 @@ def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> 
                 f'agent_names must be a pattern such as "agent_{{seat}}", or "agent_{{seat:02d}}", got {given!r}'
             ) from None
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
-        raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {in_short(given)}")
+        raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {shortened(given)}")
     if not len(set(names)) == len(names) == len(usual):
-        raise ConfigError(f"agent_names must be {len(usual)} different names, got {in_short(given)}")
+        raise ConfigError(f"agent_names must be {len(usual)} different names, got {shortened(given)}")
     return list(names)

@@ -1,4 +1,4 @@
-"""R7.3: the global view of an arena, as numbers."""
+"""R7.3: the global state of an arena, as numbers."""
 
 import numpy as np
 from numpy.typing import NDArray

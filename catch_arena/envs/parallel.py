@@ -28,7 +28,7 @@ from catch_arena.errors import ConfigError, EpisodeError, require_type
 from catch_arena.layout import observation_size, prey_columns, state_columns
 from catch_arena.replay import Recorder, Replay
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.world import World
 
 Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]]
@@ -139,11 +139,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """False for each of `agents`. A copy of it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
-        self._leavers = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
+        self._leaving_rows = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
         """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
-        self._over = True
+        self._is_over = True
         self._leaving: set[str] = set()
         """Agents that leave at the end of the next step, and those that have left."""
         self._truncated: tuple[str, ...] = ()
@@ -207,7 +207,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     @cached_property
     def state_space(self) -> spaces.Box:
-        """R7.3: space of the global view."""
+        """R7.3: space of the global state."""
         return vector_space(state_columns(self.config))
 
     @property
@@ -246,7 +246,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
-        self._over = False
+        self._is_over = False
         self._leaving.clear()
         self._set_agents(self.possible_agents[:])
         if self.render_mode == "human":
@@ -264,7 +264,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ActionError: for a missing or illegal action, and for an unknown agent.
             EpisodeError: before the first reset, or for actions after the end.
         """
-        if self._over:
+        if self._is_over:
             if self._seed is not None and not actions:  # as PettingZoo's envs; SuperSuit's wrappers need it
                 return {}, {}, {}, {}, {}
             why = "no episode has begun" if self._seed is None else "the episode is over"
@@ -275,9 +275,9 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
         ended = engine.ends.item()
-        if self._leavers:
+        if self._leaving_rows:
             active = engine.active[0].tolist()
-            self._leaving.update(self.possible_agents[row] for row in self._leavers if not active[row])
+            self._leaving.update(self.possible_agents[row] for row in self._leaving_rows if not active[row])
         terminations, truncations = self._all_false.copy(), self._all_false.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
@@ -289,7 +289,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
         if ended or self._leaving:
             self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
-            self._over = not self.agents
+            self._is_over = not self.agents
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminations, truncations, infos
@@ -311,7 +311,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         termination and its last observation. Withdrawn prey stands still, and can be caught.
         """
         row = self._actions.row(agent)
-        if self._over or agent not in self.agents:
+        if self._is_over or agent not in self.agents:
             raise EpisodeError(f"cannot withdraw {agent}: it is not among the agents of this episode")
         if agent in self._leaving:
             return
@@ -330,7 +330,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         return self._engine.observations[0, : self.config.hunters, : observation_size(self.config)].copy()
 
     def state(self) -> NDArray[np.float32]:
-        """R7.3: return the global view as one float32 vector, in the order of `layout.state_columns`."""
+        """R7.3: return the global state as one float32 vector, in the order of `layout.state_columns`."""
         self._require_episode("state")
         return state_vector(self._engine.world(), self.config)
 
@@ -372,7 +372,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             seed=self._seed,
             possible_agents=tuple(self.possible_agents),
             agents=tuple(self.agents),
-            over=self._over,
+            over=self._is_over,
             leaving=frozenset(self._leaving),
             cut=self._truncated,
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
@@ -390,13 +390,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
                 version.
         """
         if not isinstance(saved, SavedEpisode):
-            raise ConfigError(f"saved must be a state that save() returned, got {in_short(saved)}")
+            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         self._engine.require_saved(saved.arena, alone=True)
         if list(saved.possible_agents) != self.possible_agents:
-            got = in_short(list(saved.possible_agents))
+            got = shortened(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         self._engine.restore_row(0, saved.arena)
-        self._seed, self._over, self._truncated = saved.seed, saved.over, saved.cut
+        self._seed, self._is_over, self._truncated = saved.seed, saved.over, saved.cut
         self._leaving = set(saved.leaving)
         self._set_agents(list(saved.agents))
         self._np_random = None
@@ -429,6 +429,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """Close the window, if there is one."""
         self._display.close()
 
-    def _require_episode(self, what: str) -> None:
+    def _require_episode(self, method: str) -> None:
         if self._seed is None:
-            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
+            raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")

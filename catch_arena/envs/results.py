@@ -11,7 +11,7 @@ from catch_arena.verdicts import NO_REQUEST
 Infos = Literal["full", "mask", "none"]
 """R7.2: content of an env's infos."""
 
-_NO_ANSWER: Final = {
+_NO_RULING: Final = {
     "verdict": NO_REQUEST,
     "target": -1,
     "distance_um": -1,
@@ -34,8 +34,8 @@ class Results:
     def __init__(
         self, config: ArenaConfig, engine: Engine, rows: Mapping[str, int], controls: Sequence[str], infos: Infos
     ) -> None:
-        self._made_of = config, engine, rows, controls, infos
-        self._config, self._engine, self._rows, self._controls, self._level = self._made_of
+        self._arguments = config, engine, rows, controls, infos
+        self._config, self._engine, self._rows, self._controls, self._level = self._arguments
         # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward_hunters`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
@@ -45,7 +45,7 @@ class Results:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Build the object again when unpickled, since its arrays belong to the engine."""
-        return Results, self._made_of, self._agents
+        return Results, self._arguments, self._agents
 
     def __setstate__(self, agents: Sequence[str]) -> None:
         self.set_agents(agents)
@@ -90,10 +90,10 @@ class Results:
                 has_mask = self._level == "mask" and self._controls[row] != "velocity"
                 infos[agent] = {"action_mask": masks[row]} if has_mask else {}
             return infos | {agent: {} for agent, _ in self._prey}
-        answers, parts, masks = self._engine.answers.tolist(), self._parts.copy(), self._masks.copy()
+        ruling_rows, parts, masks = self._engine.ruling_rows.tolist(), self._parts.copy(), self._masks.copy()
         for agent, row in self._hunters:
-            infos[agent] = info = _NO_ANSWER.copy()
-            number, verdict, distance, winner = answers[row]
+            infos[agent] = info = _NO_RULING.copy()
+            number, verdict, distance, winner = ruling_rows[row]
             if verdict:
                 info["verdict"], info["target"] = int(verdict), int(number) or -1
                 info["distance_um"], info["winner"] = int(distance), int(winner)

@@ -14,7 +14,7 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.engine import NO_CHOICES, NO_COMMANDS
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
-from catch_arena.envs.actions import action_array, clipped, described
+from catch_arena.envs.actions import action_array, clipped, describe_value
 from catch_arena.envs.spaces import action_space, vector_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import columns, prey_columns
@@ -109,10 +109,10 @@ class VectorArena:
         self._copy = copy
         kinds = set(CONTROLS if any_control else self.config.controls)
         self._any_control = any_control
-        self._choosing: Final = kinds != {"velocity"}
-        self._driving: Final = kinds != {"target"} or self.config.prey > 0
+        self._reads_choices: Final = kinds != {"velocity"}
+        self._reads_commands: Final = kinds != {"target"} or self.config.prey > 0
         """The two flags: True if some agent reads choices, and if some agent reads commands."""
-        self._begun = False
+        self._has_begun = False
         try:
             self._engine = Engine(
                 self.config,
@@ -130,7 +130,7 @@ class VectorArena:
 
     def _make_infos(self) -> dict[str, Any]:
         engine, hunters, infos = self._engine, self.num_hunters, dict[str, Any]()
-        if self._choosing:
+        if self._reads_choices:
             infos["action_mask"] = engine.masks.view()
             infos["action_mask"].flags.writeable = False  # the engine writes only what has changed
         if engine.active.size:
@@ -143,7 +143,7 @@ class VectorArena:
             team_score = state.FINAL_SCORE if self.config.teams is None else state.FINAL_TEAM_SCORE
             infos["_final_obs"] = self._ended
             infos["final_obs"] = engine.final_observations
-            if self._choosing:
+            if self._reads_choices:
                 infos["final_mask"] = engine.final_masks
             infos["episode"] = {
                 "length": np.broadcast_to(engine.lengths[:, None], records.shape[:2]),
@@ -205,12 +205,12 @@ class VectorArena:
             EpisodeError: for single rows before the first reset of all rows.
         """
         chosen = self._rows(arenas)
-        if not self._begun and len(chosen) < self.num_envs:
+        if not self._has_begun and len(chosen) < self.num_envs:
             raise EpisodeError("cannot reset single arenas: no episode has begun; call reset() without arenas first")
         if seed is None:
             seeds = (
                 batch_seeds(fresh_seed(), self.num_envs)
-                if not self._begun
+                if not self._has_begun
                 else next_seeds(self._engine.seeds()[chosen])
             )
         elif isinstance(seed, np.ndarray) and seed.ndim == 1 and seed.dtype == np.uint64:
@@ -220,9 +220,9 @@ class VectorArena:
         else:
             seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, None if arenas is None else chosen)
-        self._begun = True
+        self._has_begun = True
         self._ended[chosen] = False
-        return self._begun_with()
+        return self._reset_results()
 
     def place(
         self, hunters: ArrayLike, targets: ArrayLike, *, steps: ArrayLike = 0, arenas: ArrayLike | None = None
@@ -256,18 +256,19 @@ class VectorArena:
         targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
         played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
         if played.dtype.kind not in "iu" or played.shape not in {(), (len(chosen),)}:
-            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {described(played)}")
+            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {describe_value(played)}")
         _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
         fastest = np.array(config.max_speeds)
         self._require_bodies("hunters", hunters, -fastest if config.reverse else 0.0 * fastest, fastest)
         self._require_bodies("targets", targets, 0.0, config.target_speed_mps if config.targets_move else 0.0)
-        passed_s = played[:, None] * config.control_period_ms / 1000.0
-        young = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < passed_s + 0.0005)  # rounded to the millisecond
-        _require("targets", "of ages from 0 to the time that has passed", targets, young | np.isnan(targets[:, :, 0]))
+        elapsed_s = played[:, None] * config.control_period_ms / 1000.0
+        # rounded to the millisecond
+        recent = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < elapsed_s + 0.0005)
+        _require("targets", "of ages from 0 to the time that has passed", targets, recent | np.isnan(targets[:, :, 0]))
         self._engine.place_batch(chosen, hunters, targets, played)
         self._update_ends()
-        return self._begun_with()
+        return self._reset_results()
 
     def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: Any, fastest: Any) -> None:
         x, y, heading, speed = (bodies[:, :, column] for column in range(4))
@@ -278,7 +279,7 @@ class VectorArena:
         _require(name, headings, bodies, absent | (np.abs(heading) <= MAX_HEADING_RAD))
         _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
-    def _begun_with(self) -> Begun:
+    def _reset_results(self) -> Begun:
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
@@ -325,7 +326,7 @@ class VectorArena:
         chosen, given = self._rows(arenas), np.asarray(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
-            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {described(given)}")
+            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {describe_value(given)}")
         self._engine.controls[chosen] = given
 
     def _require_any_control(self) -> None:
@@ -341,12 +342,14 @@ class VectorArena:
     def _checked_choices(self, given: Any) -> NDArray[np.int64]:
         shape, ranks = (self.num_envs, self.num_hunters), self.config.targets_seen
         if given is None:
-            if self._choosing:
+            if self._reads_choices:
                 raise ActionError(f"choices must be {shape} whole numbers if hunters choose targets, got None")
             return NO_CHOICES
         choices = action_array("choices", given, shape, whole=True)
         if choices.min() < 0 or choices.max() > ranks:
-            self._blame("choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks))
+            self._raise_illegal(
+                "choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks)
+            )
         if choices.dtype == np.int64 and choices.flags.carray:
             return choices
         return np.array(choices, np.int64, order="C")  # every rank fits into int64
@@ -354,23 +357,23 @@ class VectorArena:
     def _checked_commands(self, given: Any) -> NDArray[np.float32]:
         shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
         if given is None:
-            if self._driving:
+            if self._reads_commands:
                 raise ActionError(f"commands must be {shape} numbers if agents drive themselves, got None")
             return NO_COMMANDS
         commands = action_array("commands", given, shape)
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
             if not np.isfinite(commands).all():
-                self._blame("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
+                self._raise_illegal("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
             commands = clipped(commands)
         if commands.dtype == np.float32 and commands.flags.carray:
             return commands
         return np.array(commands, np.float32, order="C")  # rounded to float32
 
-    def _blame(self, what: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
+    def _raise_illegal(self, subject: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
         arena, row = (int(found) for found in np.argwhere(illegal)[0])
         agent = (*self.config.hunter_names, *self.config.prey_names)[row]
         raise ActionError(
-            f"{what} must be {requirement}, got {given[arena, row].tolist()} in arena {arena} for {agent}"
+            f"{subject} must be {requirement}, got {given[arena, row].tolist()} in arena {arena} for {agent}"
         )
 
     def _handed_out(self, results: T) -> T:
@@ -386,7 +389,7 @@ class VectorArena:
         if not legal or (chosen.size and not 0 <= chosen.min() <= chosen.max() < self.num_envs):
             raise ConfigError(
                 f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
-                f"got {described(chosen)}"
+                f"got {describe_value(chosen)}"
             )
         numbers, counts = np.unique(chosen, return_counts=True)
         if len(numbers) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
@@ -416,9 +419,9 @@ class VectorArena:
         self._engine.require_saved(saved, alone=False)
         self._require_controls(saved, self._engine.controls)
         self._engine.restore(saved)
-        self._begun = True
+        self._has_begun = True
         self._update_ends()
-        return self._begun_with()
+        return self._reset_results()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: return the state of one arena, which any row of a batch of equal config can take."""
@@ -438,7 +441,7 @@ class VectorArena:
         self._require_controls(saved, self._engine.controls[arena])
         self._engine.restore_row(arena, saved)
         self._update_ends()
-        return self._begun_with()
+        return self._reset_results()
 
     def _require_controls(self, saved: SavedState, controls: NDArray[np.int8]) -> None:
         if (saved.controls != controls).any():
@@ -476,12 +479,12 @@ class VectorArena:
         """
         return self._engine.seeds()
 
-    def _require_begun(self, what: str) -> None:
-        if not self._begun:
-            raise EpisodeError(f"cannot call {what}(): no episode has begun; call reset() first")
+    def _require_begun(self, method: str) -> None:
+        if not self._has_begun:
+            raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")
 
-    def _row(self, what: str, arena: int) -> int:
-        self._require_begun(what)
+    def _row(self, method: str, arena: int) -> int:
+        self._require_begun(method)
         row = whole_number(arena)
         if row is None or not 0 <= row < self.num_envs:
             raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
@@ -505,7 +508,9 @@ def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], c
     least, most = bodies
     if table.ndim != 3 or table.shape[::2] != (arenas, columns) or not least <= table.shape[1] <= most:
         count = most if least == most else f"{least} to {most}"
-        raise ConfigError(f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {described(given)}")
+        raise ConfigError(
+            f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {describe_value(given)}"
+        )
     return table
 
 

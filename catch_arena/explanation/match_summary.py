@@ -18,7 +18,7 @@ from catch_arena.explanation.facts import (
     TeamSummary,
     json_ready,
 )
-from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels, team_label
+from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label
 from catch_arena.explanation.seen_targets import SeenTargets
 from catch_arena.explanation.sentences import (
     capture_sentence,
@@ -216,7 +216,7 @@ def _note_departures(replay: Replay, world: World, summaries: Sequence[HunterSum
     for summary, hunter in zip(summaries, world.hunters, strict=True):
         if hunter.withdrawn and summary.withdrawn_ms is None:
             summary.withdrawn_ms = world.time_ms - replay.config.control_period_ms
-            summary.dropped_out = how_it_left(replay, summary.seat) == "dropped out"
+            summary.dropped_out = exit_cause(replay, summary.seat) == "dropped out"
 
 
 def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequence[HunterSummary]) -> None:

@@ -33,7 +33,7 @@ def with_seat(name: str, seat: int) -> str:
     return name if name == own or name.endswith(f"({own})") else f"{name} ({own})"
 
 
-def how_it_left(replay: Replay, seat: int) -> str:
+def exit_cause(replay: Replay, seat: int) -> str:
     """Return the reason why a hunter left: "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
     return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
 
@@ -71,14 +71,14 @@ def find_subjects(replay: Replay, name: int | str | None) -> Subjects:
         return Subjects(teams[name], ())
     # agents' names come first, since an agent may be called hunter_1 in another seat
     for hunters, prey in (replay.hunter_names, replay.prey_names), (config.hunter_names, config.prey_names):
-        found = Subjects(_called(hunters, name), _called(prey, name))
+        found = Subjects(_seats_named(hunters, name), _seats_named(prey, name))
         if any(found):
             return found
     known = {*replay.hunter_names, *replay.prey_names, *config.hunter_names, *config.prey_names, *teams}
     raise ConfigError(f"unknown hunter {name!r}: {suggest(name, known)}")
 
 
-def _called(names: Sequence[str], wanted: str) -> tuple[int, ...]:
+def _seats_named(names: Sequence[str], wanted: str) -> tuple[int, ...]:
     return tuple(index for index, name in enumerate(names) if name == wanted)
 
 

@@ -63,8 +63,8 @@ class SeenTargets:
         return [name for _, name in ranked[: self._config.targets_seen]]
 
     def ranked_rivals(self, world: World, seat: int) -> list[int]:
-        """R7.1: return the seats of the rivals in a seat's view by rank: nearest first, ties in the order of `precedes`
-        in `core/ranking.py`.
+        """R7.1: return the seats of the rivals in a seat's view by rank: nearest first, ties in the order of
+        `core/ranking.py: sort_ties`.
         """
         me = world.hunters[seat]
         sine, cosine = sincos(me.theta)

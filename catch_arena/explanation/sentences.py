@@ -16,7 +16,7 @@ from catch_arena.explanation.facts import (
 from catch_arena.explanation.formatting import exact_length, metres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.explanation.seen_targets import Unseen
-from catch_arena.replay.named_requests import name_in_words
+from catch_arena.replay.named_requests import describe_name
 from catch_arena.verdicts import REASONS, Verdict
 
 if TYPE_CHECKING:
@@ -49,7 +49,9 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
     """
     winner, *losers = contest.claims
     intro = _listed(names[claim.seat] for claim in contest.claims)
-    intro = f"At {seconds(contest.judged_ms)} (step {contest.step}) {intro} asked for {_called(contest.target, prey)}"
+    intro = (
+        f"At {seconds(contest.judged_ms)} (step {contest.step}) {intro} asked for {_target_label(contest.target, prey)}"
+    )
     if contest.clause == "R9.1":
         return f"{intro}: the capstone's service grants each of them, GRANTED (R9.1)."
     places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
@@ -109,13 +111,13 @@ def refusals_sentence(run: Refusals, match: "Explanation") -> str:
     farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
     place = f"{_from(run.nearest_um)}{farthest}"
     if run.by_name:
-        target = name_in_words(run.target)
+        target = describe_name(run.target)
     else:
-        target = _EMPTY_RANK if run.target is None else _called(run.target, prey)
-    return f"{when} {name} {request_phrase} for {_answered(target, place, run.verdict, reach_um)}."
+        target = _EMPTY_RANK if run.target is None else _target_label(run.target, prey)
+    return f"{when} {name} {request_phrase} for {_verdict_phrase(target, place, run.verdict, reach_um)}."
 
 
-def _called(target: str, prey: str | None) -> str:
+def _target_label(target: str, prey: str | None) -> str:
     return target if prey is None else f"{prey}, {target}"
 
 
@@ -123,7 +125,7 @@ def _from(distance_um: int | None) -> str:
     return "" if distance_um is None else f" from {metres(distance_um)}"
 
 
-def _answered(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
+def _verdict_phrase(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
     """Return a requested target, the distance to it, and the verdict with its reason, in words."""
     limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
     return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
@@ -216,10 +218,10 @@ def _requested(hunter: HunterAction, step: "StepExplanation") -> str:
             mate = ", its own team-mate (R11.3)" if hunter.mate else ""
             winner = f"; the winner is {step.names[ruling.winner]}{mate}"
         target = _EMPTY_RANK if ruling.target is None else str(ruling.target)
-        parts.append(f"{_answered(target, _from(ruling.distance_um), ruling.verdict, reach_um)}{winner}")
+        parts.append(f"{_verdict_phrase(target, _from(ruling.distance_um), ruling.verdict, reach_um)}{winner}")
     for ruling_by_name in hunter.by_name:
-        name = name_in_words(None if ruling_by_name.target is None else str(ruling_by_name.target))
-        parts.append(_answered(name, _from(ruling_by_name.distance_um), ruling_by_name.verdict, reach_um))
+        name = describe_name(None if ruling_by_name.target is None else str(ruling_by_name.target))
+        parts.append(_verdict_phrase(name, _from(ruling_by_name.distance_um), ruling_by_name.verdict, reach_um))
     return f"It requested {'; then '.join(parts) or 'nothing'}."
 
 

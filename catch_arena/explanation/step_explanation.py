@@ -11,7 +11,7 @@ from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.seats import find_subjects, how_it_left, labels, prey_labels
+from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels
 from catch_arena.explanation.seen_targets import SeenTargets
 from catch_arena.explanation.sentences import (
     action_sentences,
@@ -199,7 +199,7 @@ def _hunter_action(
             and ruling.winner is not None
             and teams[ruling.winner] == teams[seat]
         ),
-        out=how_it_left(replay, seat) if after.hunters[seat].withdrawn else None,
+        out=exit_cause(replay, seat) if after.hunters[seat].withdrawn else None,
         seen=len(before.targets) - len(unseen),
         unseen=unseen,
         by_name=tuple(ruling_by_name for ruling_by_name in by_name if ruling_by_name.hunter == seat),

@@ -1,6 +1,6 @@
 """Matches in a window while they are played: a person in a seat, or agents alone.
 
 `user_input` maps keys and gamepads to commands, `overlays` draws texts over the arena, and `match_window` is the
-window. `session` plays, with the person as one of the policies. `patient_players` waits for slow agents while the
+window. `session` plays, with the person as one of the policies. `threaded_players` waits for slow agents while the
 window answers its user.
 """

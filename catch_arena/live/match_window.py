@@ -73,8 +73,8 @@ class MatchWindow:
         self._motions: list[StepMotion] = []
         self._resized_s: float | None = None
         self._resizing = size
-        self._stopped = self._paused = self._helping = False
-        self._helped = seat is None
+        self._stopped = self._paused = self._shows_help = False
+        self._has_shown_help = seat is None
         self._speed = SPEEDS.index(1.0)
         self._note, self._note_until_s = "", 0.0
         self.notify("H: show the keys")
@@ -123,12 +123,12 @@ class MatchWindow:
         self._renderer.enter(motion)
         self._ahead_ms = 0.0
         self._steps = 0
-        self._paused = self._helping = False
-        while not self._helped:
+        self._paused = self._shows_help = False
+        while not self._has_shown_help:
             self._draw(motion, 0.0, self._keys_overlay("press any key to begin"))
             for event in self._events():
                 if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
-                    self._helped = True
+                    self._has_shown_help = True
         self._clock.tick()
 
     def _run(self, motion: StepMotion) -> None:
@@ -180,11 +180,11 @@ class MatchWindow:
         if command is UserCommand.RESTART:
             raise RestartRequested
         if command is UserCommand.PAUSE:
-            self._paused, self._helping = not self._paused, False
+            self._paused, self._shows_help = not self._paused, False
         elif command is UserCommand.STEP:
             self._steps += self._paused
         elif command is UserCommand.HELP:
-            self._paused = self._helping = not self._helping
+            self._paused = self._shows_help = not self._shows_help
         elif command is UserCommand.SAVE:
             self._save_replay()
         elif command is UserCommand.VIEW:
@@ -222,7 +222,7 @@ class MatchWindow:
 
     def _overlays(self, motion: StepMotion, time_ms: float) -> list[Shape]:
         shapes = self._pointer(motion, time_ms)
-        if self._helping:
+        if self._shows_help:
             return shapes + self._keys_overlay("H: continue")
         if self._paused:
             return shapes + overlays.note_overlay(self._area, "paused    space: continue    N: one step    H: keys")
@@ -269,7 +269,7 @@ class MatchWindow:
 
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))
-        self._drawn_for = size
+        self._drawn_size = size
         renderer = MatchRenderer(self._info, (width, height), "broadcast", self._seed)
         renderer.view_of = self._view_of
         return renderer
@@ -277,7 +277,7 @@ class MatchWindow:
     def _fit(self) -> None:
         """Replace the renderer if the window keeps a new size, and enter all past motions into the new one."""
         size, now_s = self._screen.size, time.monotonic()
-        if size == self._drawn_for:
+        if size == self._drawn_size:
             self._resized_s = None
         elif self._resized_s is None or size != self._resizing:
             self._resized_s, self._resizing = now_s, size

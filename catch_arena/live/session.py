@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.live.match_window import MatchWindow, RestartRequested
-from catch_arena.live.patient_players import PatientPlayers
+from catch_arena.live.threaded_players import ThreadedPlayers
 from catch_arena.live.user_input import InputState
 from catch_arena.policy import Policy, PreyView, View
 from catch_arena.render.match_info import MatchInfo
@@ -127,7 +127,7 @@ def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window
     """Start fresh players for one match, and stop them after it."""
     person: dict[int, Entrant | Policy] = {} if lineup.person is None else {lineup.person: HumanPolicy(inputs)}
     with start_players(person | lineup.agents, sandbox) as players:
-        yield players if sandbox is None else PatientPlayers(players, sandbox, window.wait)
+        yield players if sandbox is None else ThreadedPlayers(players, sandbox, window.wait)
 
 
 def free_parties(config: ArenaConfig, person: int | None) -> list[int]:

@@ -87,7 +87,7 @@ def encode_bundle(replay: Replay) -> bytes:
             if commentary.caption is not None and commentary.caption is not shown:
                 moments.append(_moment(commentary.caption, info))
         last = world
-        _follow(state, world, targets, numbers)
+        _update_tracks(state, world, targets, numbers)
         for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):
             if prey.target is not None and prey.target not in played:
                 played[prey.target] = name
@@ -160,7 +160,7 @@ def _moment(caption: Caption, info: MatchInfo) -> dict[str, Any]:
     }
 
 
-def _follow(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
+def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
     """Add the targets' poses in a state to their tracks."""
     for target in world.targets:
         numbers[target.name] = target.number

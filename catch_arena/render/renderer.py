@@ -318,7 +318,7 @@ class ArenaPainter:
         """
         renderer, last = self._renderer, self._last
         self._last = world
-        if last is None or world.step == 0 or world.step < last.step or not self._led_to(last, world):
+        if last is None or world.step == 0 or world.step < last.step or not self._can_lead_to(last, world):
             renderer.reset(float(world.time_ms))
             self._motion = step_motion(world, world)
             renderer.enter(self._motion)
@@ -340,7 +340,7 @@ class ArenaPainter:
         time_ms = motion.before.time_ms + part * (motion.after.time_ms - motion.before.time_ms)
         return self._renderer.draw(time_ms, motion.at(time_ms))
 
-    def _led_to(self, last: World, world: World) -> bool:
+    def _can_lead_to(self, last: World, world: World) -> bool:
         """Return whether every hunter can have driven from its place in `last` to its place in `world`."""
         furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + TICK_MS) / 1000.0 + 1e-6
         return all(

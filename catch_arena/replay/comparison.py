@@ -98,7 +98,7 @@ def _actions(replay: Replay, step: int) -> list[str]:
         return []
     hunters = []
     for seat in range(replay.config.hunters):
-        named = ", ".join(replay.asked_by_name(step, seat))
+        named = ", ".join(replay.requested_by_name(step, seat))
         hunters.append(" ".join(filter(None, (replay.action(step, seat), named and f"({named})"))))
     return hunters + [replay.prey_action(step, index) for index in range(replay.config.prey)]
 

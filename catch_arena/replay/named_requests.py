@@ -114,12 +114,12 @@ def judge_again(
         if ruling.verdict in _FOR_A_RANK:
             raise ReplayError(
                 f"step {before.step + 1}: hunter_{ruling.hunter} cannot have asked for "
-                f"{name_in_words(str(ruling.target))} by name alone: it was in reach, so the arena would have answered"
+                f"{describe_name(str(ruling.target))} by name alone: it was in reach, so the arena would have answered"
             )
     return rulings
 
 
-def name_in_words(name: str | None) -> str:
+def describe_name(name: str | None) -> str:
     """Return a requested name in quotes, shortened and printable; a phrase for None."""
     if name is None:
         return "a name that is not a string"

@@ -16,7 +16,7 @@ from catch_arena.engine import Engine
 from catch_arena.equality import equal_fields
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
-from catch_arena.replay.named_requests import NamedRequest, has_appeared, judge_again, name_in_words, requests_of_step
+from catch_arena.replay.named_requests import NamedRequest, describe_name, has_appeared, judge_again, requests_of_step
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
 from catch_arena.replay.states import QuantisedState, quantise
 from catch_arena.text import with_type
@@ -82,20 +82,20 @@ class Replay:
         rank = int(self.choices[step][seat])
         if control == "target":
             return f"rank {rank}" if rank else "hold"
-        commanded = _in_words(self.commands[step][seat])
+        commanded = _describe(self.commands[step][seat])
         if control == "velocity":
             return commanded
-        request = f"rank {rank}" if rank else "by name" if self.asked_by_name(step, seat) else "nothing"
+        request = f"rank {rank}" if rank else "by name" if self.requested_by_name(step, seat) else "nothing"
         return f"{commanded}, catch {request}"
 
-    def asked_by_name(self, step: int, seat: int) -> list[str]:
+    def requested_by_name(self, step: int, seat: int) -> list[str]:
         """R8.4: return the names in a hunter's requests by name in a step, in their order, in words."""
         requests = requests_of_step(self.named_requests, step)
-        return [name_in_words(request.name) for request in requests if request.seat == seat]
+        return [describe_name(request.name) for request in requests if request.seat == seat]
 
     def prey_action(self, step: int, index: int) -> str:
         """Return a prey's action in a step, counted from 0, in words."""
-        return _in_words(self.prey_commands[step][index])
+        return _describe(self.prey_commands[step][index])
 
     def withdrawn_before(self, step: int) -> list[int]:
         """Return the agents that were withdrawn after `step` steps, as indices in `names`."""
@@ -233,6 +233,6 @@ class Replay:
             raise ReplayError(f"{path}: {error}") from None
 
 
-def _in_words(command: NDArray[np.float32]) -> str:
+def _describe(command: NDArray[np.float32]) -> str:
     linear, angular = command.tolist()
     return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"

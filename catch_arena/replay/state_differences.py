@@ -51,7 +51,7 @@ def state_differences(
     tables = (ARENA, HUNTER, target_numbers(config), PREY)
     first_rows, second_rows = _rows(first, config), _rows(second, config)
     for group, number in sorted(first_rows.keys() | second_rows.keys()):
-        subject = _called(config, names, group, number)
+        subject = _body_name(config, names, group, number)
         first_row, second_row = (rows.get((group, number)) for rows in (first_rows, second_rows))
         if first_row is None or second_row is None:
             here, there = labels[::-1] if first_row is None else labels
@@ -73,7 +73,7 @@ def _rows(state: QuantisedState, config: ArenaConfig) -> dict[tuple[int, int], l
     return found
 
 
-def _called(config: ArenaConfig, names: Sequence[str], group: int, number: int) -> str:
+def _body_name(config: ArenaConfig, names: Sequence[str], group: int, number: int) -> str:
     if group == _ARENA:
         return "clock and counters"
     if group == _TARGETS:

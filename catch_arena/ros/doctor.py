@@ -10,7 +10,7 @@ from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import Bus, Endpoint
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.middleware.interfaces import Interfaces
-from catch_arena.ros.middleware.ros_types import described
+from catch_arena.ros.middleware.ros_types import describe_type
 from catch_arena.ros.nodes.neighbours import Neighbours
 
 LOOK_S: Final = 3.0
@@ -41,9 +41,9 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
         bus.spin(left)
     try:
         types = bus.interfaces(given)
-        facts.append(f"interfaces: {types.catch_turtle.name}: {described(types.catch_turtle)}")
+        facts.append(f"interfaces: {types.catch_turtle.name}: {describe_type(types.catch_turtle)}")
         (turtles,) = types.turtle_array.fields
-        facts.append(f"interfaces: {types.turtle_array.name}: {turtles.name}, each {described(types.turtle)}")
+        facts.append(f"interfaces: {types.turtle_array.name}: {turtles.name}, each {describe_type(types.turtle)}")
     except BusError as error:
         types = given
         problems.append(f"{error}: {error.hint}" if error.hint else str(error))

@@ -102,7 +102,7 @@ class Evaluation:
         """
         waiting = []
         for one in self.suite.scenarios:
-            self._begun(one).close()  # checks all folders first: their matches must be this agent's
+            self._open_store(one).close()  # checks all folders first: their matches must be this agent's
             kept = self.played(one)
             if len(kept) < self._plan(one).size:
                 waiting.append(one)
@@ -113,7 +113,7 @@ class Evaluation:
         with local_executor(self._worker(waiting[0]), jobs) as ready:
             for one in waiting:
                 ready.worker = self._worker(one)
-                with self._begun(one) as store:
+                with self._open_store(one) as store:
                     folder = self._folder(one)
                     play_plan(
                         store,
@@ -132,7 +132,7 @@ class Evaluation:
         with Store.read(folder) as store:
             return [one for one in store.played() if one.match.block < self.blocks]
 
-    def _begun(self, scenario: SuiteScenario) -> Store:
+    def _open_store(self, scenario: SuiteScenario) -> Store:
         """Open the store of a scenario, or create it if there is none.
 
         Raises:

@@ -144,8 +144,8 @@ def _findings(
             continue
         here.add(kind)
         shown = "" if kind in reported else f"{_shown_to(forfeit, config)}{_tail(result.logs[party])}"
-        who = " as prey" if config.prey and forfeit.seat >= config.hunters else ""
-        yield Finding("error", f"{name}{who}: {forfeit}{shown}")
+        role = " as prey" if config.prey and forfeit.seat >= config.hunters else ""
+        yield Finding("error", f"{name}{role}: {forfeit}{shown}")
     reported |= here
     moves = sum(times.moves for times in result.thinking)
     mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)

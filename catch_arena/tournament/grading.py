@@ -153,7 +153,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         "mean_caught": _mean(scores["prey"]),
         "verdicts": dict(sorted(verdicts.items())),
     }
-    failures = [*map(str, forfeits.values()), *([stopped] if stopped else []), *_missed(test, figures)]
+    failures = [*map(str, forfeits.values()), *([stopped] if stopped else []), *_missed_bounds(test, figures)]
     caught = "" if figures["mean_caught"] is None else f", caught {figures['mean_caught']:.2f}"
     return TestGrade(
         test=test.name,
@@ -172,7 +172,7 @@ def _mean(values: Sequence[float]) -> float | None:
     return sum(values) / len(values) if values else None
 
 
-def _missed(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[str]:
+def _missed_bounds(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[str]:
     """Yield the missed thresholds, in words."""
     for name, value in figures.items():
         least, most = getattr(test, f"min_{name}", None), getattr(test, f"max_{name}", None)

@@ -113,7 +113,7 @@ def read_spec(path: Path) -> GradingSpec:
             for number, (test, given) in enumerate(zip(file.test, table["test"], strict=True), 1)
         )
     except msgspec.ValidationError as error:
-        raise ConfigError(f"{path}: {_in_words(str(error), table)}") from None
+        raise ConfigError(f"{path}: {_describe(str(error), table)}") from None
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
     return GradingSpec(path.stem if file.title is None else file.title, tests, secret)
@@ -166,19 +166,19 @@ def _secret(file: _File, folder: Path) -> Secret:
         raise ConfigError(f"seed_file must hold 32 hexadecimal digits or a number, and {path} does not") from None
 
 
-def _in_words(message: str, table: Any) -> str:
+def _describe(message: str, table: Any) -> str:
     """Return msgspec's message about a table as `test[1].points must be a number >= 0.0, got -1`."""
-    what, _, path = message.partition(" - at ")
+    problem, _, path = message.partition(" - at ")
     at, value = "", table
     for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", path):
         at += f"[{int(index) + 1}]" if index else f".{name}"
         value = value[int(index) if index else name]
     at = at.removeprefix(".") or "spec"
-    if field := re.fullmatch(r"Object contains unknown field `(.*)`", what):
+    if field := re.fullmatch(r"Object contains unknown field `(.*)`", problem):
         known = (_File if at == "spec" else GradingTest).__struct_fields__
         return f"unknown field {at}.{field[1]}: {suggest(field[1], known)}"
-    if field := re.fullmatch("Object missing required field `(.*)`", what):
+    if field := re.fullmatch("Object missing required field `(.*)`", problem):
         return f"{at}.{field[1]} must be given"
-    wanted = what.removeprefix("Expected ").partition(", got")[0].replace("`", "").replace(" | null", "")
+    wanted = problem.removeprefix("Expected ").partition(", got")[0].replace("`", "").replace(" | null", "")
     wanted = re.sub(r"\w+", lambda kind: _KINDS.get(kind[0], kind[0]), wanted.replace(" | ", " or "))
     return f"{at} must be {wanted}, got {value!r}"

@@ -148,10 +148,10 @@ class _RunningMatch:
         """
         self.step += 1
         shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
-        faults = self._ask(shown)
+        faults = self._collect_actions(shown)
         if faults:
             self.forfeit(faults, shown)
-        if illegal := self._take_actions():
+        if illegal := self._check_actions():
             self.forfeit(illegal, shown)
         observations, _, _, _, infos = self._env.step(self._actions)
         self._actions.clear()
@@ -189,7 +189,7 @@ class _RunningMatch:
     def _hold(self, seat: int) -> Any:
         return _HOLD[self._controls[seat]]
 
-    def _ask(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
+    def _collect_actions(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
         """Ask the seats in `shown` for their actions, and keep them.
 
         Returns:
@@ -207,7 +207,7 @@ class _RunningMatch:
                 faults[seat] = fault
         return faults
 
-    def _take_actions(self) -> dict[int, Fault]:
+    def _check_actions(self) -> dict[int, Fault]:
         """Check the actions of the remaining players; velocities out of bounds are refused here, and not clipped.
 
         Returns:

@@ -31,7 +31,7 @@ class Fault:
 # plain tuples: a trusted match makes thousands of them
 Observation = tuple[list[float], list[int]]
 """Observation of a seat in a step: the vector of R7.1 or R12.4, and the mask of R7.2; empty if the seat has none."""
-Answer = tuple[Any, float, Fault | None]
+Move = tuple[Any, float, Fault | None]
 """Answer of a seat: action, unchecked (None if there is a fault); time taken [s]; fault (None if there is none)."""
 
 
@@ -80,9 +80,9 @@ class Players:
                 self._absent[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
         return self._absent
 
-    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
         """Return the answers of these seats in one step."""
-        answers: dict[int, Answer] = {}
+        moves: dict[int, Move] = {}
         policies, all_limits, clock = self._policies, self._limits, time.perf_counter
         for seat, (vector, mask) in observations.items():
             view = all_limits[seat].view(vector, mask)
@@ -91,10 +91,10 @@ class Players:
                 action = policies[seat].act(view)  # type: ignore[arg-type]  # a seat's limits make its side's view
             except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
                 fault = Fault("FORFEIT_CRASH", f"act raised {reason(error)}")
-                answers[seat] = None, clock() - begin, fault
+                moves[seat] = None, clock() - begin, fault
             else:
-                answers[seat] = action, clock() - begin, None
-        return answers
+                moves[seat] = action, clock() - begin, None
+        return moves
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""

@@ -60,13 +60,13 @@ def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Seq
         "matches": matches,
         "config_digest": tournament.config.digest,
         "config": tournament.config.to_dict(),
-        "entrants": [_who(entrant, with_prey="prey" in tables) for entrant in tournament.entrants],
+        "entrants": [_entrant_columns(entrant, with_prey="prey" in tables) for entrant in tournament.entrants],
         **{names[side]: [_whole(standing) for standing in table] for side, table in tables.items()},
     }
     return json.dumps(summary, indent=2) + "\n"
 
 
-def _who(entrant: Entrant, *, with_prey: bool) -> dict[str, str]:
+def _entrant_columns(entrant: Entrant, *, with_prey: bool) -> dict[str, str]:
     prey = {"prey": entrant.on("prey").name, "prey_digest": entrant.prey_digest} if with_prey else {}
     return {"name": entrant.name, "control": entrant.control, "digest": entrant.digest} | prey
 

@@ -22,7 +22,7 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
-from catch_arena.tournament import stored_values
+from catch_arena.tournament import store_rows
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Block, Match, PlayedMatch
@@ -56,13 +56,13 @@ CREATE TABLE result (
     {results}
 ) WITHOUT ROWID;
 """
-_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in stored_values.RESULTS)
+_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in store_rows.RESULTS)
 """Columns of a result, one for each part, as JSON; logs are files."""
 _STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_ADD: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(stored_values.RESULTS)})"  # noqa: S608
+_ADD: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(store_rows.RESULTS)})"  # noqa: S608
 _VERSIONS: Final = "SELECT id, value FROM versions"
 _PLAYED: Final = (
-    f"SELECT versions, match.*, replay, {', '.join(stored_values.RESULTS)} "  # noqa: S608
+    f"SELECT versions, match.*, replay, {', '.join(store_rows.RESULTS)} "  # noqa: S608
     "FROM result JOIN match ON match = id ORDER BY id LIMIT ?"
 )
 
@@ -103,7 +103,7 @@ class Tournament:
             values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
             return msgspec.convert(values, cls)
         except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
-            raise stored_values.DamagedError(f"table fact: {error}") from None
+            raise store_rows.DamagedError(f"table fact: {error}") from None
 
     @property
     def secret(self) -> Secret | None:
@@ -228,7 +228,7 @@ class Store:
                 self._add_match(one)
 
     def _add_match(self, one: PlayedMatch) -> None:
-        parts = {column: getattr(one.result, name) for column, name in stored_values.RESULTS.items()}
+        parts = {column: getattr(one.result, name) for column, name in store_rows.RESULTS.items()}
         parts["thinking"] = [
             (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
         ]
@@ -250,7 +250,7 @@ class Store:
                     "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
                     (after, _PAGE),
                 ).fetchall()
-                page = [stored_values.match_of(row, *shape) for row in found]
+                page = [store_rows.decode_match(row, *shape) for row in found]
             if not page:
                 return
             yield from page
@@ -264,9 +264,9 @@ class Store:
         """Yield the played matches, as `played` does, each with the package versions that played it."""
         shape = self._shape()
         with self._store_errors():
-            known = {key: stored_values.versions_of(key, text) for key, text in self._db.execute(_VERSIONS)}
+            known = {key: store_rows.decode_versions(key, text) for key, text in self._db.execute(_VERSIONS)}
             for by, *row in self._db.execute(_PLAYED, (most,)):
-                yield stored_values.played_of(row, *shape), known[by]
+                yield store_rows.decode_played_match(row, *shape), known[by]
 
     def count_played(self) -> int:
         """Return the number of played matches."""
@@ -334,7 +334,7 @@ class Store:
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
-                raise stored_values.DamagedError(str(found))
+                raise store_rows.DamagedError(str(found))
         return True
 
     def _facts(self) -> dict[str, str]:
@@ -374,7 +374,7 @@ class Store:
     def _store_errors(self) -> Iterator[None]:
         try:
             yield
-        except stored_values.DamagedError as error:
+        except store_rows.DamagedError as error:
             raise StoreError(f"{self.path}: is damaged: {one_line(str(error))}") from None
         except UnicodeError:  # in a message of SQLite
             raise StoreError(f"{self.path}: is damaged: it holds what is no text") from None
@@ -459,8 +459,8 @@ def difference(there: Tournament, here: Tournament) -> str | None:
     for begun, now in zip(there.entrants, here.entrants, strict=True):
         for name in compared:
             if getattr(begun, name) != getattr(now, name):
-                what = f"the {name.replace('_', ' ')} of agent {now.name}"
-                return f"{what} is {getattr(begun, name)} there, and {getattr(now, name)} here"
+                subject = f"the {name.replace('_', ' ')} of agent {now.name}"
+                return f"{subject} is {getattr(begun, name)} there, and {getattr(now, name)} here"
         fit = ["can begin" if one.fault is None else "cannot begin" for one in (begun, now)]
         if fit[0] != fit[1]:
             return f"agent {now.name} {fit[0]} there, and {fit[1]} here"

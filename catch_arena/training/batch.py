@@ -23,7 +23,7 @@ from catch_arena.layout import Column, columns, prey_observation_size
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
 from catch_arena.training.players import Place, Player, PreyPlayers, action_arrays
 
@@ -157,7 +157,7 @@ class LearnerBatch:
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
         self._rows = np.arange(self.num_envs)[:, None]
         self._rng = np.random.default_rng(0)
-        self._begun = False
+        self._has_begun = False
         self._seen: NDArray[np.float32] = np.zeros((*shape, len(self.columns)), np.float32)
         self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
         self._seen_by_prey: NDArray[np.float32] = np.zeros((self.num_envs, 0, 0), np.float32)
@@ -192,7 +192,7 @@ class LearnerBatch:
         """
         if arenas is not None:
             self._require_begun("reset() of single arenas")
-        elif seed is not None or not self._begun:
+        elif seed is not None or not self._has_begun:
             seed = fresh_seed() if seed is None else checked_seed(seed)
             self._rng = np.random.default_rng(seed)
             self._rotation = np.arange(self.num_envs) - 1
@@ -291,7 +291,7 @@ class LearnerBatch:
             ConfigError: if `saved` is not from a batch with an equal config and as many arenas and learners.
         """
         if not isinstance(saved, SavedLearners):
-            raise ConfigError(f"saved must be a SavedLearners from save(), got {in_short(saved)}")
+            raise ConfigError(f"saved must be a SavedLearners from save(), got {shortened(saved)}")
         if saved.seats.shape[1] != self.learners:  # if equal, both or none have opponents
             raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
         observations, infos = self.arena.restore(saved.arena)
@@ -302,7 +302,7 @@ class LearnerBatch:
         self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
         self._rng.bit_generator.state = saved.rng
         self._take(observations, infos)
-        self._begun = True
+        self._has_begun = True
         return self._observations(self._seen), self.masks
 
     def clone(self) -> "LearnerBatch":
@@ -324,12 +324,12 @@ class LearnerBatch:
 
     def _begin(self, arenas: NDArray[np.int64]) -> None:
         """Prepare opponents and prey for the new episodes of these arenas."""
-        self._begun = False  # until all have begun: an agent that raises here leaves seats without a player
+        self._has_begun = False  # until all have begun: an agent that raises here leaves seats without a player
         if self.opponents is not None:
             self._seat(self.opponents, arenas)
         if self._prey is not None:
             self._prey.begin(self._rng, arenas)
-        self._begun = True
+        self._has_begun = True
 
     def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:
         """Move the learners on by a seat, and draw the opponents of the other seats."""
@@ -345,7 +345,7 @@ class LearnerBatch:
         self.arena.set_controls(controls, arenas)
 
     def _require_begun(self, call: str) -> None:
-        if not self._begun:
+        if not self._has_begun:
             raise EpisodeError(f"{call} was called before the first reset; call reset() first")
 
     def _place(self, actions: Any) -> None:

@@ -54,7 +54,7 @@ class _Seen(NamedTuple):
 _NUMBERS: Final = [field.name for field in fields(Limits) if field.type in (int, float, bool)]
 _make: Any = NamedTuple  # for type checkers, which want to see the fields
 _Limits: Any = _make("_Limits", [(name, float) for name in _NUMBERS])
-_STILL, _ALONE = len(TargetFeatures._fields), len(RivalFeatures._fields)
+_STILL, _TEAMLESS = len(TargetFeatures._fields), len(RivalFeatures._fields)
 """Columns of each without motion, and without teams: a constant number of them is copied twice as fast."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _PRESENT: Final = MovingTargetFeatures._fields.index("present")  # and of rivals
@@ -125,7 +125,7 @@ def _act_all(
     target_columns, first_rival, rival_columns, limits = shape
     for row in range(len(seen)):
         target_count = _look(seen, row, len(_OWN), target_columns, _STILL, targets)
-        rival_count = _look(seen, row, first_rival, rival_columns, _ALONE, rivals)
+        rival_count = _look(seen, row, first_rival, rival_columns, _TEAMLESS, rivals)
         view = _Seen(
             np.float64(seen[row, _OWN.x]),
             np.float64(seen[row, _OWN.y]),

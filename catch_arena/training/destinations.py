@@ -80,7 +80,7 @@ def destinations(view: View | BatchView) -> Destinations:
         view = BatchView(np.array([view.observation]), np.zeros((1, 0), np.int8), view.limits)
     seen: Any = np.asarray(view.observations, np.float64)
     views = (BatchView(seen[at : at + ROWS], view.masks, view.limits) for at in range(0, max(1, len(seen)), ROWS))
-    *tables, places = zip(*(_Block(some).described() for some in views), strict=True)
+    *tables, places = zip(*(_Block(some).result() for some in views), strict=True)
     return Destinations._make((*map(np.concatenate, tables), places[0]))
 
 
@@ -100,7 +100,7 @@ class _Block:
             places.append(self._in_own_frame(GRID))
         self.places = sum(points.shape[2] for points in places)
         self.forward, self.left = np.concatenate((*places, self._meetings()), axis=2)
-        caught = self._as_good_as_caught()
+        caught = self._nearly_caught()
         self.alive = (self.targets.present > 0) & ~caught
         self.caught = caught.any(axis=1, keepdims=True)
         self.own_arrival = self._arrival_s(self.forward, self.left)
@@ -109,14 +109,14 @@ class _Block:
             self.left[:, None] - self.rivals.left[..., None],
         )
         cosine, sine = self.rivals.heading_cos[..., None], self.rivals.heading_sin[..., None]
-        ahead, self.far = cosine * dx + sine * dy, np.sqrt(dx * dx + dy * dy)
-        self.facing = ahead / (self.far + 1e-3)
+        forward_of_rival, self.far = cosine * dx + sine * dy, np.sqrt(dx * dx + dy * dy)
+        self.facing = forward_of_rival / (self.far + 1e-3)
         """Cosine of the angle between a rival's heading and the direction of the candidate: (N, R, C).
 
         `far`, the distance [m], and `rival_arrivals`, the arrival time [s], have the same shape.
         """
         there = (self.rivals.present > 0)[..., None]
-        self.rival_arrivals = np.where(there, self._arrival_s(ahead, cosine * dy - sine * dx), NEVER_S)
+        self.rival_arrivals = np.where(there, self._arrival_s(forward_of_rival, cosine * dy - sine * dx), NEVER_S)
         self.first_rival_arrival = self.rival_arrivals.min(axis=1, initial=NEVER_S)
         self.best, self.lost_by = self._best_races()
 
@@ -155,7 +155,7 @@ class _Block:
             place = now + way * np.minimum(LONGEST_LEAD_S, self._arrival_s(*place))
         return place
 
-    def _as_good_as_caught(self) -> NDArray[np.bool_]:
+    def _nearly_caught(self) -> NDArray[np.bool_]:
         """Return whether a target is as good as caught: (N, K).
 
         Only the nearest target can be, if it is within reach and no rival is nearer to it; none under target control.
@@ -192,7 +192,7 @@ class _Block:
         lost_by: Floats = np.where(wins, 0.0, late.min(axis=2))
         return np.where(racing & self.alive.any(axis=1)[:, None], best, -1), lost_by
 
-    def described(self) -> Destinations:
+    def result(self) -> Destinations:
         """Return the candidates of these hunters with all features."""
         given_up = (self.lost_by[:, 0] > GIVEN_UP_S) & (not self.hosted)
         preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])

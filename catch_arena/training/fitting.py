@@ -31,8 +31,8 @@ def fit_observation(view: View | BatchView, trained: str | ArenaConfig) -> NDArr
     """
     given = view.observations if isinstance(view, BatchView) else view.observation
     values = np.asarray(given, dtype=np.float32)
-    nothing = np.zeros((*values.shape[:-1], 1), dtype=np.float32)
-    found: NDArray[np.float32] = np.concatenate((values, nothing), axis=-1)[..., _places(view.limits, _limits(trained))]
+    zero = np.zeros((*values.shape[:-1], 1), dtype=np.float32)
+    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., _places(view.limits, _limits(trained))]
     return found
 
 

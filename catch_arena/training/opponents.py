@@ -13,7 +13,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.errors import ActionError, AgentError, ConfigError, reason
 from catch_arena.policy import Limits, View, control_of
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
 from catch_arena.training.players import Place, Player, action_arrays
@@ -119,7 +119,7 @@ class Opponents:
         given = np.asarray(weights, dtype=np.float64)
         if given.shape != (len(self._pool),):
             raise ConfigError(f"weights must be {len(self._pool)} numbers, one for each opponent, got {given.shape}")
-        self._weights = _shares(given, in_short(given.tolist()))
+        self._weights = _shares(given, shortened(given.tolist()))
 
     def begin(self, rng: np.random.Generator) -> None:
         """Seed the agents that have `act_batch`."""
@@ -248,7 +248,7 @@ def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] |
         weights = np.array([float(weight) for weight in pool.values()])
     except (TypeError, ValueError):
         weights = np.array([np.nan])
-    return agents, _shares(weights, in_short(dict(pool)))
+    return agents, _shares(weights, shortened(dict(pool)))
 
 
 def _shares(weights: NDArray[np.float64], given: str) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.policy import PreyLimits
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.tournament.loading import create_policy
@@ -136,7 +136,7 @@ def action_arrays(
     ranks, velocities = actions, actions
     if control == "full":
         if not isinstance(actions, Mapping) or set(actions) != {"cmd_vel", "catch"}:
-            raise ActionError(f"{name} must be a mapping with cmd_vel and catch, got {in_short(actions)}")
+            raise ActionError(f"{name} must be a mapping with cmd_vel and catch, got {shortened(actions)}")
         ranks, velocities = actions["catch"], actions["cmd_vel"]
     return (
         None if control == "velocity" else action_array(name, ranks, (count,), whole=True),

@@ -18,7 +18,7 @@ GROUP = "hunters"
 """Key of the learners' tensors, (B, learners, ...) each."""
 
 
-class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl may be missing
+class _RefusesAutoReset(type(EnvBase)):  # type: ignore[misc]  # torchrl may be missing
     """Metaclass that refuses `auto_reset`: TorchRL's own removes it, and then never resets arenas that have ended."""
 
     def __call__(cls, *arguments: Any, auto_reset: bool = False, **settings: Any) -> Any:
@@ -29,7 +29,7 @@ class _AsksForResets(type(EnvBase)):  # type: ignore[misc]  # torchrl may be mis
         return super().__call__(*arguments, **settings)
 
 
-class TorchRLEnv(EnvBase, metaclass=_AsksForResets):  # type: ignore[misc]  # torchrl may be missing
+class TorchRLEnv(EnvBase, metaclass=_RefusesAutoReset):  # type: ignore[misc]  # torchrl may be missing
     """Environment of B arenas, with tensors for the learners and flags for the arenas.
 
     Learners have `("hunters", "observation")`, `("hunters", "action_mask")` (not under velocity control), `("hunters",

@@ -29,13 +29,13 @@ class Subject:
         """
         if self.value:
             return self.value(), 0.0
-        calls, chunk, wall, cpu = 0, 1, time.perf_counter(), cpu_seconds()
+        calls, repeats, wall, cpu = 0, 1, time.perf_counter(), cpu_seconds()
         while (spent := cpu_seconds() - cpu) < seconds:
-            for _ in range(chunk):
+            for _ in range(repeats):
                 self.step()
-            calls += chunk
+            calls += repeats
             if spent < 0.02 * seconds:
-                chunk *= 2
+                repeats *= 2
         steps = calls * self.steps_per_call * self.envs
         return spent / steps, (time.perf_counter() - wall) / steps
 

@@ -150,12 +150,12 @@ def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player,
     for contest in contests[:3]:
         player.get_by_role("button", name="Next contest").click()
         assert clock(player) == pytest.approx((contest.step - 1) / 10)
-        told = player.locator(".contest").inner_text()
+        text = player.locator(".contest").inner_text()
         for claim in contest.claims:
-            assert f"agent {claim.seat}" in told
-            assert f"{claim.distance_um / 1e6:.6f} m" in told
-        assert f"({contest.clause})" in told
-        assert f"agent {contest.claims[0].seat} is granted it" in told
+            assert f"agent {claim.seat}" in text
+            assert f"{claim.distance_um / 1e6:.6f} m" in text
+        assert f"({contest.clause})" in text
+        assert f"agent {contest.claims[0].seat} is granted it" in text
         assert player.locator(".claims li").first.inner_text().startswith(f"{contest.claims[0].seat}\n")
     player.get_by_role("button", name="Previous contest").click()
     assert clock(player) == pytest.approx((contests[1].step - 1) / 10)
@@ -322,9 +322,9 @@ def test_wicked_names_are_only_words(quiet, tmp_path):
     tournament(tmp_path, 1, names)
     quiet.goto(write_report(tmp_path).as_uri())
     quiet.wait_for_selector("#list li")
-    said = quiet.locator("body").inner_text()
+    text = quiet.locator("body").inner_text()
     for name in names:
-        assert name in said
+        assert name in text
     assert quiet.locator("img, b:has-text('</')").count() == 0
     assert names[0] in quiet.locator("#list").inner_text()
 
@@ -411,9 +411,9 @@ def test_an_injected_script_does_not_run_and_nothing_is_fetched(chromium, report
     harmed = tmp_path / "harmed.html"
     harmed.write_text(text.replace("<main>", f"<main>{wicked}"), encoding="utf-8")
     page = chromium.new_page()
-    refused, asked, blocked = [], [], {}
+    refused, urls, blocked = [], [], {}
     page.on("console", lambda message: refused.append(message.text))
-    page.on("request", lambda request: asked.append(request.url))
+    page.on("request", lambda request: urls.append(request.url))
     page.on("requestfailed", lambda request: blocked.update({request.url: request.failure}))
     page.goto(harmed.as_uri())
     until(page, "document.querySelector('catch-replay').replay")  # the page's own scripts run
@@ -421,20 +421,20 @@ def test_an_injected_script_does_not_run_and_nothing_is_fetched(chromium, report
     page.evaluate("setTimeout(() => {}, 0)")
     assert page.evaluate("window.harmed") is None
     assert sum("Content Security Policy" in line for line in refused) >= 4
-    assert all(url.startswith(("file:", "data:")) or blocked.get(url) == "csp" for url in asked)
+    assert all(url.startswith(("file:", "data:")) or blocked.get(url) == "csp" for url in urls)
     page.close()
 
 
 @pytest.mark.parametrize("served", [False, True])
 def test_the_page_breaks_no_rule_of_its_own_policy(chromium, report, served):
     page = chromium.new_page()
-    said = []
-    page.on("console", lambda message: said.append(message.text))
+    messages = []
+    page.on("console", lambda message: messages.append(message.text))
     with serve(LiveReport(report.parent), 0) as address:
         page.goto(address if served else report.as_uri())
         until(page, "document.querySelector('catch-replay').replay")
         page.get_by_role("button", name="Light or dark").click()
         page.get_by_role("button", name="Play", exact=True).click()
         until(page, "document.querySelector('catch-replay').time > 300")
-    assert [line for line in said if "Policy" in line] == []
+    assert [line for line in messages if "Policy" in line] == []
     page.close()

@@ -253,14 +253,14 @@ def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
     (tmp_path / "mine.py").write_text(SPOKEN)
     words = ["tournament", "mine.py", "mine.py", "nearest", *QUICK, "--rounds", "5", "--jobs", "1"]
     words += ["--limit", "init_s=30", "--limit", "step_ms=20", "--limit", "bank_s=0.1", "--max-forfeits", "3"]
-    told = catch_arena(*words).stderr
+    stderr = catch_arena(*words).stderr
     for line in (
         r"hangs +up to 30\.1 s per match: 0:02:00 for 4, then excluded",
         r"all 2 such agents +0:04:01 with one",
         r"a slow agent +up to 30\.7 s per match: 0:10:14 for 20, no forfeit",
         "mine forfeited there: ",
     ):
-        assert re.search(line, told, re.MULTILINE), told
+        assert re.search(line, stderr, re.MULTILINE), stderr
     assert "hangs" not in catch_arena(*words[:1], "nearest", "idle", *QUICK, "--out", "o").stderr
 
 

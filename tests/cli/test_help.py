@@ -15,9 +15,9 @@ COMMANDS = [[name] for names in GROUPS.values() for name in names]
 
 
 def help_of(words, columns):
-    told = CliRunner().invoke(main, [*words, "--help"], env={"COLUMNS": str(columns)})
-    assert told.exit_code == 0, told.output
-    return told.output
+    result = CliRunner().invoke(main, [*words, "--help"], env={"COLUMNS": str(columns)})
+    assert result.exit_code == 0, result.output
+    return result.output
 
 
 def commands_below(group, words=()):

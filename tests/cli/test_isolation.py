@@ -78,8 +78,8 @@ def test_a_level_that_cannot_be_held_is_refused_before_anything_is_written(catch
         assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
         assert refused.stderr.startswith("error: isolation namespaces cannot be held here: bubblewrap is not in")
     assert sorted(tmp_path.iterdir()) == before
-    told = unfolded(catch_arena("match", "mine.py", "idle", *QUICK).stderr)
-    assert told.startswith(level_line("processes"))
+    stderr = unfolded(catch_arena("match", "mine.py", "idle", *QUICK).stderr)
+    assert stderr.startswith(level_line("processes"))
 
 
 @pytest.mark.parametrize("level", NAMESPACES)

@@ -66,19 +66,19 @@ def minimal(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: A
 def service(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
     """The original's service, with the least that makes it a referee."""
     left = dict(targets)
-    answers = []
+    returned = []
     for hunter, name in requests:
         if name not in left:
-            answers.append(("UNKNOWN_TARGET", hunter, name, None, None))
+            returned.append(("UNKNOWN_TARGET", hunter, name, None, None))
             continue
         x, y = left[name]
         dx, dy = hunters[hunter][0] - x, hunters[hunter][1] - y
         if dx * dx + dy * dy <= reach_m:
             del left[name]
-            answers.append(("GRANTED", hunter, name, None, None))
+            returned.append(("GRANTED", hunter, name, None, None))
         else:
-            answers.append(("OUT_OF_REACH", hunter, name, None, None))
-    return answers
+            returned.append(("OUT_OF_REACH", hunter, name, None, None))
+    return returned
 
 
 @pytest.mark.parametrize(

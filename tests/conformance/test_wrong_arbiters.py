@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 from conformance.wrong_arbiters import KNOWN, PlainArbiter
 
-from catch_arena.conformance.answers import KINDS
+from catch_arena.conformance.adjudicator_calls import KINDS
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import ArbiterCase
 from catch_arena.conformance.diagnosis import known_mistakes

@@ -28,7 +28,7 @@ class PlainArbiter:
 
     def __call__(self, **case: Any) -> list[Ruling]:
         self.case = case = self.given(case)
-        self.asked: set[int] = set()
+        self.requesters: set[int] = set()
         rulings: list[Ruling] = []
         contests: dict[Any, Eligible] = {}
         for place, (hunter, name) in enumerate(case["requests"]):
@@ -40,7 +40,7 @@ class PlainArbiter:
             if ruling["verdict"] is None and case["policy"] == "capstone":
                 ruling |= {"verdict": "GRANTED", "winner": hunter}
             elif ruling["verdict"] is None:
-                contests.setdefault(self.known_as(name), []).append(ruling | {"place": place})
+                contests.setdefault(self.target_named(name), []).append(ruling | {"place": place})
         for name, eligible in contests.items():
             for one, verdict, winner in self.decide(name, eligible):
                 rulings[one["place"]] |= {"verdict": verdict, "winner": winner}
@@ -59,10 +59,10 @@ class PlainArbiter:
             "over": ("MATCH_OVER", lambda _: case["match_over"]),
             "malformed": ("MALFORMED", lambda one: not self.is_name(one["target"])),
             "inactive": ("HUNTER_INACTIVE", lambda one: one["hunter"] in case["inactive"]),
-            "duplicate": ("DUPLICATE", lambda one: one["hunter"] in self.asked),
+            "duplicate": ("DUPLICATE", lambda one: one["hunter"] in self.requesters),
             "unknown": (
                 "UNKNOWN_TARGET",
-                lambda one: self.known_as(one["target"]) is None and one["target"] not in case["caught"],
+                lambda one: self.target_named(one["target"]) is None and one["target"] not in case["caught"],
             ),
             "caught": ("ALREADY_CAUGHT", lambda one: one["target"] in case["caught"]),
             "down": ("SERVICE_DOWN", lambda _: not case["kill_service_up"]),
@@ -74,13 +74,13 @@ class PlainArbiter:
     def is_name(self, name: object) -> bool:
         return isinstance(name, str) and len(name) <= 255
 
-    def known_as(self, name: Any) -> str | None:
+    def target_named(self, name: Any) -> str | None:
         """The target that a name stands for."""
         return name if name in self.case["targets"] else None
 
     def far(self, ruling: Ruling) -> bool:
         x, y = self.case["hunters"][ruling["hunter"]]
-        target_x, target_y = self.case["targets"][self.known_as(ruling["target"])]
+        target_x, target_y = self.case["targets"][self.target_named(ruling["target"])]
         metres = self.measure(target_x - x, target_y - y)
         ruling["distance_um"] = self.whole(metres)
         return not self.within(ruling["distance_um"], metres)
@@ -103,7 +103,7 @@ class PlainArbiter:
 
     def note(self, ruling: Ruling) -> None:
         """Make a later request of the hunter a duplicate."""
-        self.asked.add(ruling["hunter"])
+        self.requesters.add(ruling["hunter"])
 
     def decide(self, name: str, eligible: Eligible) -> list[tuple[Ruling, str, int | None]]:
         """Each request for a target, its verdict and the winner."""
@@ -146,7 +146,7 @@ def granted(one: Ruling) -> Ruling:
 def known_alike(alike: Callable[[str], str]) -> PlainArbiter:
     """Names stand for the target whose name is the same after a change."""
     return PlainArbiter(
-        known_as=lambda self, name: next((one for one in self.case["targets"] if alike(one) == alike(name)), None)
+        target_named=lambda self, name: next((one for one in self.case["targets"] if alike(one) == alike(name)), None)
     )
 
 
@@ -195,7 +195,7 @@ def guarded(self: PlainArbiter, name: str, eligible: Eligible) -> list[Any]:
 
 def refused_compete(self: PlainArbiter, name: str, eligible: Eligible) -> list[Any]:
     """A duplicate is refused in the end, but has won the contest before."""
-    rivals = {hunter for hunter, asked in self.case["requests"] if asked == name}
+    rivals = {hunter for hunter, target in self.case["requests"] if target == name}
     nearest = min(rivals, key=lambda hunter: math.dist(self.case["hunters"][hunter], self.case["targets"][name]))
     if nearest not in map(seat, eligible):
         return [(one, "LOST_CONTEST", nearest) for one in eligible]
@@ -235,12 +235,12 @@ def longest_reach(self: PlainArbiter, eligible: Eligible) -> Ruling:
 
 def note_the_unrefused(self: PlainArbiter, ruling: Ruling) -> None:
     if ruling["verdict"] is None:
-        self.asked.add(seat(ruling))
+        self.requesters.add(seat(ruling))
 
 
 def note_the_well_formed(self: PlainArbiter, ruling: Ruling) -> None:
     if ruling["verdict"] != "MALFORMED":
-        self.asked.add(seat(ruling))
+        self.requesters.add(seat(ruling))
 
 
 def measured_for_all(self: PlainArbiter, ruling: Ruling) -> None:
@@ -310,12 +310,14 @@ KNOWN: dict[str, PlainArbiter] = {
     "names are compared without regard to case": known_alike(str.casefold),
     "names are normalised (NFC) before they are compared": known_alike(partial(unicodedata.normalize, "NFC")),
     "names are normalised (NFKC) before they are compared": known_alike(partial(unicodedata.normalize, "NFKC")),
-    "spaces around names are ignored": PlainArbiter(known_as=lambda self, name: right.known_as(self, name.strip())),
+    "spaces around names are ignored": PlainArbiter(
+        target_named=lambda self, name: right.target_named(self, name.strip())
+    ),
     "a name ends at its first NUL": PlainArbiter(
-        known_as=lambda self, name: right.known_as(self, name.partition("\0")[0])
+        target_named=lambda self, name: right.target_named(self, name.partition("\0")[0])
     ),
     "a prefix of a name is accepted": PlainArbiter(
-        known_as=lambda self, name: next((one for one in self.case["targets"] if one.startswith(name)), None)
+        target_named=lambda self, name: next((one for one in self.case["targets"] if one.startswith(name)), None)
     ),
     "the length of a name is counted in bytes": PlainArbiter(
         is_name=lambda _, name: isinstance(name, str) and len(name.encode()) <= 255

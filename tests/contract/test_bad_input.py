@@ -287,7 +287,7 @@ CALLS = [
     ("spawn: y must lie in", lambda wrong: service().spawn(1.0, wrong)),
     ("spawn: theta must lie in", lambda wrong: service().spawn(1.0, 1.0, wrong)),
     ("cmd_vel must map", lambda wrong: service().step(wrong)),
-    ("goals must map", lambda wrong: service().step(goals=wrong)),
+    ("active_targets must map", lambda wrong: service().step(active_targets=wrong)),
     ("names must have 2 entries", lambda wrong: catch_arena.ArenaService("duel").record(wrong)),
     ("parallel must be a CatchArenaEnv", CatchArenaAecEnv),
     ("file must be a path", lambda wrong: recorded().save(wrong)),

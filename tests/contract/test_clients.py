@@ -24,7 +24,7 @@ MIXED = ("target", "velocity", "full", "target")
 @pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])
 def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make):
     """Nothing else of the arena depends on `infos`."""
-    told = {}
+    results = {}
     for infos in ("full", "mask", "none"):
         env = make(control=MIXED, max_cycles=5, infos=infos)
         env.reset(seed=3)
@@ -33,19 +33,19 @@ def test_r7_2_infos_hold_the_mask_alone_or_nothing_where_that_is_asked_for(make)
         if make is catch_arena.env:
             for action in actions.values():
                 env.step(action)
-            told[infos] = env.infos
+            results[infos] = env.infos
         else:
-            *_, told[infos] = env.step(actions)
+            *_, results[infos] = env.step(actions)
         assert env.unwrapped.config.digest == catch_arena.scenario("standard", control=MIXED, max_cycles=5).digest
 
-    assert told["none"] == {agent: {} for agent in told["full"]}
-    assert len({id(info) for info in told["none"].values()}) == 4
-    for agent, control in zip(told["full"], MIXED, strict=True):
+    assert results["none"] == {agent: {} for agent in results["full"]}
+    assert len({id(info) for info in results["none"].values()}) == 4
+    for agent, control in zip(results["full"], MIXED, strict=True):
         if control == "velocity":
-            assert told["mask"][agent] == {}
+            assert results["mask"][agent] == {}
             continue
-        (mask,) = told["mask"][agent].values()
-        assert (mask == told["full"][agent]["action_mask"]).all()
+        (mask,) = results["mask"][agent].values()
+        assert (mask == results["full"][agent]["action_mask"]).all()
         assert (mask.dtype, mask.shape) == (np.int8, (9,))
 
 
@@ -163,8 +163,8 @@ def test_agents_may_have_other_names_and_nothing_else_changes(given, expected):
         env.record()
         results.append([env.reset(seed=3)])
     while usual.agents:
-        for env, told in zip((usual, renamed), results, strict=True):
-            told.append(env.step(dict.fromkeys(env.agents, np.array([1.0, 0.3], np.float32))))
+        for env, steps in zip((usual, renamed), results, strict=True):
+            steps.append(env.step(dict.fromkeys(env.agents, np.array([1.0, 0.3], np.float32))))
         assert usual.digest() == renamed.digest()
         assert usual.world() == renamed.world()
     files = [BytesIO(), BytesIO()]
@@ -337,10 +337,10 @@ def test_a_time_limit_is_told_to_stable_baselines3():
     for step in range(3):
         assert not any(info["TimeLimit.truncated"] for info in infos.values())
         observations, *_, infos = env.step(dict.fromkeys(env.agents, 1))
-        *_, told = batch.step(np.array([1, 1]))
-        assert any(info["TimeLimit.truncated"] for info in told) == (step == 2)
+        *_, batch_infos = batch.step(np.array([1, 1]))
+        assert any(info["TimeLimit.truncated"] for info in batch_infos) == (step == 2)
     assert all(info["TimeLimit.truncated"] for info in infos.values())
-    for info, observation in zip(told, observations.values(), strict=True):
+    for info, observation in zip(batch_infos, observations.values(), strict=True):
         assert info["TimeLimit.truncated"] is True
         assert (info["terminal_observation"] == observation).all()
     for seed, expected in ((None, True), (None, False), (1, False)):

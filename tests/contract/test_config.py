@@ -118,9 +118,9 @@ def test_numbers_of_numpy_are_taken_by_all_that_takes_numbers():
     assert arena.digest(np.int64(1)) == arena.digest(1)
     assert arena.action_space(np.int64(1)) == arena.action_space(1)
     assert LearnerBatch("duel", 1, opponents="idle", learners=np.int64(1), distinct=np.True_).learners == 1
-    asked = {"hunters": [(0.0, 0.0)], "targets": {"t": (0.0, 0.2)}, "requests": [(np.int8(0), "t")]}
-    (ruling,) = arbitrate(**asked, reach_m=np.array([0.3]), step=np.int64(4), seed=np.int64(1))
-    assert ruling == arbitrate(**asked, reach_m=0.3, step=4, seed=1)[0]
+    arguments = {"hunters": [(0.0, 0.0)], "targets": {"t": (0.0, 0.2)}, "requests": [(np.int8(0), "t")]}
+    (ruling,) = arbitrate(**arguments, reach_m=np.array([0.3]), step=np.int64(4), seed=np.int64(1))
+    assert ruling == arbitrate(**arguments, reach_m=0.3, step=4, seed=1)[0]
     assert type(ruling.step) is int
     env = parallel_env("duel")
     env.record(np.array(["ann", "bob"]))

@@ -93,10 +93,10 @@ def test_r1_7_a_match_of_dropouts_has_no_forfeits():
     from catch_arena.tournament.match_loop import play_match
 
     class Counting(Agent):
-        asked = 0
+        calls = 0
 
         def act(self, view):
-            self.asked += 1
+            self.calls += 1
             return super().act(view)
 
     config = catch_arena.scenario("standard", dropout_rate=RATE, max_cycles=60)
@@ -108,7 +108,7 @@ def test_r1_7_a_match_of_dropouts_has_no_forfeits():
             config, seed, players, list("abcd"), watch=lambda env, seen=worlds: seen.append(env.world())
         )
         for seat, player in enumerate(players):
-            assert player.asked == sum(not world.hunters[seat].withdrawn for world in worlds[:-1])
+            assert player.calls == sum(not world.hunters[seat].withdrawn for world in worlds[:-1])
             dropped_out += worlds[-1].hunters[seat].withdrawn
         assert result.forfeit_codes == (None,) * 4
         assert min(result.ranks) == 1

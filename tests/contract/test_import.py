@@ -40,8 +40,8 @@ def test_the_import_registers_every_scenario_with_pettingzoo(order):
 def test_every_public_name_is_what_type_checkers_are_told():
     """Else an editor would show another thing than the one that is loaded."""
     tree = ast.parse(Path(catch_arena.__file__).read_text())
-    (told,) = (node for node in tree.body if isinstance(node, ast.If))
-    home = {name.asname: node.module for node in told.body for name in node.names if name.asname}
+    (guard,) = (node for node in tree.body if isinstance(node, ast.If))
+    home = {name.asname: node.module for node in guard.body for name in node.names if name.asname}
     assert sorted(home) == catch_arena.__all__
     for name, module in home.items():
         assert getattr(catch_arena, name) is getattr(import_module(module), name)
@@ -51,9 +51,9 @@ def test_every_public_name_is_what_type_checkers_are_told():
 def test_every_package_is_in_a_wheel():
     """pyproject.toml lists them, and folders of data alone; a checkout runs without its list."""
     root = Path(catch_arena.__file__).parent
-    told = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    listed = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
     files = [path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     here = {".".join(path.parent.relative_to(root.parent).parts) for path in files}
     docs = root.parent / "docs"  # at the top of the repository
     pages = {".".join(("catch_arena", *path.parent.relative_to(root.parent).parts)) for path in docs.rglob("*.md")}
-    assert told == sorted({*here, "catch_arena.docs", *pages})
+    assert listed == sorted({*here, "catch_arena.docs", *pages})

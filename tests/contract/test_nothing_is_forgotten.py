@@ -103,15 +103,15 @@ OF_ENVS = {"name_prefix", "mask_in_observation", "dropouts"}
 def transcript(config: ArenaConfig) -> list[object]:
     """All that the env hands out in a match, of two seeds."""
     env = catch_arena.parallel_env(config)
-    told: list[object] = []
+    results: list[object] = []
     for seed in range(2):
         observations, infos = env.reset(seed=seed)
         source = Random(seed)
         while env.agents:
             actions = {agent: some_action(source, config, agent, infos[agent]) for agent in env.agents}
             observations, rewards, terminations, truncations, infos = env.step(actions)
-            told.append((repr(observations), rewards, terminations, truncations, env.world(), env.digest()))
-    return told
+            results.append((repr(observations), rewards, terminations, truncations, env.world(), env.digest()))
+    return results
 
 
 def some_action(source: Random, config: ArenaConfig, agent: str, info: Any) -> Any:

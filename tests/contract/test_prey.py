@@ -156,6 +156,6 @@ def test_r7_3_the_global_view_tells_of_prey():
     for _ in played(env, 4):
         state = env.state()
         assert env.state_space.contains(state)
-        for prey, told in zip(env.world().prey, state[-27:].reshape(3, 9), strict=True):
-            assert told[0] == (prey.target is not None)
-            assert told[7] == prey.times_caught
+        for prey, columns in zip(env.world().prey, state[-27:].reshape(3, 9), strict=True):
+            assert columns[0] == (prey.target is not None)
+            assert columns[7] == prey.times_caught

@@ -52,28 +52,28 @@ import inspect, json
 from typer.testing import CliRunner
 from typer.main import get_command
 from catch_arena.cli import main
-told = {}
+pages = {}
 for name, command in [("", get_command(main)), *get_command(main).commands.items()]:
     words = [word for one in command.params for word in one.opts if word.startswith("--")]
     first = inspect.cleandoc(command.help).partition("\\n\\n")[0]
-    told[name] = words, CliRunner().invoke(main, [name, "--help"] if name else ["--help"]).output, first
-print(json.dumps(told))
+    pages[name] = words, CliRunner().invoke(main, [name, "--help"] if name else ["--help"]).output, first
+print(json.dumps(pages))
 """
 
 
 def test_the_help_of_every_command_is_narrow_and_names_its_options_whole():
     """The program's help names every command, each with a whole sentence."""
     script = [sys.executable, "-c", HELP_OF_ALL]
-    told = json.loads(subprocess.run(script, capture_output=True, check=True, env=environment(COLUMNS="40")).stdout)
-    assert len(told) > 15
-    overview = told[""][1]
-    for options, text, first in told.values():
+    pages = json.loads(subprocess.run(script, capture_output=True, check=True, env=environment(COLUMNS="40")).stdout)
+    assert len(pages) > 15
+    overview = pages[""][1]
+    for options, text, first in pages.values():
         assert " ".join(first.split()) in " ".join(overview.split())
         assert "…" not in text
         assert max(map(len, text.splitlines())) <= 44  # an explanation has ten columns at least
         assert all(re.search(rf"{option}\b", text) for option in options)
         assert not re.search(r" \.(?![\w.])", re.sub(r"\s+", " ", text))  # where [brackets] were taken for markup
-    assert all(re.search(rf"^  {name} +\w", overview, re.MULTILINE) for name in told if name)
+    assert all(re.search(rf"^  {name} +\w", overview, re.MULTILINE) for name in pages if name)
 
 
 def test_the_help_is_narrow_through_a_pipe_as_well():
@@ -111,8 +111,8 @@ def test_a_tournament_fits_forty_columns(tmp_path):
     text = on_a_terminal("tournament", *words, "--out", str(tmp_path / "out"), columns=40, **PLAIN)
     assert "…" not in text
     assert "2/2" in text
-    told = re.sub(r"\s+", " ", text)
-    assert "grp: members of a group do not differ significantly" in told
+    unfolded = re.sub(r"\s+", " ", text)
+    assert "grp: members of a group do not differ significantly" in unfolded
 
 
 @pytest.mark.parametrize(

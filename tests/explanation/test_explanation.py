@@ -56,32 +56,32 @@ def test_every_contest_is_what_the_arbiter_decides(crowded):
 def test_the_summary_adds_up(crowded):
     """Every request of the match stands in it once."""
     rulings = [ruling for world in crowded.worlds() for ruling in world.rulings]
-    told = explain(crowded)
-    for record in told.records:
+    explanation = explain(crowded)
+    for record in explanation.records:
         own = Counter(ruling.verdict for ruling in rulings if ruling.hunter == record.seat)
-        assert record.catches == told.scores[record.seat] == own.pop(Verdict.GRANTED, 0)
+        assert record.catches == explanation.scores[record.seat] == own.pop(Verdict.GRANTED, 0)
         assert record.contests_lost == own.pop(Verdict.LOST_CONTEST, 0)
         assert record.refused == {verdict.name: count for verdict, count in own.items()}
-        assert record.contests_won == sum(contest.claims[0].seat == record.seat for contest in told.contests)
+        assert record.contests_won == sum(contest.claims[0].seat == record.seat for contest in explanation.contests)
         lost = [
             next(claim.distance_um for claim in contest.claims if claim.seat == record.seat)
             - contest.claims[0].distance_um
-            for contest in told.contests
+            for contest in explanation.contests
             if record.seat in [claim.seat for claim in contest.claims[1:]]
         ]
         assert record.lost_by_um == pytest.approx(sum(lost) / len(lost))
-    assert all(run.times > 0 for run in told.refusals)
+    assert all(run.times > 0 for run in explanation.refusals)
 
 
 def test_a_contest_is_told_with_clause_distances_and_winner(play):
     """Three hunters, two of them equally far and behind."""
-    told = explain(play(chase=True, names=("ann", "bob", "cid"), **CLOSE), "bob").lines()
+    paragraphs = explain(play(chase=True, names=("ann", "bob", "cid"), **CLOSE), "bob").lines()
 
     assert (
         "At 0.0 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann 1.053799 m, "
         "199.466 mm farther; cid 1.053799 m, 199.466 mm farther. The smaller distance decides (R5.4): bob is granted "
         "it, ann and cid get LOST_CONTEST (R5.6)."
-    ) in told
+    ) in paragraphs
 
 
 def test_an_exact_tie_tells_the_lots_of_the_tied(play):
@@ -116,10 +116,10 @@ def test_first_come_tells_the_lots_of_the_step(play):
 
 def test_the_capstones_service_is_said_to_refuse_nobody(play):
     """R9.1: nobody won, and nobody lost."""
-    told = explain(play(chase=True, policy="capstone", **CLOSE))
-    assert {contest.clause for contest in told.contests} == {"R9.1"}
-    assert any("grants each of them, GRANTED (R9.1)" in line for line in told.lines())
-    assert {(record.contests_won, record.contests_lost) for record in told.records} == {(0, 0)}
+    explanation = explain(play(chase=True, policy="capstone", **CLOSE))
+    assert {contest.clause for contest in explanation.contests} == {"R9.1"}
+    assert any("grants each of them, GRANTED (R9.1)" in line for line in explanation.lines())
+    assert {(record.contests_won, record.contests_lost) for record in explanation.records} == {(0, 0)}
 
 
 def test_repeated_refusals_are_one_line_with_a_count(play):
@@ -141,23 +141,25 @@ def test_requests_by_name_are_one_line_for_each_name():
     service.reset(1)
     while not service.over:
         service.step(requests=[("hunter_0", CatchTurtleRequest(f"turtle{k}")) for k in range(2)])
-    told, steps = explain(service.replay), service.world.step
-    assert [(run.target, run.verdict, run.times) for run in told.refusals] == [
+    explanation, steps = explain(service.replay), service.world.step
+    assert [(run.target, run.verdict, run.times) for run in explanation.refusals] == [
         ("turtle0", Verdict.UNKNOWN_TARGET, steps),
         ("turtle1", Verdict.DUPLICATE, steps),
     ]
-    assert any(f' a asked {steps} times for "turtle1": DUPLICATE' in line for line in told.lines())
+    assert any(f' a asked {steps} times for "turtle1": DUPLICATE' in line for line in explanation.lines())
 
 
 def test_what_was_asked_for_by_name_is_told_with_its_verdict(named):
     """Each is a refusal with its reason, in the match and in its step; control characters are not printed."""
-    told = explain(named)
-    asked = Counter(
+    explanation = explain(named)
+    verdicts = Counter(
         one.verdict.name for before, after in pairwise(named.worlds()) for one in named.named_rulings(before, after)
     )
-    assert sum(record.refused.get("DUPLICATE", 0) for record in told.records) == asked["DUPLICATE"] > 0
-    assert all(line.isprintable() for line in told.lines())
-    assert any('for "x": UNKNOWN_TARGET, no such target was ever spawned (R5.2)' in line for line in told.lines())
+    assert sum(record.refused.get("DUPLICATE", 0) for record in explanation.records) == verdicts["DUPLICATE"] > 0
+    assert all(line.isprintable() for line in explanation.lines())
+    assert any(
+        'for "x": UNKNOWN_TARGET, no such target was ever spawned (R5.2)' in line for line in explanation.lines()
+    )
     step, seat, _ = next(one for one in named.named_requests if one.name == "x")
     (action,) = explain_step(named, step + 1, seat).hunters
     assert [one.target for one in action.by_name] == [
@@ -171,7 +173,7 @@ def test_what_was_asked_for_by_name_is_told_with_its_verdict(named):
 def test_every_refusal_has_its_reason_and_clause(play):
     """Outages, refused kills, empty ranks, a withdrawn hunter: each verdict that occurs is told with its clause."""
     match = play("faulty", seed=5, control="full", reach_m=3.0, max_cycles=200, withdraw={50: ["hunter_1"]})
-    told = explain(match)
+    explanation = explain(match)
     clauses = {
         "SERVICE_DOWN": "R5.7",
         "KILL_FAILED": "R5.7",
@@ -179,28 +181,28 @@ def test_every_refusal_has_its_reason_and_clause(play):
         "OUT_OF_REACH": "R5.3",
         "HUNTER_INACTIVE": "R1.6",
     }
-    assert {run.verdict.name for run in told.refusals} == clauses.keys()
+    assert {run.verdict.name for run in explanation.refusals} == clauses.keys()
     for verdict, clause in clauses.items():
-        assert any(re.search(rf"{verdict}, .*\({clause}\)", line) for line in told.lines())
-    assert told.records[1].withdrawn_ms == 5000
-    assert told.lines()[-3].endswith("withdrawn at 5.0 s (R1.6).")
+        assert any(re.search(rf"{verdict}, .*\({clause}\)", line) for line in explanation.lines())
+    assert explanation.records[1].withdrawn_ms == 5000
+    assert explanation.lines()[-3].endswith("withdrawn at 5.0 s (R1.6).")
 
 
 def test_one_hunter_alone_is_named_by_seat_or_by_name(crowded):
     """The other ones are heard of where they contest."""
-    told = explain(crowded, "cid")
-    assert told == explain(crowded, 2) == explain(crowded, "2") == explain(crowded, "hunter_2")
-    assert [record.seat for record in told.records] == [2]
-    assert {run.seat for run in told.refusals} == {2}
-    assert all(2 in [claim.seat for claim in contest.claims] for contest in told.contests)
-    assert 0 < len(told.contests) < len(explain(crowded).contests)
-    for wrong, says in (
+    explanation = explain(crowded, "cid")
+    assert explanation == explain(crowded, 2) == explain(crowded, "2") == explain(crowded, "hunter_2")
+    assert [record.seat for record in explanation.records] == [2]
+    assert {run.seat for run in explanation.refusals} == {2}
+    assert all(2 in [claim.seat for claim in contest.claims] for contest in explanation.contests)
+    assert 0 < len(explanation.contests) < len(explain(crowded).contests)
+    for wrong, error in (
         (7, "a seat from 0 to 3, got 7"),
         (-1, "got -1"),
         ("bbo", "did you mean bob"),
         ("", "known: ann, bob"),
     ):
-        with pytest.raises(ConfigError, match=says):
+        with pytest.raises(ConfigError, match=error):
             explain(crowded, wrong)
 
 
@@ -214,18 +216,18 @@ def test_agents_of_one_name_are_told_apart_by_their_seats(play):
 def test_a_step_is_told_whole(crowded):
     """Actions, requests, verdicts, and everybody's distance to what was asked for."""
     contest = explain(crowded).contests[0]
-    told = explain_step(crowded, contest.step)
+    explained = explain_step(crowded, contest.step)
     before, after = list(crowded.worlds())[contest.step - 1 : contest.step + 1]
-    assert (told.begin_ms, told.end_ms) == (before.time_ms, after.time_ms)
-    assert told.contests == (contest,)
-    assert [one.action for one in told.hunters] == [crowded.action(contest.step - 1, seat) for seat in range(4)]
+    assert (explained.begin_ms, explained.end_ms) == (before.time_ms, after.time_ms)
+    assert explained.contests == (contest,)
+    assert [one.action for one in explained.hunters] == [crowded.action(contest.step - 1, seat) for seat in range(4)]
     by_seat = {ruling.hunter: ruling for ruling in after.rulings}
-    for one in told.hunters:
+    for one in explained.hunters:
         ruling = by_seat.get(one.seat)
         assert one.ruling == ruling
         assert one.chosen == after.hunters[one.seat].active_target
     target = next(target for target in before.targets if target.name == contest.target)
-    for hunter, distance in zip(before.hunters, told.distances_um[contest.target], strict=True):
+    for hunter, distance in zip(before.hunters, explained.distances_um[contest.target], strict=True):
         assert distance == round(1e6 * ((hunter.x - target.x) ** 2 + (hunter.y - target.y) ** 2) ** 0.5)
     assert len(explain_step(crowded, contest.step, "bob").hunters) == 1
 
@@ -243,9 +245,9 @@ def test_a_step_is_found_by_the_time_at_which_it_was_judged(crowded, play):
 
 def test_the_seat_of_every_hunter_is_told_where_there_are_copies(play):
     """nearest#2 is not hunter_2."""
-    told = explain(play("duel", max_cycles=20, names=("nearest#2", "nearest"))).lines()
-    assert re.search(r"Catches: nearest#2 \(hunter_0\) \d+ and nearest \(hunter_1\) \d+\.$", told[0])
-    assert [line.split(":")[0] for line in told[-2:]] == ["nearest#2 (hunter_0)", "nearest (hunter_1)"]
+    paragraphs = explain(play("duel", max_cycles=20, names=("nearest#2", "nearest"))).lines()
+    assert re.search(r"Catches: nearest#2 \(hunter_0\) \d+ and nearest \(hunter_1\) \d+\.$", paragraphs[0])
+    assert [line.split(":")[0] for line in paragraphs[-2:]] == ["nearest#2 (hunter_0)", "nearest (hunter_1)"]
 
 
 def test_a_step_that_is_not_there_is_refused(crowded):
@@ -268,11 +270,11 @@ def test_explain_prints_paragraphs_of_80_columns(crowded, tmp_path, monkeypatch)
         assert result.exit_code == 0, result.output
         assert max(map(len, result.stdout.splitlines())) <= 80
     assert len(one.stdout) < len(whole.stdout)
-    told = explain_step(crowded, explain(crowded).contests[0].step).to_dict()
-    assert {"hunters", "prey_by_target", "prey"} < told.keys()
-    asked = [one["ruling"]["verdict"] for one in told["hunters"] if one["ruling"] is not None]
-    assert asked
-    assert set(asked) <= {verdict.name for verdict in Verdict}
+    facts = explain_step(crowded, explain(crowded).contests[0].step).to_dict()
+    assert {"hunters", "prey_by_target", "prey"} < facts.keys()
+    verdicts = [one["ruling"]["verdict"] for one in facts["hunters"] if one["ruling"] is not None]
+    assert verdicts
+    assert set(verdicts) <= {verdict.name for verdict in Verdict}
     assert call("--at", "6.1", "--hunter", "ann").stdout == step.stdout
     for words in (
         ["--hunter", "bbo"],
@@ -327,16 +329,16 @@ def test_a_step_says_what_was_out_of_sight(play):
     """In words: one too far, one behind, and whose nearest it was."""
     poses = ((2.0, 5.0, 0.0), (9.0, 5.0, 0.0))
     match = play("duel", hunter_poses=poses, seed=2, max_cycles=2, chase=True, view_radius_m=4.0, view_angle_deg=120.0)
-    told = explain_step(match, 1)
-    text = " ".join(told.lines())
+    step = explain_step(match, 1)
+    text = " ".join(step.lines())
     assert "It sees targets that are nearer than 4 m and at most 60 degrees off its heading (R7.5): " in text
-    for one in told.hunters:
+    for one in step.hunters:
         for other in one.unseen:
             how = ["too far"] * other.too_far
             where = "to its rear" if other.off_heading_deg > 90 else "to its side"
             how += [f"{where}, {other.off_heading_deg:.1f} degrees off its heading"] * other.outside_cone
             assert f"{other.target}, {other.distance_um / 1e6:.6f} m away, {' and '.join(how)}" in text
-    assert json.loads(json.dumps(told.to_dict()))["hunters"][0]["unseen"][0].keys() == {
+    assert json.loads(json.dumps(step.to_dict()))["hunters"][0]["unseen"][0].keys() == {
         "target",
         "distance_um",
         "off_heading_deg",
@@ -346,23 +348,23 @@ def test_a_step_says_what_was_out_of_sight(play):
 
 
 def test_where_hunters_see_everything_nothing_is_said_of_sight(crowded):
-    told = explain_step(crowded, 62)
-    assert not any("sight" in line for line in (*told.lines(), *explain(crowded).lines()))
-    assert all(one.unseen == () for one in told.hunters)
+    step = explain_step(crowded, 62)
+    assert not any("sight" in line for line in (*step.lines(), *explain(crowded).lines()))
+    assert all(one.unseen == () for one in step.hunters)
     assert {record.never_seen for record in explain(crowded).records} == {None}
 
 
 def test_targets_that_a_hunter_never_saw_are_counted(play):
     """Other hunters caught them, and they were never in a view of its own."""
-    told = explain(play("fog", control="target", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002))
-    assert 0 < sum(record.never_seen for record in told.records) <= 3 * sum(told.scores)
-    assert any("that it never had in sight caught by others (R7.5)" in line for line in told.lines())
+    explanation = explain(play("fog", control="target", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002))
+    assert 0 < sum(record.never_seen for record in explanation.records) <= 3 * sum(explanation.scores)
+    assert any("that it never had in sight caught by others (R7.5)" in line for line in explanation.lines())
 
 
 def test_a_dropout_is_told_apart_from_a_withdrawal(play):
     """R1.7 and R1.6: in the summary, and in the steps from then on."""
     match = play("dropout", dropout_rate=0.02, seed=3, max_cycles=60, withdraw={1: ["hunter_2"]})
-    told = explain(match)
+    explanation = explain(match)
     worlds = list(match.worlds())
     out = {}
     for world in worlds:
@@ -370,11 +372,11 @@ def test_a_dropout_is_told_apart_from_a_withdrawal(play):
             if hunter.withdrawn:
                 out.setdefault(seat, world)
     assert len(out) > 1
-    assert (told.records[2].withdrawn_ms, told.records[2].dropped_out) == (100, False)
+    assert (explanation.records[2].withdrawn_ms, explanation.records[2].dropped_out) == (100, False)
     for seat, world in out.items():
-        record = told.records[seat]
+        record = explanation.records[seat]
         assert (record.withdrawn_ms, record.dropped_out) == (world.time_ms - 100, seat != 2)
-        (line,) = [line for line in told.lines() if line.startswith(f"hunter_{seat}: ")]
+        (line,) = [line for line in explanation.lines() if line.startswith(f"hunter_{seat}: ")]
         clause = "withdrawn at {} (R1.6)." if seat == 2 else "dropped out at {} (R1.7)."
         assert line.endswith(clause.format(f"{(world.time_ms - 100) / 1000:.1f} s"))
         one = explain_step(match, world.step, seat).hunters[0]
@@ -399,8 +401,8 @@ def test_rivals_are_ranked_as_the_engine_ranks_them():
                 rival = world.hunters[seen]
                 ahead = math.cos(me.theta) * (rival.x - me.x) + math.sin(me.theta) * (rival.y - me.y)
                 left = math.cos(me.theta) * (rival.y - me.y) - math.sin(me.theta) * (rival.x - me.x)
-                told = [engine.observations[0, seat, places[f"rival_{rank}.{name}"]] for name in ("forward", "left")]
-                assert told == pytest.approx([ahead, left], abs=1e-5)
+                shown = [engine.observations[0, seat, places[f"rival_{rank}.{name}"]] for name in ("forward", "left")]
+                assert shown == pytest.approx([ahead, left], abs=1e-5)
 
 
 def test_what_is_no_replay_or_no_step_is_refused(crowded):

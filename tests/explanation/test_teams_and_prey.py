@@ -21,13 +21,13 @@ def mates(play):
 
 
 def test_the_words_name_the_team_mate_and_the_clause(mates):
-    told = explain(mates)
-    lines = [line for line in told.lines() if "LOST_CONTEST" in line]
-    lost = [claim for contest in told.contests for claim in contest.claims if claim.mate]
+    explanation = explain(mates)
+    lines = [line for line in explanation.lines() if "LOST_CONTEST" in line]
+    lost = [claim for contest in explanation.contests for claim in contest.claims if claim.mate]
     assert len(lost) == sum(line.endswith(" to its own team-mate (R11.3).") for line in lines) > 0
     seat = lost[0].seat
     assert f"LOST_CONTEST (R5.6): ann (hunter_{seat}) lost to its own team-mate (R11.3)." in "\n".join(lines)
-    summary = next(line for line in told.lines() if line.startswith(f"ann (hunter_{seat}): "))
+    summary = next(line for line in explanation.lines() if line.startswith(f"ann (hunter_{seat}): "))
     assert ", 1 of them to its own team-mates (R11.3)" in summary
     own = explain_step(mates, 1, seat).lines()[1]
     assert f"; the winner is ann (hunter_{1 - seat}), its own team-mate (R11.3)." in own
@@ -39,44 +39,44 @@ def test_contests_and_refusals_name_the_prey_that_was_asked_for(play):
     poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0), (1.0, 1.0, 0.0))
     settings = {"hunter_poses": poses, "reach_m": (9.0, 9.0, 0.1), "max_cycles": 1}
     match = play("tag", **settings, control="target", chase=True)
-    told = explain(match)
-    assert told.prey_by_target == {"target_turtle_1": "prey_0"}
-    assert any(" asked for prey_0, target_turtle_1. " in line for line in told.lines())
+    explanation = explain(match)
+    assert explanation.prey_by_target == {"target_turtle_1": "prey_0"}
+    assert any(" asked for prey_0, target_turtle_1. " in line for line in explanation.lines())
     assert any(" asked for prey_0, target_turtle_1. " in line for line in explain_step(match, 1).lines())
     refused = explain(play("tag", **settings, control=("target", "target", "full"))).lines()
     assert any(" hunter_2 asked for prey_0, target_turtle_1 from " in line for line in refused)
 
 
 def test_the_teams_are_told_with_their_scores_and_ranks(hunted):
-    told = explain(hunted)
+    explanation = explain(hunted)
     *_, last = hunted.worlds()
-    assert tuple(team.score for team in told.teams) == last.team_scores
-    assert [team.name for team in told.teams] == ["a", "b + c"]
+    assert tuple(team.score for team in explanation.teams) == last.team_scores
+    assert [team.name for team in explanation.teams] == ["a", "b + c"]
     better = last.team_scores[0] > last.team_scores[1]
-    assert [team.rank for team in told.teams] == ([1, 2] if better else [2, 1])
-    first, second = sorted(told.teams, key=lambda team: team.rank)
+    assert [team.rank for team in explanation.teams] == ([1, 2] if better else [2, 1])
+    first, second = sorted(explanation.teams, key=lambda team: team.rank)
     assert (
         f"Teams (R11.1): {first.name} {first.score} and {second.name} {second.score}. Catches: a (hunter_0) "
-        in (told.lines()[0])
+        in (explanation.lines()[0])
     )
 
 
 def test_without_teams_nothing_is_told_of_any(mixed):
-    told = explain(mixed)
-    assert told.teams == ()
-    assert told.prey == ()
-    assert not any("team" in line or "prey" in line for line in told.lines())
+    explanation = explain(mixed)
+    assert explanation.teams == ()
+    assert explanation.prey == ()
+    assert not any("team" in line or "prey" in line for line in explanation.lines())
 
 
 @pytest.mark.parametrize("which", ["hunted", "hunted_once"])
 def test_every_catch_of_prey_is_told_with_who_from_where_and_when_it_returned(which, request):
     """Beside the worlds: how often each was caught, by whom, and as which target it came back."""
     match = request.getfixturevalue(which)
-    told = explain(match)
+    explanation = explain(match)
     worlds = list(match.worlds())
-    assert [one.times_caught for one in told.prey] == [prey.times_caught for prey in worlds[-1].prey]
-    assert len(told.captures) == sum(one.times_caught for one in told.prey) > 0
-    for capture in told.captures:
+    assert [one.times_caught for one in explanation.prey] == [prey.times_caught for prey in worlds[-1].prey]
+    assert len(explanation.captures) == sum(one.times_caught for one in explanation.prey) > 0
+    for capture in explanation.captures:
         before, after = worlds[capture.step - 1], worlds[capture.step]
         assert before.prey[capture.prey].target == capture.target
         ruling = next(one for one in after.rulings if one.target == capture.target and one.success)
@@ -87,23 +87,25 @@ def test_every_catch_of_prey_is_told_with_who_from_where_and_when_it_returned(wh
         back = lasting[0] if lasting else None
         assert capture.returned_ms == (None if back is None else back.time_ms)
         assert capture.returned_as == (None if back is None else back.prey[capture.prey].target)
-    assert [one.out for one in told.prey] == [prey.target is None for prey in worlds[-1].prey]
-    assert sum(one.returns for one in told.prey) == sum(one.returned_ms is not None for one in told.captures)
+    assert [one.out for one in explanation.prey] == [prey.target is None for prey in worlds[-1].prey]
+    assert sum(one.returns for one in explanation.prey) == sum(
+        one.returned_ms is not None for one in explanation.captures
+    )
 
 
 def test_catches_of_prey_in_words(hunted):
-    told = explain(hunted)
-    text = "\n".join(told.lines())
+    explanation = explain(hunted)
+    text = "\n".join(explanation.lines())
     assert re.search(
         r"^At \S+ s \(step \d+\) (a \(hunter_[02]\)|b|c) caught [pq] \(prey_\d\), target_turtle_\d+, "
         r"from 0\.\d{6} m after \S+ s in play; it returned at \S+ s as target_turtle_\d+ \(R12\.3\)\.$",
         text,
         re.MULTILINE,
     )
-    one = told.prey[1]
+    one = explanation.prey[1]
     assert one.withdrawn_ms == 9000
     expected = f"q (prey_1): caught {one.times_caught} time{'s' * (one.times_caught != 1)}; returned "
-    assert any(line.startswith(expected) and "withdrawn at 9.0 s (R12.5)" in line for line in told.lines())
+    assert any(line.startswith(expected) and "withdrawn at 9.0 s (R12.5)" in line for line in explanation.lines())
 
 
 def test_one_hunter_alone_hears_of_its_own_catches(hunted):
@@ -115,9 +117,9 @@ def test_one_hunter_alone_hears_of_its_own_catches(hunted):
 def test_a_teams_name_means_all_its_seats(hunted):
     """A team is named by its only agent, or by all its members."""
     for name, seats in (("a", [0, 2]), ("b + c", [1, 3])):
-        told = explain(hunted, name)
-        assert [record.seat for record in told.records] == seats
-        assert {run.seat for run in told.refusals} <= set(seats)
+        explanation = explain(hunted, name)
+        assert [record.seat for record in explanation.records] == seats
+        assert {run.seat for run in explanation.refusals} <= set(seats)
         assert [one.seat for one in explain_step(hunted, 1, name).hunters] == seats
 
 
@@ -157,15 +159,15 @@ def test_who_had_no_contest_is_named(play):
 
 
 def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
-    told = explain(hunted)
-    capture = next(one for one in told.captures if one.returned_ms is not None)
+    explanation = explain(hunted)
+    capture = next(one for one in explanation.captures if one.returned_ms is not None)
     one = explain_step(hunted, capture.step).prey[capture.prey]
     assert (one.caught_by, one.target, one.returned_as) == (capture.seat, capture.target, None)
     assert one.action == hunted.prey_action(capture.step - 1, capture.prey)
     lines = explain_step(hunted, capture.step).lines()
-    name = told.prey_names[capture.prey]
+    name = explanation.prey_names[capture.prey]
     (line,) = (line for line in lines if line.startswith(f"{name}: "))
-    assert line.endswith(f", as {capture.target}. It was caught by {told.names[capture.seat]} (R12.3).")
+    assert line.endswith(f", as {capture.target}. It was caught by {explanation.names[capture.seat]} (R12.3).")
     assert any(line.startswith(f"Distances to {capture.target}, played by {name}: ") for line in lines)
     out = explain_step(hunted, capture.step + 1).lines()
     assert f"{name}: out (R12.3)." in out

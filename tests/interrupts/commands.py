@@ -49,7 +49,7 @@ class Ended:
     """Status, output and remaining processes of a command that has ended."""
 
     status: int
-    said: str
+    output: str
     errors: str
     left: list[str]
     """The processes that it left behind, by their commands."""

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from interrupts.commands import PATIENCE_S, Command
 
-from catch_arena.interrupts import family
+from catch_arena.interrupts import descendants
 
 ROOT = Path(__file__).parents[2]
 BEGIN = "import os, signal, subprocess, sys, threading, time\nfrom catch_arena import interrupts\ninterrupts.listen()\n"
@@ -33,7 +33,7 @@ def interrupted(folder, code: str, *pauses: float, number: int = signal.SIGINT) 
     program.interrupt(pauses, number)
     end = program.ended()
     assert end.left == []
-    return end.status, end.said, end.errors
+    return end.status, end.output, end.errors
 
 
 def command(*lines: str) -> str:
@@ -83,7 +83,7 @@ BREAKS_A_THREAD = (
         ("threading.Thread(target=threading.Event().wait).start()",),
         ("import atexit", "atexit.register(threading.Event().wait)"),
         BREAKS_A_THREAD,
-        ("interrupts.also_say(lambda: 1 / 0)", BEGUN, LOOP),
+        ("interrupts.add_to_message(lambda: 1 / 0)", BEGUN, LOOP),
     ],
     ids=[
         *("swallows", "hangs_at_the_end", "another_error", "a_destructor", "a_lock", "a_thread", "at_exit"),
@@ -105,21 +105,21 @@ def test_all_that_descend_from_it_end_with_it(tmp_path):
     )
     program = started(tmp_path, command(*lines))
     assert program.process.stdout.readline() == "all\n"
-    assert len(family(program.process.pid)) == 4
+    assert len(descendants(program.process.pid)) == 4
     program.interrupt()
     end = program.ended()
     assert (end.status, end.errors, end.left) == (130, LINE, [])
 
 
 def test_the_line_says_more_where_there_is_more_to_say(tmp_path):
-    says = command("interrupts.also_say(lambda: 'not all is lost')", BEGUN, LOOP)
-    assert interrupted(tmp_path, says) == (130, "", "catch-arena: interrupted: not all is lost\n")
+    script = command("interrupts.add_to_message(lambda: 'not all is lost')", BEGUN, LOOP)
+    assert interrupted(tmp_path, script) == (130, "", "catch-arena: interrupted: not all is lost\n")
 
 
 def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
     waits = f"interrupts.wait(lambda: {BEGUN})"
-    is_told = f"interrupts.wait(lambda: ({BEGUN}, time.sleep(9)))"
-    for lines in ([waits], [is_told]):
+    announces_late = f"interrupts.wait(lambda: ({BEGUN}, time.sleep(9)))"
+    for lines in ([waits], [announces_late]):
         assert interrupted(tmp_path, command(*lines)) == (0, "", "")
     assert interrupted(tmp_path, command(waits, "threading.Event().wait()"), 0.1) == (130, "", LINE)
 
@@ -127,29 +127,29 @@ def test_what_waits_for_an_interrupt_has_ended_well(tmp_path):
 def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
     """Either is the normal end; what comes after it is done too, and an interrupt there is one as ever."""
     after = "print('after', flush=True)"
-    lingers = command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after)
+    lingers = command(f"interrupts.run_until_signal(lambda: ({BEGUN}, time.sleep(60)))", after)
     assert interrupted(tmp_path, lingers) == (0, "after\n", "")
-    program = started(tmp_path, command(f"interrupts.linger(lambda: ({BEGUN}, time.sleep(60)))", after, LOOP))
+    program = started(tmp_path, command(f"interrupts.run_until_signal(lambda: ({BEGUN}, time.sleep(60)))", after, LOOP))
     program.interrupt()
     assert program.process.stdout.readline() == "after\n"
     program.interrupt()
     end = program.ended()
-    assert (end.status, end.said, end.errors) == (130, "", LINE)  # what comes after it was not done to its end
-    program = started(tmp_path, command("interrupts.linger(lambda: None)", after, "time.sleep(60)"))
+    assert (end.status, end.output, end.errors) == (130, "", LINE)  # what comes after it was not done to its end
+    program = started(tmp_path, command("interrupts.run_until_signal(lambda: None)", after, "time.sleep(60)"))
     assert program.process.stdout.readline() == "after\n"
     program.interrupt()
     end = program.ended()
-    assert (end.status, end.said, end.errors) == (130, "", LINE)
+    assert (end.status, end.output, end.errors) == (130, "", LINE)
 
 
-SAVES = "interrupts.keep(lambda: (time.sleep(0.5), print('saved', flush=True)))"
+SAVES = "interrupts.run_uninterrupted(lambda: (time.sleep(0.5), print('saved', flush=True)))"
 SAVES_WHEN_IT_IS_INTERRUPTED = (
     "def save():",
     f"    {BEGUN}",
-    "    while not interrupts.received(): time.sleep(0.01)",
+    "    while not interrupts.was_interrupted(): time.sleep(0.01)",
     "    time.sleep(0.5)",
     "    print('saved', flush=True)",
-    "interrupts.keep(save)",
+    "interrupts.run_uninterrupted(save)",
     "print('goes on', flush=True)",
 )
 
@@ -169,14 +169,14 @@ def test_a_second_interrupt_ends_what_hangs_after_it_has_saved(tmp_path):
     assert program.process.stdout.readline() == "saved\n"
     program.interrupt()
     end = program.ended()
-    assert (end.status, end.said, end.errors) == (130, "", LINE)
+    assert (end.status, end.output, end.errors) == (130, "", LINE)
 
 
 @pytest.mark.parametrize(("ends", "status"), [("", 0), ("sys.exit(3)", 3), ("return 2", 2), ("1 / 0", 2)])
 def test_without_an_interrupt_it_ends_as_any_program(tmp_path, ends, status):
     program = started(tmp_path, command("import atexit", "atexit.register(print, 'last')", ends))
     end = program.ended()
-    assert (end.status, end.said) == (status, "last\n")
+    assert (end.status, end.output) == (status, "last\n")
     assert ("ZeroDivisionError" in end.errors) == (ends == "1 / 0")
 
 
@@ -213,16 +213,16 @@ def test_an_interrupt_while_the_commands_are_imported(tmp_path):
     assert program.process.stdout.readline() == "begun\n"
     program.interrupt([0.01])
     end = program.ended()
-    assert (end.status, end.errors, end.said) == (130, LINE, "")
+    assert (end.status, end.errors, end.output) == (130, LINE, "")
 
 
 def test_little_is_imported_before_the_command_hears_ctrl_c():
     """Nothing of setuptools' finder nor of pip's command: a Ctrl-C meanwhile is a traceback."""
     plain = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
     command = Path(sys.executable).with_name("catch-arena")
-    asked = [sys.executable, "-X", "importtime", command, "--version"]
-    told = subprocess.run(asked, check=True, capture_output=True, text=True, env=plain).stderr
-    imported = re.findall(r"\| +(\S+)$", told, re.MULTILINE)
+    words = [sys.executable, "-X", "importtime", command, "--version"]
+    stderr = subprocess.run(words, check=True, capture_output=True, text=True, env=plain).stderr
+    imported = re.findall(r"\| +(\S+)$", stderr, re.MULTILINE)
     before = imported[: imported.index("catch_arena.interrupts")]
     assert "site" in before
     assert {"pathlib", "re"}.isdisjoint(before)

@@ -58,7 +58,7 @@ def line_of(command: Command) -> re.Match[str] | None:
     """The line of a command that was interrupted; None where it had ended."""
     ended = command.ended()
     assert not ended.left
-    assert "Traceback" not in ended.said
+    assert "Traceback" not in ended.output
     if ended.status == 130:
         line = LINE.fullmatch(ended.errors)
         assert line, ended.errors

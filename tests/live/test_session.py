@@ -263,14 +263,14 @@ def test_while_an_agent_hangs_the_window_hears_its_user(session, tmp_path):
 
 def test_an_agent_that_hangs_is_out_when_its_time_is_up(session, tmp_path, monkeypatch):
     """The script waits for it, as it cannot know how many looks fit into the agent's time."""
-    said = []
+    notes = []
     notify = match_window.MatchWindow.notify
     monkeypatch.setattr(
-        match_window.MatchWindow, "notify", lambda window, text: (said.append(text), notify(window, text))
+        match_window.MatchWindow, "notify", lambda window, text: (notes.append(text), notify(window, text))
     )
 
     def out() -> bool:
-        return any(text.startswith("hangs has forfeited") for text in said)
+        return any(text.startswith("hangs has forfeited") for text in notes)
 
     (tmp_path / "hangs.py").write_text(HANGS)
     short = ["--limit", "init_s=120", "--limit", "step_ms=100", "--limit", "bank_s=0.1"]
@@ -295,7 +295,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "error"),
     [
         (["play", "--seat", "4"], "--seat must be from 0 to 3 in standard, got 4"),
         (["play", "--seat", "prey_0"], "--seat must be from 0 to 3 in standard, got prey_0"),
@@ -306,10 +306,10 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
         (["play", "nearest", "--record", "."], "the name must end in .replay, got no ending"),
     ],
 )
-def test_bad_words_are_one_line(session, words, said):
+def test_bad_words_are_one_line(session, words, error):
     result = session(words)
     assert result.exit_code == 2
-    assert said in result.output
+    assert error in result.output
     assert len(result.output.splitlines()) == 1
 
 

@@ -230,10 +230,10 @@ class OracleArena:
         self._judge(requests)
         chased = self._chased()
         self._commit(requests)
-        goals = [self._goal(hunter) for hunter in self.hunters]
+        references = [self._progress_reference(hunter) for hunter in self.hunters]
         before = [
-            distance(hunter.x, hunter.y, *goal) if goal is not None else 0.0
-            for hunter, goal in zip(self.hunters, goals, strict=True)
+            distance(hunter.x, hunter.y, *reference) if reference is not None else 0.0
+            for hunter, reference in zip(self.hunters, references, strict=True)
         ]
         self._move()
         self._spawn()
@@ -242,7 +242,7 @@ class OracleArena:
         self.steps += 1
         self.terminated = self._is_done()
         self.truncated = not self.terminated and self.time >= self.limit
-        self._reward(requests, goals, before)
+        self._reward(requests, references, before)
         self._reward_prey(chased)
 
     def _is_done(self) -> bool:
@@ -519,7 +519,7 @@ class OracleArena:
                 prey.target = self._appear(self.used, end)
                 prey.caught_at = None
 
-    def _goal(self, hunter: Hunter) -> tuple[float, float] | None:
+    def _progress_reference(self, hunter: Hunter) -> tuple[float, float] | None:
         """R6.2: where the nearest seen target stood on S_t."""
         ranked = self._ranked_targets(hunter)
         return (ranked[0].x, ranked[0].y) if ranked else None
@@ -527,7 +527,7 @@ class OracleArena:
     def _reward(
         self,
         requests: Sequence[Request | None],
-        goals: Sequence[tuple[float, float] | None],
+        references: Sequence[tuple[float, float] | None],
         before: Sequence[float],
     ) -> None:
         """Phase 7: R6.2, and R11.2."""
@@ -535,10 +535,10 @@ class OracleArena:
         verdicts = [0 if request is None else request.verdict for request in requests]
         catches = [1.0 if verdict == GRANTED else 0.0 for verdict in verdicts]
         self.rewards, self.parts = [], []
-        for hunter, verdict, goal, was in zip(self.hunters, verdicts, goals, before, strict=True):
+        for hunter, verdict, reference, was in zip(self.hunters, verdicts, references, before, strict=True):
             progress = 0.0
-            if goal is not None:
-                progress = was - distance(hunter.x, hunter.y, *goal)
+            if reference is not None:
+                progress = was - distance(hunter.x, hunter.y, *reference)
             own = catches[hunter.seat]
             mates = sum(catches[seat] for seat in self._team_of(hunter.seat)) - own
             parts = (

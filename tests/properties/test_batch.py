@@ -42,7 +42,7 @@ def assert_rows_same(batch: Engine, row: int, other: Engine, other_row: int, whe
 
 @pytest.mark.parametrize("arenas", [1, 7, 33, 70])
 def test_a_row_of_a_batch_equals_an_arena_alone(arenas: int) -> None:
-    """Every row of batches below, at and above the blocks' sizes; rows end, are withdrawn from and are placed apart."""
+    """Every row of batches below, at and above the chunks' sizes; rows end, are withdrawn from and are placed apart."""
     for match in range(2 * EFFORT):
         source = Random(FIRST_SEED * arenas + match)
         config = some_config(source)

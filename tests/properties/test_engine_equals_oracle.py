@@ -77,8 +77,8 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
     assert engine.team_scores[row].tolist() == (oracle.team_scores() if config.teams else []), "team scores"
     taking_part = [not hunter.withdrawn for hunter in oracle.hunters]
     taking_part += [prey.target is not None for prey in oracle.prey]
-    told = config.dropout_rate > 0.0 or config.prey
-    assert engine.active[row : row + 1].ravel().tolist() == (taking_part if told else []), "active"
+    may_drop_out = config.dropout_rate > 0.0 or config.prey
+    assert engine.active[row : row + 1].ravel().tolist() == (taking_part if may_drop_out else []), "active"
     compare_prey(engine, oracle, config, row)
     assert bool(engine.ends[row] == TERMINATED) == oracle.terminated, "terminated"
     assert bool(engine.ends[row] == TRUNCATED) == oracle.truncated, "truncated"
@@ -93,9 +93,9 @@ def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: 
         assert not seen[len(observation) :].any(), "nothing follows"
     for index, parts in enumerate(oracle.prey_parts):
         assert_same(f"prey_{index}'s parts", list(PREY_PART_NAMES), engine.prey_parts[row, index].tolist(), list(parts))
-    told = [(prey.times_caught, prey.caught_by, prey.withdrawn) for prey in engine.world(row).prey]
+    prey_states = [(prey.times_caught, prey.caught_by, prey.withdrawn) for prey in engine.world(row).prey]
     found = zip(oracle.prey, oracle.caught_by, strict=True)
-    assert told == [(prey.times_caught, caught_by, prey.withdrawn) for prey, caught_by in found], "world"
+    assert prey_states == [(prey.times_caught, caught_by, prey.withdrawn) for prey, caught_by in found], "world"
 
 
 def step_both(

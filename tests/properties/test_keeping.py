@@ -85,9 +85,9 @@ def test_r10_2_what_follows_a_cut_episode_is_told_as_it_was():
     env.reset(seed=1)
     for _ in range(2):
         env.step(dict.fromkeys(env.agents, 0))
-    told = env.reset()
-    assert all(info["TimeLimit.truncated"] for info in told[1].values())
-    assert seen(env.restore(env.save())) == seen(told)
+    first = env.reset()
+    assert all(info["TimeLimit.truncated"] for info in first[1].values())
+    assert seen(env.restore(env.save())) == seen(first)
     env.step(dict.fromkeys(env.agents, 0))
     assert not any(info["TimeLimit.truncated"] for info in env.restore(env.save())[1].values())
 
@@ -166,8 +166,8 @@ def played_turns(env, source, turns):
         if not env.agents:
             env.reset(seed=7)
         agent = env.agent_selection
-        *told, terminated, truncated, info = env.last()
-        found.append((agent, terminated, truncated, seen([{"told": told}, {"info": info}]), env.digest()))
+        *observed, terminated, truncated, info = env.last()
+        found.append((agent, terminated, truncated, seen([{"observed": observed}, {"info": info}]), env.digest()))
         env.step(None if terminated or truncated else some_action(source, env.unwrapped, agent))
         found.append((dict(env.rewards), dict(env.terminations), dict(env.truncations), list(env.agents)))
     return found

@@ -165,10 +165,10 @@ def test_taking_a_loser_away_changes_nothing_for_the_others(case: Case, data: st
 @given(case=cases(policies=("nearest", "first_come")), data=st.data(), share=st.floats(0, 1))
 def test_moving_closer_never_loses(case: Case, data: st.DataObject, share: float) -> None:
     """R5.3, R5.4: a hunter that asks for the same target from nearer fares no worse."""
-    asked = [(i, request) for i, request in enumerate(case["requests"]) if request[1] in case["targets"]]
-    if not asked:
+    known = [(i, request) for i, request in enumerate(case["requests"]) if request[1] in case["targets"]]
+    if not known:
         return
-    i, (hunter, name) = data.draw(st.sampled_from(asked))
+    i, (hunter, name) = data.draw(st.sampled_from(known))
     (x, y), (target_x, target_y) = case["hunters"][hunter], case["targets"][name]
     hunters = list(case["hunters"])
     hunters[hunter] = (x + share * (target_x - x), y + share * (target_y - y))

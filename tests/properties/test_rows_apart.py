@@ -26,7 +26,7 @@ from catch_arena.verdicts import Verdict
 
 ROWS = 3
 MANY_ROWS = 33
-"""One more than a block has."""
+"""One more than a chunk has."""
 LOTS = 5
 """Rows in which is drawn."""
 STEPS = 14
@@ -86,7 +86,7 @@ CONFIGS = {
 TINY = 2.0**-100
 """A fraction of a velocity."""
 CROWDS = [(1, 1, 3), (2, 2, 41), (4, 9, 3), (8, 16, 9), (9, 2, 3), (10, 12, 3)]
-"""Numbers of hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one block and in two."""
+"""Numbers of hunters, prey and rows: fewer bodies than prey sees, as many, and more; in one chunk and in two."""
 
 
 def config_of(name: str) -> ArenaConfig:

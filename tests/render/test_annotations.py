@@ -89,7 +89,7 @@ def test_who_is_out_already_is_refused_in_silence_and_in_the_step_in_which_it_le
     """R1.7: under fixed dropouts it goes on asking in every step."""
     refused = Ruling(Verdict.HUNTER_INACTIVE, 1, "target_turtle_7", None, None)
     before, after = a_world(step=4), a_world(refused)
-    (told,) = annotations_of(before, after)
-    assert (told.kind, told.seat, told.text) == ("refused", 1, "withdrawn")
+    (refusal,) = annotations_of(before, after)
+    assert (refusal.kind, refusal.seat, refusal.text) == ("refused", 1, "withdrawn")
     out = dataclasses.replace(before.hunters[1], withdrawn=True)
     assert annotations_of(dataclasses.replace(before, hunters=(before.hunters[0], out)), after) == ()

@@ -77,10 +77,10 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     quiet.mkdir()
     play("duel", time_limit_s=0.2).save(quiet / "q.replay")
     (folder.parent / "best.mp4").write_bytes(b"as it was")
-    for where, said in (("empty", "contains no replays"), ("nowhere", "is not a folder"), ("quiet", "no highlights")):
+    for where, error in (("empty", "contains no replays"), ("nowhere", "is not a folder"), ("quiet", "no highlights")):
         result = call("highlights", where, "-o", "best.mp4", "--force")
         assert result.exit_code == 2
-        assert said in result.output
+        assert error in result.output
         assert len(result.stderr.splitlines()) == 1
     assert (folder.parent / "best.mp4").read_bytes() == b"as it was"
     (quiet / "q.replay").write_bytes(b"nothing")
@@ -88,7 +88,7 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "error"),
     [
         (["mosaic", "replays", "-o", "grid.avi"], "must end in"),
         (["render", "replays/m0.replay", "-o", "m.mp4", "--size", "9x9"], "size must be"),
@@ -96,10 +96,10 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
         (["mosaic", "replays", "-o", "grid.mp4", "--view-of", "eve"], "unknown hunter 'eve'"),
     ],
 )
-def test_bad_words_are_one_line(words, said):
+def test_bad_words_are_one_line(words, error):
     result = call(*words)
     assert result.exit_code == 2
-    assert said in result.output
+    assert error in result.output
     assert len(result.stderr.splitlines()) == 1
 
 

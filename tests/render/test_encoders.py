@@ -121,6 +121,6 @@ def test_a_full_disk_is_an_error_and_leaves_nothing(match, tmp_path):
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])
     assert len(found) == 3 * len(ENDINGS)
-    for case, (said, left) in found.items():
-        assert ": cannot be written: " in said, case
+    for case, (error, left) in found.items():
+        assert ": cannot be written: " in error, case
         assert left == [], case

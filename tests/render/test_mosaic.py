@@ -72,8 +72,8 @@ def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
 
 
 def test_a_view_that_no_match_has_is_refused(matches, tmp_path):
-    for who, said in ((0, "view_of needs a match that limits"), ("eve", "unknown hunter 'eve'")):
-        with pytest.raises(ConfigError, match=said):
+    for who, error in ((0, "view_of needs a match that limits"), ("eve", "unknown hunter 'eve'")):
+        with pytest.raises(ConfigError, match=error):
             render_mosaic(matches, tmp_path / "grid.mp4", size=(480, 320), view_of=who)
     assert list(tmp_path.iterdir()) == []
 

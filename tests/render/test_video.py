@@ -168,17 +168,17 @@ def test_without_the_encoder_there_is_no_file_and_one_line_says_what_to_install(
 
 
 @pytest.mark.parametrize(
-    ("settings", "view_of", "says"),
+    ("settings", "view_of", "error"),
     [
         ({}, 0, "view_of needs a match that limits or blurs its hunters' views"),
         ({"view_radius_m": 2.0}, 4, "hunter must be a seat from 0 to 3, got 4"),
         ({"view_radius_m": 2.0}, "patrl", "unknown hunter 'patrl': did you mean patrol?"),
     ],
 )
-def test_a_view_that_cannot_be_shown_is_refused_and_writes_nothing(play, tmp_path, settings, view_of, says):
+def test_a_view_that_cannot_be_shown_is_refused_and_writes_nothing(play, tmp_path, settings, view_of, error):
     names = ("contested", "nearest", "patrol", "first")
     match = play(max_cycles=2, names=names, **settings)
     with pytest.raises(ConfigError) as refused:
         render_replay(match, tmp_path / "x.gif", view_of=view_of, **SMALL)
-    assert says in str(refused.value)
+    assert error in str(refused.value)
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ import pytest
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.render.match_info import HUNTER_COLORS, MatchInfo
-from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, TRACE
+from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL
 
 
 def test_names_must_fit_the_seats():

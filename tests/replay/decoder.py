@@ -72,10 +72,10 @@ def decode(content: bytes) -> dict[str, Any]:
         for at, n in enumerate(rows):
             for index in range(many):
                 if at not in first and prey[index][0][n] == numbers[at]:
-                    for which, asked in zip(
+                    for which, velocity in zip(
                         (LINEAR, ANGULAR), asked_of_prey(config, prey_commands[index], n), strict=True
                     ):
-                        given[which][at] += asked
+                        given[which][at] += velocity
         motion = moved(motion, [0 if at in first else ticks[n] for at, n in enumerate(rows)], given)
         at = 0
         for begin, length, number, appeared in zip(*spans, strict=True):
@@ -155,8 +155,8 @@ def hunter(
         limits = ((-fastest if config["reverse"] else 0.0, fastest), (-quickest, quickest))
         given = {}
         for which, fractions, (low, high) in zip((LINEAR, ANGULAR), commands, limits, strict=True):
-            asked = [0, *(millionths(max(low, min(high, part * high))) for part in fractions)]
-            given[which] = [left + number for left, number in zip(rest[which], asked, strict=True)]
+            velocities = [0, *(millionths(max(low, min(high, part * high))) for part in fractions)]
+            given[which] = [left + number for left, number in zip(rest[which], velocities, strict=True)]
         found = moved(rest, ticks, given)
     found[ACTIVE] = rest[ACTIVE]
     return found

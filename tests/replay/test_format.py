@@ -263,7 +263,7 @@ def test_every_flipped_bit_is_refused(small):
 
 
 @pytest.mark.parametrize(
-    ("content", "says"),
+    ("content", "reason"),
     [
         (b"", "is not a Catch Arena replay"),
         (b"PK\x03\x04 something else", "is not a Catch Arena replay"),
@@ -286,9 +286,9 @@ def test_every_flipped_bit_is_refused(small):
         (sealed(struct.pack("<I", 10_000) + b"9" * 10_000), "no readable header"),
     ],
 )
-def test_what_is_no_replay_is_refused_with_its_reason(tmp_path, content, says):
+def test_what_is_no_replay_is_refused_with_its_reason(tmp_path, content, reason):
     """Foreign, older, lying about its size, packed wrongly, nested without end."""
-    assert says in refusal(content, tmp_path)
+    assert reason in refusal(content, tmp_path)
 
 
 def test_only_a_match_with_prey_or_requests_by_name_is_kept_in_a_format_that_has_them(
@@ -307,23 +307,26 @@ def test_requests_by_name_are_read_by_the_document_alone(named, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "reason"),
     [
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(seat=1)), "that no hunter could have made"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(step=10**6)), "not in the order of the steps"),
-        (lambda asked: asked.reverse(), "not in the order of the steps"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(name="x" * 257)), "names that a replay cannot contain"),
-        (lambda asked: asked.__setitem__(0, asked[0]._replace(name=7)), "names that a replay cannot contain"),
-        (lambda asked: asked.extend([asked[-1]] * 2**16), "must contain 1 to 65536"),
+        (lambda requests: requests.__setitem__(0, requests[0]._replace(seat=1)), "that no hunter could have made"),
+        (lambda requests: requests.__setitem__(0, requests[0]._replace(step=10**6)), "not in the order of the steps"),
+        (lambda requests: requests.reverse(), "not in the order of the steps"),
+        (
+            lambda requests: requests.__setitem__(0, requests[0]._replace(name="x" * 257)),
+            "names that a replay cannot contain",
+        ),
+        (lambda requests: requests.__setitem__(0, requests[0]._replace(name=7)), "names that a replay cannot contain"),
+        (lambda requests: requests.extend([requests[-1]] * 2**16), "must contain 1 to 65536"),
     ],
 )
-def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, says):
+def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, reason):
     """Requests of another control, after the end, out of order, with names that are too long, or too many."""
-    assert says in refusal(rebuilt(named, tmp_path, lambda match: change(match.named_requests)), tmp_path)
+    assert reason in refusal(rebuilt(named, tmp_path, lambda match: change(match.named_requests)), tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("table", "says"),
+    ("table", "reason"),
     [
         (struct.pack("<I", 2**31), "its table of names is 2147483648 bytes long"),
         (struct.pack("<I", 2) + b"\xff\xfe", "no readable table of names"),
@@ -333,12 +336,12 @@ def test_requests_by_name_that_cannot_be_are_refused(named, tmp_path, change, sa
         (struct.pack("<I", 2) + b"{}", "names that a replay cannot contain"),
     ],
 )
-def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, says):
+def test_a_table_of_names_that_lies_is_refused(play, tmp_path, table, reason):
     """In the place where requests by name stand: behind the commands, before the digests."""
     content = file_of(play("duel", max_cycles=3, control="full"), tmp_path)
     match, body = decode_replay(content), body_of(content)
     at = body.index(match.digests[0])
-    assert says in refusal(sealed(body[:at] + table + body[at:], form=4), tmp_path)
+    assert reason in refusal(sealed(body[:at] + table + body[at:], form=4), tmp_path)
 
 
 def test_a_format_that_is_not_that_of_its_match_is_refused(small, small_hunted, tmp_path):
@@ -357,7 +360,7 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
 
 
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    ("changes", "reason"),
     [
         (
             {"ruleset": "catch_arena_v9\n"},
@@ -394,11 +397,11 @@ CONFIG = catch_arena.ArenaConfig(hunters=2).to_dict()
         ({"config": {**CONFIG, "control_period_ms": 10**9}}, "more than a day"),
     ],
 )
-def test_a_header_that_cannot_be_is_refused_with_its_field(small, tmp_path, changes, says):
+def test_a_header_that_cannot_be_is_refused_with_its_field(small, tmp_path, changes, reason):
     """The checksum is right: somebody has made this file."""
     text = refusal(with_header(small, **changes), tmp_path)
 
-    assert says in text, text
+    assert reason in text, text
 
 
 def rebuilt(replay: Replay, folder: Path, change) -> bytes:
@@ -409,7 +412,7 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "reason"),
     [
         (lambda match: match.choices[3].__setitem__(0, 9), "contains actions of hunter_0"),
         (lambda match: match.choices[3].__setitem__(1, 1), "contains actions of hunter_1"),
@@ -421,9 +424,9 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
     ],
 )
 @pytest.mark.filterwarnings("ignore:invalid value encountered in cast:RuntimeWarning")  # a NaN is made on purpose
-def test_actions_and_numbers_that_cannot_be_are_refused(mixed, tmp_path, change, says):
+def test_actions_and_numbers_that_cannot_be_are_refused(mixed, tmp_path, change, reason):
     """NaN, infinity, ranks that nobody sees, commands of those who give none, numbers without measure."""
-    assert says in refusal(rebuilt(mixed, tmp_path, change), tmp_path)
+    assert reason in refusal(rebuilt(mixed, tmp_path, change), tmp_path)
 
 
 @settings(max_examples=300 * EFFORT, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -440,13 +443,13 @@ def test_whatever_is_sealed_loads_and_plays_or_is_refused(small, small_moving, s
         )
         body[at : at + size] = new * data.draw(st.integers(0, 3))
     (tmp_path / "fuzzed.replay").write_bytes(sealed(bytes(body), form=content[8]))
-    said = "it plays"
+    outcome = "it plays"
     try:
         for _ in Replay.load(tmp_path / "fuzzed.replay").worlds():
             pass
     except ReplayError as error:
-        said = str(error)
-    assert re.match(ONE_LINE, said), said
+        outcome = str(error)
+    assert re.match(ONE_LINE, outcome), outcome
 
 
 LIMITED = """

@@ -25,11 +25,11 @@ def comparable(ruling: Ruling) -> str:
 @pytest.mark.parametrize("seed", range(6))
 def test_r8_4_every_request_is_in_the_replay_with_the_ruling_that_it_had(seed, tmp_path):
     """Ranks and names together are what was answered, in every step, after saving and loading."""
-    played, answers = play_by_name(seed)
+    played, rulings_by_step = play_by_name(seed)
     played.save(tmp_path / "named.replay")
     replay = Replay.load(tmp_path / "named.replay")
     found = Counter()
-    for (before, after), live in zip(pairwise(replay.worlds()), answers, strict=True):
+    for (before, after), live in zip(pairwise(replay.worlds()), rulings_by_step, strict=True):
         named = replay.named_rulings(before, after)
         again = [*(one for one in after.rulings if one.hunter != 1), *named]
         assert sorted(map(comparable, again)) == sorted(map(comparable, live))

@@ -29,10 +29,10 @@ def number_of(replay: Replay, step: int, seat: int, field: int) -> int:
 
 
 def test_a_match_that_plays_as_recorded_has_no_faults(mixed):
-    told = []
+    calls = []
 
-    assert verify(mixed, lambda done, total: told.append((done, total))) == []
-    assert told == [(step, 80) for step in range(81)]
+    assert verify(mixed, lambda done, total: calls.append((done, total))) == []
+    assert calls == [(step, 80) for step in range(81)]
 
 
 def test_an_edited_action_is_named_by_what_it_moves(mixed):
@@ -74,7 +74,7 @@ def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line
 
 
 @pytest.mark.parametrize(
-    ("field", "change", "told"),
+    ("field", "change", "difference"),
     [
         (1, 17, r"x is \d+\.\d{6} m as recorded and \d+\.\d{6} m as replayed, 0\.000017 m apart"),
         (3, -5, r"theta is .* rad as replayed, 0\.000005 rad apart"),
@@ -84,7 +84,7 @@ def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line
         (7, 1, r"at wall is yes as recorded and no as replayed"),
     ],
 )
-def test_an_edited_number_of_a_moving_target_is_named_from_the_file_too(fleeing, tmp_path, field, change, told):
+def test_an_edited_number_of_a_moving_target_is_named_from_the_file_too(fleeing, tmp_path, field, change, difference):
     """Each of its numbers; the edit is written and read again."""
 
     def shift(match):
@@ -94,7 +94,7 @@ def test_an_edited_number_of_a_moving_target_is_named_from_the_file_too(fleeing,
     number = fleeing.states[50][8 + 4 * 11]
     (found,) = verify(Replay.load(tmp_path / "edited.replay"))
     assert re.fullmatch(
-        rf"step 50: its quantised state was altered: the digest agrees, but target_turtle_{number}: {told}", found
+        rf"step 50: its quantised state was altered: the digest agrees, but target_turtle_{number}: {difference}", found
     )
 
 
@@ -158,8 +158,8 @@ def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
     env.record()
     env.reset(seed=2)
     while env.agents:
-        asks = int(env.world().step == 9)
-        env.step({"hunter_0": {"cmd_vel": (0.0, 0.0), "catch": asks}, "prey_0": (0.5, 0.25)})
+        rank = int(env.world().step == 9)
+        env.step({"hunter_0": {"cmd_vel": (0.0, 0.0), "catch": rank}, "prey_0": (0.5, 0.25)})
     match = env.replay()
     found = verify(altered(match, lambda match: match.prey_commands[4].__setitem__(0, (1.0, 0.25))))
 

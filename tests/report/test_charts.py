@@ -58,7 +58,7 @@ def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(data
 
 
 @pytest.mark.parametrize(
-    ("groups", "ended", "said"),
+    ("groups", "ended", "expected"),
     [
         ([(1, 1), (2, 2)], True, "a comes first"),
         ([(1, 1), (2, 2)], False, "a leads so far"),
@@ -68,8 +68,8 @@ def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(data
         ([(1, 1)], True, "a played alone"),
     ],
 )
-def test_the_heading_says_no_more_than_is_known(data, groups, ended, said):
-    assert headline(_table(data, groups), ended=ended) == said
+def test_the_heading_says_no_more_than_is_known(data, groups, ended, expected):
+    assert headline(_table(data, groups), ended=ended) == expected
 
 
 def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(data):

@@ -19,7 +19,7 @@ def test_a_report_is_written_beside_its_tournament(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "error"),
     [
         (["--budget", "-1"], "--budget must be from 0 to 1000 MB, got -1"),
         (["--budget", "nan"], "--budget must be from 0 to 1000 MB, got nan"),
@@ -27,11 +27,11 @@ def test_a_report_is_written_beside_its_tournament(tmp_path):
         (["--match", "x"], "match x: cannot be shown; it must be a match that was played and recorded"),
     ],
 )
-def test_wrong_words_are_told_in_one_line(tmp_path, words, said):
+def test_wrong_words_are_told_in_one_line(tmp_path, words, error):
     tournament(tmp_path, 1, most=4)
     done = CliRunner().invoke(main, ["report", str(tmp_path), *words])
     assert done.exit_code == 2
-    assert said in done.output
+    assert error in done.output
     assert done.output.count("\n") == 1
 
 
@@ -83,5 +83,5 @@ def test_a_tournament_that_was_watched_is_served_until_ctrl_c(tmp_path):
     assert fetched(f"{address}state") == "2 ended"
     command.interrupt()
     ended = command.ended()
-    assert (ended.status, ended.said, ended.errors, ended.left) == (0, "", "", [])
+    assert (ended.status, ended.output, ended.errors, ended.left) == (0, "", "", [])
     assert not list(tmp_path.glob("o/*-wal"))

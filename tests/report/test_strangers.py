@@ -66,8 +66,8 @@ def test_a_report_has_no_whole_path_and_no_whole_command(tmp_path):
     text = write_report(folder).read_text(encoding="utf-8")
     for secret in (str(tmp_path), "home of ann", "hunter2", "/usr/bin", "--token"):
         assert secret not in text
-    for told in ("mine.py", "a command: python3", "package.module:Agent", "catch_arena.agents.nearest:Agent"):
-        assert f"<td>{told}</td>" in text
+    for spec in ("mine.py", "a command: python3", "package.module:Agent", "catch_arena.agents.nearest:Agent"):
+        assert f"<td>{spec}</td>" in text
     assert "mine.py: importing it raised FileNotFoundError: No such file: &#39;weights of mine.npz&#39;" in text
 
 

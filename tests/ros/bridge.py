@@ -86,13 +86,13 @@ class Bridge:
         """Pass it on; services of ROS cannot say that they failed, so the caller of one that does waits for ever."""
         del socket
         if isinstance(frame["values"], dict):
-            caller, asked, answered = self._callers.pop(frame["id"])
-            self._respond(caller, asked, frame["values"], result=True)
+            caller, call_frame, answered = self._callers.pop(frame["id"])
+            self._respond(caller, call_frame, frame["values"], result=True)
             answered.set()
 
-    def _respond(self, socket, asked, values, *, result):
-        named = {"id": asked["id"]} if "id" in asked else {}
-        answer = {"op": "service_response", "service": asked["service"], "values": values, "result": result}
+    def _respond(self, socket, call_frame, values, *, result):
+        named = {"id": call_frame["id"]} if "id" in call_frame else {}
+        answer = {"op": "service_response", "service": call_frame["service"], "values": values, "result": result}
         send(socket, answer | named)
 
     def raw(self, text):

@@ -9,7 +9,7 @@ class Hub:
     """Hub that connects all buses of a test."""
 
     def __init__(self):
-        self.heard = {}
+        self.subscribers = {}
         self.served = {}
         self.sent = {}
         self.publishers = {}
@@ -32,14 +32,14 @@ class LocalBus(Bus):
 
         def publish(message):
             self.hub.sent.setdefault(topic, []).append(message)
-            for bus, on_message in self.hub.heard.get(topic, ()):
+            for bus, on_message in self.hub.subscribers.get(topic, ()):
                 bus._queue.append(lambda on_message=on_message: on_message(message))
 
         return publish
 
     def subscribe(self, topic, kind, on_message):
         del kind
-        self.hub.heard.setdefault(topic, []).append((self, on_message))
+        self.hub.subscribers.setdefault(topic, []).append((self, on_message))
 
     def serve(self, service, kind, on_request):
         del kind

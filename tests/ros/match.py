@@ -28,9 +28,9 @@ class Match:
         names = names or [f"p{seat}" for seat in range(hunters)]
         if record:
             self.service.record(names)
-        self.hub, self.said = Hub(), []
+        self.hub, self.log_lines = Hub(), []
         self.a, self.b, self.c = (self.hub.bus(peer) for peer in "abc")
-        self.agents = AgentSeats(self.service, players, self.said.append) if players else None
+        self.agents = AgentSeats(self.service, players, self.log_lines.append) if players else None
         driven = [seat for seat in range(hunters) if seat not in controls]
         self.node = ArenaNode(
             self.hub.bus("arena"),
@@ -40,14 +40,14 @@ class Match:
             self.agents,
             TYPES,
             clock=clock,
-            log=self.said.append,
+            log=self.log_lines.append,
         )
         self.node.begin(1)
 
     def drive(self, bus, speed=0.0, turn_rate=0.0, turtle="hunter_0"):
         bus.publisher(f"/{turtle}/cmd_vel", TWIST)(TwistMessage.of(speed, turn_rate))
 
-    def ask(self, bus, name, service="/catch_turtle"):
+    def request(self, bus, name, service="/catch_turtle"):
         return bus.client(service, TYPES.catch_turtle).call(CatchTurtleRequest(name))
 
     def tick(self, count=1):

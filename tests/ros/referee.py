@@ -69,16 +69,16 @@ class Spawner(Referee):
     def begin(self):
         self.client = self.bus.client("/spawn", TYPES.spawn)
         self.publish = self.bus.publisher("/alive_turtles", TYPES.turtle_array)
-        self.random, self.asked, self.next = random.Random(1), [], 0.0
+        self.random, self.calls, self.next = random.Random(1), [], 0.0
 
     def tick(self):
         super().tick()
         if time.monotonic() > self.next:
             self.next = time.monotonic() + 0.1
             x, y = self.random.uniform(0.5, 10.5), self.random.uniform(0.5, 10.5)
-            request = SpawnRequest(x, y, 0.0, f"target_turtle_{len(self.asked) + 1}")
-            self.asked.append((self.client.call(request), (x, y)))
-        there = [(call.response.name, *place) for call, place in self.asked if call.response is not None]
+            request = SpawnRequest(x, y, 0.0, f"target_turtle_{len(self.calls) + 1}")
+            self.calls.append((self.client.call(request), (x, y)))
+        there = [(call.response.name, *place) for call, place in self.calls if call.response is not None]
         self.turtles = {name: (x, y) for name, x, y in there if name not in self.caught}
         self.publish(TurtleArray(tuple(Turtle(name, *place, 0.0) for name, place in self.turtles.items())))
 

@@ -22,7 +22,7 @@ class Controller:
         self.requests, self.responses = node.client(service, wire.CATCH_TURTLE)
         self.pose, self.turtles, self.number, self.caught = None, [], 0, 0
 
-    def hear(self):
+    def receive(self):
         for pose in self.poses.take():
             self.pose = pose
         for message in self.alive.take():
@@ -47,9 +47,9 @@ if __name__ == "__main__":
     ended = []
     signal.signal(signal.SIGTERM, lambda *_: ended.append(True))
     while time.monotonic() < end and not ended:
-        controller.hear()
+        controller.receive()
         if controller.pose and controller.turtles:
             controller.drive()
         time.sleep(0.1)
-    controller.hear()
+    controller.receive()
     sys.stdout.write(f"{controller.caught}\n")

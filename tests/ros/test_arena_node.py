@@ -48,7 +48,7 @@ def test_a_node_that_was_not_remapped_is_told_how_in_one_line(twists):
     for _ in range(twists):
         publish(TwistMessage(Vector3(1.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.0)))
     match.tick(20)
-    (line,) = [line for line in match.said if "turtle1" in line]
+    (line,) = [line for line in match.log_lines if "turtle1" in line]
     assert line == (
         "warning: a node drives turtle1, but no hunter has that name if several seats are for nodes: start it with "
         "--ros-args -r /turtle1/cmd_vel:=/hunter_1/cmd_vel -r /turtle1/pose:=/hunter_1/pose "
@@ -60,7 +60,7 @@ def test_the_list_of_targets_is_published_when_it_changes_and_once_a_second_besi
     match = Match(hunter_poses=ONE)
     name = match.service.spawn(2.1, 2.0)
     before = len(match.sent("/alive_turtles"))
-    match.ask(match.a, name)
+    match.request(match.a, name)
     match.tick()
 
     assert [len(sent.turtles) for sent in match.sent("/alive_turtles")[before:]] == [0, 0]
@@ -78,7 +78,7 @@ def test_standings_tell_each_hunter_when_a_score_changes_and_once_a_second():
     match.tick(62)
     assert [one.hunter for one in match.sent("/standings")] == ["hunter_0", "hunter_1"]
 
-    match.ask(match.a, match.service.spawn(2.0, 2.1), "/hunter_0/catch_turtle")
+    match.request(match.a, match.service.spawn(2.0, 2.1), "/hunter_0/catch_turtle")
     match.tick()
     assert [(one.player, one.score, one.rank) for one in match.sent("/standings")[2:4]] == [
         ("ann", 1, 1),
@@ -91,7 +91,7 @@ def test_team_mates_share_their_teams_rank():
     places = ((2.0, 2.0, 0.0), (8.0, 8.0, 0.0), (2.0, 2.0, 0.0), (8.0, 8.0, 0.0))
     match = Match(hunters=4, hunter_poses=places, teams=((0, 1), (2, 3)))
     for seat, place in ((0, 2.0), (0, 2.0), (2, 2.0), (3, 8.0), (3, 8.0)):
-        match.ask(match.a, match.service.spawn(place, place), f"/hunter_{seat}/catch_turtle")
+        match.request(match.a, match.service.spawn(place, place), f"/hunter_{seat}/catch_turtle")
         match.tick()
 
     assert match.node.standings() == ((2, 2, 1, 1), (2, 0, 1, 2))
@@ -103,12 +103,12 @@ def test_rulings_tell_verdict_distance_winner_and_clause():
     match = Match(hunter_poses=ONE)
     name = match.service.spawn(2.2, 2.0)
     match.tick()
-    answers = [match.ask(match.a, asked) for asked in (name, name)]
+    calls = [match.request(match.a, one) for one in (name, name)]
     match.tick()
-    answers.append(match.ask(match.a, "turtle1"))
+    calls.append(match.request(match.a, "turtle1"))
     match.tick()
 
-    assert [answer.response for answer in answers] == [YES, NO, NO]
+    assert [answer.response for answer in calls] == [YES, NO, NO]
     assert [one[1:9] for one in match.sent("/rulings")] == [
         (1, "hunter_0", name, "GRANTED", True, 0.2, "hunter_0", "R5.4"),
         (1, "hunter_0", name, "DUPLICATE", False, -1.0, "", "R5.2"),
@@ -125,9 +125,9 @@ def test_how_often_and_from_how_far_a_node_asked_is_a_remark_after_the_match():
     assert match.node.remarks() == (never,)
     name = match.service.spawn(2.45, 2.0)
     for _ in range(3):
-        match.ask(match.a, name, "/hunter_0/catch_turtle")
+        match.request(match.a, name, "/hunter_0/catch_turtle")
         match.tick()
-    match.ask(match.a, match.service.spawn(2.0, 4.0), "/hunter_0/catch_turtle")
+    match.request(match.a, match.service.spawn(2.0, 4.0), "/hunter_0/catch_turtle")
     match.tick()
     assert match.node.remarks() == (
         "anna: 4 requests from too far, 0.45 to 2.00 m away: a catch needs less than reach_m, 0.3 m",
@@ -139,9 +139,9 @@ def test_a_node_that_asks_for_what_is_gone_is_told_after_ten_times():
     match = Match(hunter_poses=ONE, names=["anna"])
     name = match.service.spawn(2.1, 2.0)
     for _ in range(30):
-        match.ask(match.a, name)
+        match.request(match.a, name)
         match.tick()
-    (line,) = match.said
+    (line,) = match.log_lines
     assert line.startswith("anna has requested targets that are gone 10 times, such as target_turtle_1: choose another")
 
 
@@ -151,12 +151,12 @@ def test_a_node_without_targets_may_be_silent_and_one_with_targets_may_not():
     match.tick(200)
     match.drive(match.a, 0.0)
     match.tick()
-    assert match.said == ["hunter_0: its node is there"]
+    assert match.log_lines == ["hunter_0: its node is there"]
     match.service.spawn(9.0, 9.0)
     match.tick(200)
     match.drive(match.a, 0.0)
     match.tick()
-    assert match.said[1:] == [
+    assert match.log_lines[1:] == [
         "hunter_0: its node is silent; the hunter stands still until a node drives it again",
         "hunter_0: its node is back",
     ]
@@ -176,7 +176,7 @@ def test_a_node_that_drove_and_goes_is_told_once(targets, silent_ticks):
     there.clear()
     match.tick(100)
     how = "is silent" if targets and silent_ticks > 63 else "has gone"
-    assert match.said == [
+    assert match.log_lines == [
         "hunter_0: its node is there",
         f"hunter_0: its node {how}; the hunter stands still until a node drives it again",
     ]
@@ -196,13 +196,13 @@ def test_one_node_may_use_other_names_for_the_list_and_the_service(seats):
     match.tick(150)
     if seats == 2:  # nobody knows which of them asks
         assert "/catch_it" not in match.hub.served
-        assert "-r /turtles:=/alive_turtles -r /catch_it:=/hunter_0/catch_turtle" in match.said[0]
+        assert "-r /turtles:=/alive_turtles -r /catch_it:=/hunter_0/catch_turtle" in match.log_lines[0]
         return
-    assert match.said == [
+    assert match.log_lines == [
         f"a node uses {name}, so it is served like {usual} (or start it with --ros-args -r {name}:={usual})"
         for name, usual in (("/turtles", "/alive_turtles"), ("/catch_it", "/catch_turtle"))
     ]
-    answer = match.ask(match.a, match.service.spawn(2.1, 2.0), "/catch_it")
+    answer = match.request(match.a, match.service.spawn(2.1, 2.0), "/catch_it")
     match.tick()
     assert answer.response == YES
     assert [len(one.turtles) for one in match.sent("/turtles")] == [1, 0]
@@ -212,18 +212,21 @@ def test_one_node_may_use_other_names_for_the_list_and_the_service(seats):
 def test_nobody_is_robbed_by_a_kill_from_afar(seats):
     match = Match(hunters=seats, hunter_poses=TWO[:seats])
     near, far = match.service.spawn(2.1, 2.0), match.service.spawn(9.0, 9.0)
-    answers = [match.a.client("/kill", TYPES.kill).call(Name(name)) for name in (far, near)]
+    calls = [match.a.client("/kill", TYPES.kill).call(Name(name)) for name in (far, near)]
     match.tick(2)
-    assert [answer.response for answer in answers] == [Empty(), Empty()]
+    assert [answer.response for answer in calls] == [Empty(), Empty()]
     alive = [turtle.name for turtle in match.service.alive_turtles().turtles]
     if seats == 1:  # the first request of the step counts (R5.2)
-        assert match.said == ["warning: /kill of a target is judged as a request to catch it", *match.said[1:]]
+        assert match.log_lines == [
+            "warning: /kill of a target is judged as a request to catch it",
+            *match.log_lines[1:],
+        ]
         assert [one.verdict for one in match.sent("/rulings")] == ["OUT_OF_REACH", "DUPLICATE"]
         match.a.client("/kill", TYPES.kill).call(Name(near))
         match.tick()
         assert match.sent("/rulings")[-1].verdict == "GRANTED"
     else:
-        assert match.said == ["warning: /kill of a target is refused: call /catch_turtle instead"]
+        assert match.log_lines == ["warning: /kill of a target is refused: call /catch_turtle instead"]
     assert alive == [near, far]
     assert match.hunter().score == 2 - seats
 
@@ -254,11 +257,11 @@ def test_where_our_own_types_are_not_known_the_rest_is_published(monkeypatch):
 
     monkeypatch.setattr(LocalBus, "publisher", refuse)
     match = Match(hunter_poses=ONE)
-    answer = match.ask(match.a, match.service.spawn(2.1, 2.0))
+    answer = match.request(match.a, match.service.spawn(2.1, 2.0))
     match.tick()
 
     assert answer.response == YES
-    assert match.said == []
+    assert match.log_lines == []
 
 
 # who drives, and who asks
@@ -291,18 +294,18 @@ def test_a_seat_whose_node_goes_stands_still_and_may_come_back():
     match.drive(match.b, 1.0)
     match.tick()
     assert match.hunter().linear_velocity == 1.0
-    assert match.said[-1] == "hunter_0: its node is back"
+    assert match.log_lines[-1] == "hunter_0: its node is back"
 
 
 def test_where_several_seats_are_for_nodes_the_shared_service_says_so():
     """The arena cannot know who asks there; each hunter's own service works."""
     match = Match(hunters=2, hunter_poses=TWO)
     name = match.service.spawn(2.1, 2.0)
-    shared, own = match.ask(match.a, name), match.ask(match.a, name, "/hunter_0/catch_turtle")
+    shared, own = match.request(match.a, name), match.request(match.a, name, "/hunter_0/catch_turtle")
     match.tick()
 
     assert (shared.response, own.response) == (NO, YES)
-    assert any("/hunter_0/catch_turtle" in line for line in match.said)
+    assert any("/hunter_0/catch_turtle" in line for line in match.log_lines)
 
 
 def test_a_person_only_drives_and_what_is_in_reach_is_asked_for_them():
@@ -312,7 +315,7 @@ def test_a_person_only_drives_and_what_is_in_reach_is_asked_for_them():
     match.drive(match.a, 2.0, turtle="hunter_0")
     match.drive(match.b, turtle="hunter_1")
     for _ in range(10):
-        match.ask(match.b, "nonsense")
+        match.request(match.b, "nonsense")
         match.tick()
 
     assert match.hunter(0).score == 1
@@ -334,7 +337,7 @@ def test_a_twist_that_is_not_finite_is_left_out(bad, field):
         match.tick()
 
     assert match.hunter().linear_velocity == 1.0
-    assert sum("not finite" in line for line in match.said) == 1
+    assert sum("not finite" in line for line in match.log_lines) == 1
 
 
 def test_fields_that_turtles_do_not_obey_are_not_read():
@@ -346,8 +349,8 @@ def test_fields_that_turtles_do_not_obey_are_not_read():
         match.tick()
 
     assert match.hunter().linear_velocity == 1.0
-    assert match.said[0] == "warning: hunter_0: its node sends linear.y, which turtles ignore: turn instead"
-    assert sum("linear.y" in line for line in match.said) == 1
+    assert match.log_lines[0] == "warning: hunter_0: its node sends linear.y, which turtles ignore: turn instead"
+    assert sum("linear.y" in line for line in match.log_lines) == 1
 
 
 def test_of_a_hunters_requests_in_one_step_only_the_first_four_are_judged():
@@ -356,15 +359,15 @@ def test_of_a_hunters_requests_in_one_step_only_the_first_four_are_judged():
     for _ in range(2):
         name = match.service.spawn(2.3, 2.1)
         before = len(match.sent("/rulings"))
-        flood = [match.ask(match.a, "nonsense", "/hunter_0/catch_turtle") for _ in range(300)]
-        own = match.ask(match.b, name, "/hunter_1/catch_turtle")
+        flood = [match.request(match.a, "nonsense", "/hunter_0/catch_turtle") for _ in range(300)]
+        own = match.request(match.b, name, "/hunter_1/catch_turtle")
         match.tick()
         assert [answer.response for answer in flood] == 300 * [NO]
         assert own.response == YES
         rulings = match.sent("/rulings")[before:]
         assert [one.hunter for one in rulings] == 4 * ["hunter_0"] + ["hunter_1"]
     assert len({one.target for one in rulings}) == 2
-    assert not any("several targets" in line for line in match.said)
+    assert not any("several targets" in line for line in match.log_lines)
 
 
 # the other services
@@ -382,7 +385,7 @@ def test_spawn_kill_clear_and_reset_answer_at_once():
     places = [(50.0, -7.0, 9.0), (1.0, 1.0, 2000.0), (1.0, 1.0, 3000.0), *[(1.0, 1.0, 0.0)] * 3]
     names = [call("/spawn", TYPES.spawn, SpawnRequest(*place, "tom")).name for place in places]
     assert names == ["target_turtle_1", "", "", "target_turtle_2", "", ""]
-    assert match.said == [  # what is odd is told once each
+    assert match.log_lines == [  # what is odd is told once each
         "warning: /spawn: spawn: theta must lie in [-1000, 1000], got 2000.0",
         "warning: /spawn: the arena is full, with 2 targets: nothing is spawned",
     ]
@@ -413,15 +416,15 @@ def test_a_recorded_match_plays_again_and_nobody_changes_it_from_outside():
         if step % 6 == 0:
             match.drive(match.a, 2.0, math.sin(step))
         if step % 20 == 10:
-            match.ask(match.a, "nonsense")
+            match.request(match.a, "nonsense")
         for turtle in match.service.alive_turtles().turtles[: step % 3]:
-            match.ask(match.a, turtle.name)
+            match.request(match.a, turtle.name)
         match.tick()
         step += 1
 
     assert match.service.world.spawned == 8
     assert match.hunter().score > 0
-    assert sum("recorded" in line for line in match.said) == 2
+    assert sum("recorded" in line for line in match.log_lines) == 2
     assert verify(match.service.replay) == []
 
 
@@ -452,8 +455,8 @@ class Broken(Chaser):
 
 def settle(match):
     """Let the agents' thread answer."""
-    if match.agents._answers is not None:
-        match.agents._answers.exception(timeout=10)
+    if match.agents._moves is not None:
+        match.agents._moves.exception(timeout=10)
 
 
 def test_agents_play_in_other_seats_and_are_asked_every_100_ms():
@@ -468,7 +471,7 @@ def test_agents_play_in_other_seats_and_are_asked_every_100_ms():
     name = match.service.spawn(3.0, 2.05)
     for tick in range(125):
         if tick % 2:  # with a request by name in the step, and without
-            match.ask(match.a, "x")
+            match.request(match.a, "x")
         match.tick()
         settle(match)
 
@@ -490,7 +493,7 @@ def test_an_agent_that_fails_is_withdrawn_and_the_others_play_on():
 
     assert match.hunter(1).withdrawn
     assert match.hunter(0).linear_velocity == 1.0
-    assert any(line.startswith("hunter_1 forfeits and is withdrawn: ") for line in match.said)
+    assert any(line.startswith("hunter_1 forfeits and is withdrawn: ") for line in match.log_lines)
     assert match.node.standings() == ((1, 2), (0, 0))
     while not match.service.over:
         match.tick()

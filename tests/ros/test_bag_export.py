@@ -67,12 +67,12 @@ def test_every_tick_has_a_pose_of_each_hunter_and_boundaries_have_the_matchs_own
     worlds = list(replay.worlds())
     by_time = {world.time_ms // 16 * 16 * NS: world for world in worlds}
     for seat, topic in enumerate(poses_topics(replay)):
-        told = {time: (one.x, one.y) for name, _, time, one in messages(folder) if name == topic}
-        assert sorted(told) == [16 * NS * tick for tick in range(worlds[-1].time_ms // 16 + 1)]
+        places = {time: (one.x, one.y) for name, _, time, one in messages(folder) if name == topic}
+        assert sorted(places) == [16 * NS * tick for tick in range(worlds[-1].time_ms // 16 + 1)]
         for time, world in by_time.items():
             hunter = world.hunters[seat]
-            assert told[time] == pytest.approx((hunter.x, hunter.y), abs=2e-6)
-        steps = [abs(a[0] - b[0]) + abs(a[1] - b[1]) for (_, a), (_, b) in pairwise(sorted(told.items()))]
+            assert places[time] == pytest.approx((hunter.x, hunter.y), abs=2e-6)
+        steps = [abs(a[0] - b[0]) + abs(a[1] - b[1]) for (_, a), (_, b) in pairwise(sorted(places.items()))]
         assert max(steps) <= 1.5 * replay.config.max_speeds[seat] * 0.016 + 1e-6
 
 
@@ -92,14 +92,16 @@ def test_the_rulings_are_those_of_the_match_at_the_beginning_of_their_steps(bag)
         for before, after in pairwise(replay.worlds())
         for one in after.rulings
     ]
-    told = []
+    recorded = []
     for topic, kind, time, one in messages(folder):
         if topic == "/rulings":
             assert kind == "catch_arena_interfaces/msg/Ruling"
             assert one.time == time / 1e9
-            told.append((time, one.step, one.hunter, one.target, one.verdict, one.success, round(1e6 * one.distance)))
+            recorded.append(
+                (time, one.step, one.hunter, one.target, one.verdict, one.success, round(1e6 * one.distance))
+            )
     assert expected
-    assert told == expected
+    assert recorded == expected
 
 
 def test_a_bag_has_every_ruling_that_the_bus_carried(tmp_path):
@@ -111,13 +113,13 @@ def test_a_bag_has_every_ruling_that_the_bus_carried(tmp_path):
         step = match.service.world.step
         names += [turtle.name for turtle in match.service.alive_turtles().turtles if turtle.name not in names]
         for number in range(step % 4):
-            match.ask(match.a, names[(step + 5 * number) % len(names)], f"/hunter_{step % 2}/catch_turtle")
+            match.request(match.a, names[(step + 5 * number) % len(names)], f"/hunter_{step % 2}/catch_turtle")
         match.tick()
     match.service.replay.save(tmp_path / "m.replay")
     assert run("ros", "bag", tmp_path / "m.replay", "-o", tmp_path / "m").exit_code == 0
     sent = [(one.step, one.hunter, one.target, one.verdict) for one in match.sent("/rulings")]
-    told = [one for topic, _, _, one in messages(tmp_path / "m") if topic == "/rulings"]
-    assert sorted((one.step, one.hunter, one.target, one.verdict) for one in told) == sorted(sent)
+    recorded = [one for topic, _, _, one in messages(tmp_path / "m") if topic == "/rulings"]
+    assert sorted((one.step, one.hunter, one.target, one.verdict) for one in recorded) == sorted(sent)
     assert {verdict for *_, verdict in sent} == {
         "GRANTED", "DUPLICATE", "ALREADY_CAUGHT", "UNKNOWN_TARGET", "OUT_OF_REACH", "MALFORMED",
     }  # fmt: skip

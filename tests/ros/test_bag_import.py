@@ -183,10 +183,10 @@ def test_poses_that_cannot_be_are_left_out_and_counted(tmp_path, pose):
         bag.alive(900, ("a", 5.1, 5.0))
         bag.alive(1000, ("a", math.nan, 5.0))
         bag.alive(1100)
-    told = run("ros", "import", tmp_path / "b", "--list")
-    assert told.exit_code == 0
-    assert told.stderr == "left out: 2 messages that are damaged or have impossible values\n"
-    assert "catches: 1 in the recording, 1 of them granted" in told.stdout
+    result = run("ros", "import", tmp_path / "b", "--list")
+    assert result.exit_code == 0
+    assert result.stderr == "left out: 2 messages that are damaged or have impossible values\n"
+    assert "catches: 1 in the recording, 1 of them granted" in result.stdout
 
 
 DAMAGE = {

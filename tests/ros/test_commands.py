@@ -20,7 +20,7 @@ def run(*arguments):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "error"),
     [
         (("serve", "--seat", "nearest"), "--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got 'nearest'"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
@@ -62,7 +62,7 @@ def run(*arguments):
         (("spawner", "--turtle", "turtle1", "--turtle", "turtle1"), "--turtle turtle1 must be given once"),
     ],
 )
-def test_what_cannot_be_is_one_line(arguments, said, monkeypatch, tmp_path):
+def test_what_cannot_be_is_one_line(arguments, error, monkeypatch, tmp_path):
     """Before anything begins."""
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
     monkeypatch.setenv("ROS_DOMAIN_ID", "97")
@@ -70,7 +70,7 @@ def test_what_cannot_be_is_one_line(arguments, said, monkeypatch, tmp_path):
     status, output = run(*arguments)
 
     assert status == 2
-    assert said in " ".join(output.split())
+    assert error in " ".join(output.split())
     assert "Traceback" not in output
     assert "bus: " not in output  # it is not joined for that
 
@@ -83,9 +83,9 @@ def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypa
 
     monkeypatch.setattr(Rate, "sleep", interrupted)
     with own_domain() as domain:
-        status, said = run("spawner", "--bus", "cyclonedds", "--domain", str(domain))
+        status, printed = run("spawner", "--bus", "cyclonedds", "--domain", str(domain))
         assert status == 0
-        assert "waiting for turtlesim: /spawn and /kill\n" in said
+        assert "waiting for turtlesim: /spawn and /kill\n" in printed
         assert run("controller", "--bus", "cyclonedds", "--domain", str(domain))[0] == 0
 
 
@@ -116,5 +116,5 @@ def test_catch_closest_turtle_first_chooses_the_agent(monkeypatch, agent, closes
         raise ConfigError(f"{specs} drive")
 
     monkeypatch.setattr(ros, "enter_agents", refuse)
-    status, said = run("controller", agent, "--ros-args", "-p", f"catch_closest_turtle_first:={closest}")
-    assert (status, said) == (2, f"error: ['{driver}'] drive\n")
+    status, printed = run("controller", agent, "--ros-args", "-p", f"catch_closest_turtle_first:={closest}")
+    assert (status, printed) == (2, f"error: ['{driver}'] drive\n")

@@ -13,7 +13,7 @@ from catch_arena.ros.middleware import dds_bus, fast_dds, opening
 from catch_arena.ros.middleware.dds_domain import configuration, is_localhost_only
 from catch_arena.ros.middleware.fast_dds import is_fast_dds
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, Name, TwistMessage
-from catch_arena.ros.middleware.opening import described, open_bus
+from catch_arena.ros.middleware.opening import describe_bus, open_bus
 
 TYPES = Interfaces()
 
@@ -40,23 +40,23 @@ def domain():
 @pytest.fixture
 def ours(domain):
     """Our bus in this process, and its lines."""
-    said = []
-    made = open_bus("cyclonedds", domain=domain, log=said.append)
-    yield made, said
+    log_lines = []
+    made = open_bus("cyclonedds", domain=domain, log=log_lines.append)
+    yield made, log_lines
     made.close()
 
 
 def test_topics_arrive_both_ways(ours, domain):
     made, _ = ours
-    node, heard = wire.Node(domain), []
-    made.subscribe("/in", TYPES.turtle_array, heard.append)
+    node, received = wire.Node(domain), []
+    made.subscribe("/in", TYPES.turtle_array, received.append)
     out = made.publisher("/out", TWIST)
     turtles, twists = node.writer("rt/in", wire.TURTLES), node.reader("rt/out", wire.TWIST)
     until(lambda: turtles.matched() and twists.matched())
     for listed in ([("käse", 1.0, 2.0, 3.0)], []):
         turtles.write(wire.listed(*listed))
-        until(lambda: made.spin() or heard)
-        assert heard.pop() == TurtleArray(tuple(Turtle(*one) for one in listed))
+        until(lambda: made.spin() or received)
+        assert received.pop() == TurtleArray(tuple(Turtle(*one) for one in listed))
     out(TwistMessage.of(1.5, -2.0))
     (twist,) = until(twists.take)
     assert (twist.linear.x, twist.angular.z) == (1.5, -2.0)
@@ -70,45 +70,45 @@ def test_services_are_answered_and_called_with_the_clients_id_and_a_number(ours,
         "/catch_turtle", TYPES.catch_turtle, lambda one: one.answer(CatchTurtleResponse(len(one.message.name) > 9))
     )
     kill = made.client("/kill", TYPES.kill)
-    asks, answers = node.client("/catch_turtle", wire.CATCH_TURTLE)
+    requests, replies = node.client("/catch_turtle", wire.CATCH_TURTLE)
     killed, gone = node.server("/kill", wire.KILL)
-    until(lambda: all(end.matched() for end in (asks, answers, killed, gone)) and kill.ready)
+    until(lambda: all(end.matched() for end in (requests, replies, killed, gone)) and kill.ready)
     for number, name in enumerate(("tom", "x" * 100_001), start=7):
-        asks.write(asks.handle, number, name)
-        (response,) = until(lambda: made.spin() or answers.take())
-        assert (response.client, response.number, response.success) == (asks.handle, number, len(name) > 9)
+        requests.write(requests.handle, number, name)
+        (response,) = until(lambda: made.spin() or replies.take())
+        assert (response.client, response.number, response.success) == (requests.handle, number, len(name) > 9)
     call = kill.call(Name("tom"))
-    (asked,) = until(killed.take)
-    assert asked.name == "tom"
-    gone.write(asked.client + 1, asked.number, 0)
-    gone.write(asked.client, asked.number, 0)
+    (kill_request,) = until(killed.take)
+    assert kill_request.name == "tom"
+    gone.write(kill_request.client + 1, kill_request.number, 0)
+    gone.write(kill_request.client, kill_request.number, 0)
     until(lambda: made.spin() or call.response is not None)
 
 
 def test_what_cannot_be_read_is_left_out_and_the_next_is_heard(ours, domain):
     """With one line for each topic and service; such a request gets no answer."""
-    made, said = ours
-    heard = []
-    made.subscribe("/in", TYPES.turtle_array, heard.append)
-    made.serve("/odd", TYPES.catch_turtle, lambda one: heard.append(one.message))
+    made, log_lines = ours
+    received = []
+    made.subscribe("/in", TYPES.turtle_array, received.append)
+    made.serve("/odd", TYPES.catch_turtle, lambda one: received.append(one.message))
     node = wire.Node(domain)
-    turtles, asks = node.writer("rt/in", wire.TURTLES), node.writer("rq/oddRequest", wire.CATCH_TURTLE[0])
-    until(lambda: turtles.matched() and asks.matched())
+    turtles, requests = node.writer("rt/in", wire.TURTLES), node.writer("rq/oddRequest", wire.CATCH_TURTLE[0])
+    until(lambda: turtles.matched() and requests.matched())
     for _ in range(2):
         turtles.write_bytes(bytes.fromhex("00010000 01000000 03000000 fffe00") + bytes(29))
-        asks.write_bytes(bytes.fromhex("00010000") + bytes(16) + bytes.fromhex("02000000 ff00"))
+        requests.write_bytes(bytes.fromhex("00010000") + bytes(16) + bytes.fromhex("02000000 ff00"))
     turtles.write([])
-    asks.write(asks.handle, 1, "a")
-    until(lambda: made.spin() or len(heard) == 2)
-    assert heard == [TurtleArray(()), CatchTurtleRequest("a")]
-    assert sorted(said) == [
+    requests.write(requests.handle, 1, "a")
+    until(lambda: made.spin() or len(received) == 2)
+    assert received == [TurtleArray(()), CatchTurtleRequest("a")]
+    assert sorted(log_lines) == [
         f"warning: a message on {topic} cannot be read (UnicodeDecodeError)" for topic in ("/in", "/odd")
     ]
 
 
 def test_a_message_that_cannot_be_sent_is_left_out_with_a_line(ours, domain):
     """The next is sent. A target's name may be a stranger's."""
-    made, said = ours
+    made, log_lines = ours
     send = made.publisher("/names", TYPES.turtle_array)
     reader = wire.Node(domain).reader("rt/names", wire.TURTLES)
     until(reader.matched)
@@ -116,7 +116,7 @@ def test_a_message_that_cannot_be_sent_is_left_out_with_a_line(ours, domain):
         send(TurtleArray((Turtle(name, 1.0, 2.0, 3.0),)))
     (message,) = until(lambda: made.spin() or reader.take() or send(TurtleArray((Turtle("c", 1.0, 2.0, 3.0),))))[:1]
     assert [one.name for one in message.turtles] == ["c"]
-    assert [line.partition(" (")[0] for line in said] == ["warning: a message on /names cannot be sent"]
+    assert [line.partition(" (")[0] for line in log_lines] == ["warning: a message on /names cannot be sent"]
 
 
 FAST_DDS = (
@@ -130,15 +130,15 @@ def test_an_answer_waits_for_a_client_whose_reader_is_not_known_yet(ours, domain
     made, _ = ours
     made.serve("/late", TYPES.catch_turtle, lambda request: request.answer(CatchTurtleResponse(True)))
     node = wire.Node(domain)
-    asks = node.writer("rq/lateRequest", wire.CATCH_TURTLE[0])
-    until(asks.matched)
+    requests = node.writer("rq/lateRequest", wire.CATCH_TURTLE[0])
+    until(requests.matched)
     monkeypatch.setattr(dds_bus, "_REPLY_WAIT_S", 60.0)
-    asks.write(asks.handle, 1, "x")
+    requests.write(requests.handle, 1, "x")
     for _ in range(20):
         made.spin(0.01)
-    answers = node.reader("rr/lateReply", wire.CATCH_TURTLE[1])
-    (response,) = until(lambda: made.spin() or answers.take())
-    assert (response.client, response.number, response.success) == (asks.handle, 1, True)
+    replies = node.reader("rr/lateReply", wire.CATCH_TURTLE[1])
+    (response,) = until(lambda: made.spin() or replies.take())
+    assert (response.client, response.number, response.success) == (requests.handle, 1, True)
 
 
 @pytest.fixture
@@ -155,7 +155,7 @@ def stranger(domain, monkeypatch):
 @pytest.mark.parametrize("topic", ["/catch_turtle", "/alive_turtles"])
 def test_a_node_with_fast_dds_is_named_once_if_it_calls_or_hears_the_list(ours, stranger, topic):
     """With the ways out. A node that only drives is no news."""
-    made, said = ours
+    made, log_lines = ours
     made.subscribe("/turtle1/cmd_vel", TWIST, print)
     made.publisher("/alive_turtles", TYPES.turtle_array)
     made.serve("/catch_turtle", TYPES.catch_turtle, print)
@@ -163,17 +163,17 @@ def test_a_node_with_fast_dds_is_named_once_if_it_calls_or_hears_the_list(ours, 
     until(lambda: made.spin(0.01) or drives.matched())
     for _ in range(20):
         made.spin(0.01)
-    assert said == []
+    assert log_lines == []
     ends = [
         stranger.client(topic, wire.CATCH_TURTLE)
         if topic == "/catch_turtle"
         else stranger.reader(f"rt{topic}", wire.TURTLES)
         for _ in range(2)
     ]
-    until(lambda: made.spin(0.01) or said)
+    until(lambda: made.spin(0.01) or log_lines)
     for _ in range(20):
         made.spin(0.01)
-    assert said == [f"warning: {FAST_DDS.format(f'uses {topic}')}"]
+    assert log_lines == [f"warning: {FAST_DDS.format(f'uses {topic}')}"]
     del ends
 
 
@@ -209,18 +209,18 @@ def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_pa
         (tmp_path / "rclpy" / "__init__.py").touch()
         (tmp_path / "rclpy" / "node.py").write_text("raise ImportError('librcl.so')")
         monkeypatch.syspath_prepend(tmp_path)
-    said = []
-    found = open_bus(domain=domain, log=said.append)
+    log_lines = []
+    found = open_bus(domain=domain, log=log_lines.append)
     warning = (
         "warning: ROS is sourced, but rclpy cannot be imported (librcl.so), so cyclonedds is used: make the virtual "
         "environment with ROS's own Python: python3 -m venv --system-site-packages"
     )
-    assert said == [warning] * (rclpy == "is not sourced")
+    assert log_lines == [warning] * (rclpy == "is not sourced")
     assert opening._import_fault("rclpy")  # an import that failed is no rclpy the next time either
     sys.modules.pop("rclpy", None)
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     line = f"bus: cyclonedds, domain {domain}, {python}, interfaces of my_robot_interfaces"
-    assert described(found, domain, found.interfaces(TYPES)) == line
+    assert describe_bus(found, domain, found.interfaces(TYPES)) == line
     found.close()
 
 

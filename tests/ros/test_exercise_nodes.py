@@ -29,10 +29,10 @@ class Node:
     """The spawner, a target a second; what it says, and the list that it publishes."""
 
     def __init__(self, hub, turtlesim):
-        self.hub, self.turtlesim, self.said = hub, turtlesim, []
+        self.hub, self.turtlesim, self.log_lines = hub, turtlesim, []
         config = scenario("capstone").replace(spawn_frequency_hz=1.0, name_prefix="t_")
         self.bus = hub.bus("ours")
-        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, seed=1, log=self.said.append)
+        self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, seed=1, log=self.log_lines.append)
         self.spawner.begin()
 
     def play(self, ticks):
@@ -61,9 +61,9 @@ def node(hub, turtlesim):
 def test_a_target_appears_every_second_and_leaves_the_list_when_it_is_caught(node, turtlesim):
     """62 ticks of 16 ms are a second. What was caught is removed from turtlesim, and cannot be caught again."""
     node.play(61)
-    assert turtlesim.asked == []
+    assert turtlesim.requested == []
     node.play(2 * A_SECOND + 3)
-    assert (turtlesim.asked, node.listed) == (["t_1", "t_2", "t_3"], ["t_1", "t_2", "t_3"])
+    assert (turtlesim.requested, node.listed) == (["t_1", "t_2", "t_3"], ["t_1", "t_2", "t_3"])
     turtlesim.there["turtle1"] = turtlesim.there["t_2"]
     node.play(1)
     assert not node.catch("t_1")
@@ -78,7 +78,7 @@ def test_names_that_are_taken_are_passed_over_at_once_and_told_once(node, turtle
     turtlesim.there |= {f"t_{number}": Pose(1.0, 1.0, 0.0, 0.0, 0.0) for number in range(1, 23)}
     node.play(2 * A_SECOND + 30)
     assert node.listed == ["t_23", "t_24"]
-    (line,) = node.said
+    (line,) = node.log_lines
     assert line.startswith("warning: t_1 is not spawned, because turtlesim has a turtle of that name")
 
 
@@ -88,8 +88,8 @@ def drives(hub):
     with start_players(enter(["nearest"], inspector(None)), None) as players:
 
         def make(**options):
-            said, ours, others = [], hub.bus("ours"), hub.bus("others")
-            node = Controller(ours, players, scenario("capstone"), "turtle2", TYPES, log=said.append, **options)
+            log_lines, ours, others = [], hub.bus("ours"), hub.bus("others")
+            node = Controller(ours, players, scenario("capstone"), "turtle2", TYPES, log=log_lines.append, **options)
             others.publisher("/alive_turtles", TYPES.turtle_array)(TurtleArray((Turtle("tom", 5.1, 5.0, 0.0),)))
             pose = others.publisher("/turtle2/pose", TYPES.pose)
 
@@ -100,21 +100,21 @@ def drives(hub):
                 others.spin()
                 node.tick()
 
-            return said, period
+            return log_lines, period
 
         yield make
 
 
 def serve(hub, service, name):
-    asked = []
+    requests = []
     hub.bus(name).serve(
-        service, TYPES.catch_turtle, lambda request: asked.append(request.answer(CatchTurtleResponse(True)))
+        service, TYPES.catch_turtle, lambda request: requests.append(request.answer(CatchTurtleResponse(True)))
     )
-    return asked
+    return requests
 
 
 @pytest.mark.parametrize(
-    ("services", "options", "heard"),
+    ("services", "options", "expected"),
     [
         (["/catch_turtle"], {}, "/catch_turtle"),
         (["/catch_turtle", "/turtle2/catch_turtle"], {}, "/turtle2/catch_turtle"),
@@ -122,20 +122,20 @@ def serve(hub, service, name):
         (["/referee/catch"], {"service": "/referee/catch"}, "/referee/catch"),
     ],
 )
-def test_a_controller_asks_its_own_service_where_there_is_one(hub, drives, services, options, heard):
-    asked = {service: serve(hub, service, "others") for service in services}
-    said, period = drives(**options)
+def test_a_controller_asks_its_own_service_where_there_is_one(hub, drives, services, options, expected):
+    calls = {service: serve(hub, service, "others") for service in services}
+    log_lines, period = drives(**options)
     period()
     for bus, _ in hub.served.values():
         bus.spin()
-    assert [service for service in services if asked[service]] == [heard]
-    assert not any("no node serves" in line for line in said)
+    assert [service for service in services if calls[service]] == [expected]
+    assert not any("no node serves" in line for line in log_lines)
 
 
 def test_where_nobody_judges_a_controller_says_so_once(drives):
-    said, period = drives()
+    log_lines, period = drives()
     for _ in range(3):
         period()
-    assert [line for line in said if "no node serves" in line] == [
+    assert [line for line in log_lines if "no node serves" in line] == [
         "warning: tom is within reach, but no node serves /turtle2/catch_turtle or /catch_turtle"
     ]

@@ -27,13 +27,13 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     ):
         out, err, status = finished(arena)
         student.send_signal(signal.SIGTERM)
-        told, _, _ = finished(student)
+        result, _, _ = finished(student)
     assert status == 0, err
     assert "bus: cyclonedds" in err
     assert "hunter_0: its node is there" in out
     score = next(int(line.split()[1]) for line in out.splitlines() if line.endswith("ann (hunter_0)"))
     assert score > 0
-    assert int(told) == score
+    assert int(result) == score
     played = Replay.load(replay)
     assert (played.names, played.steps) == (("ann",), 250)
     assert verify(played) == []
@@ -50,10 +50,10 @@ def test_a_node_behind_rosbridge_plays_a_match_and_catches():
     ):
         out, err, status = finished(arena)
         controller.send_signal(signal.SIGINT)
-        driven, said, _ = finished(controller)
+        driven, output, _ = finished(controller)
     assert status == 0, err
     caught = driven.count("caught target_turtle_")
-    assert caught > 0, said
+    assert caught > 0, output
     assert any(line.split()[:2] == ["1", str(caught)] for line in out.splitlines()), out
 
 
@@ -69,7 +69,9 @@ def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():
         assert len(list(islice((line for line in controller.stdout if "caught target_turtle_" in line), 2))) == 2
         for process in (controller, spawner, turtlesim):
             process.send_signal(signal.SIGINT)
-        _, said, status = finished(controller)
+        _, output, status = finished(controller)
         ended = finished(spawner)
-    assert [line.split()[3].strip(",") for line in judged] == [f"target_turtle_{number}" for number in (1, 2, 3)], said
+    assert [line.split()[3].strip(",") for line in judged] == [f"target_turtle_{number}" for number in (1, 2, 3)], (
+        output
+    )
     assert (status, ended[2]) == (0, 0), ended[1]  # Ctrl-C is their end

@@ -21,12 +21,12 @@ PLAYER = [
 
 
 def lines(graph, driven=("hunter_0",)):
-    said = []
-    watch = Neighbours(["hunter_0", "hunter_1"], driven, TYPES, said.append)
+    log_lines = []
+    watch = Neighbours(["hunter_0", "hunter_1"], driven, TYPES, log_lines.append)
     for _ in range(2):  # each is told once
         watch.look(graph)
     assert watch.seen == tuple(sorted({one.node for one in graph}))
-    return said
+    return log_lines
 
 
 def test_a_node_of_the_exercise_is_no_news():
@@ -111,8 +111,8 @@ def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypat
         "node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), subscribes to "
     )
 
-    said = examine(Bus(PLAYER, ("my package is not built", "build it")), TYPES, 0.0)[1]
-    assert said == ["my package is not built: build it"]
+    problems = examine(Bus(PLAYER, ("my package is not built", "build it")), TYPES, 0.0)[1]
+    assert problems == ["my package is not built: build it"]
     assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node was found: start yours; ")
     spawner = Endpoint("/turtle_spawner", "service", "/catch_turtle", CATCH)
     assert examine(Bus([*PLAYER, spawner]), TYPES, 0.0)[1][0].startswith("/turtle_spawner serves /catch_turtle, as ")

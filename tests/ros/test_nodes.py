@@ -114,9 +114,9 @@ def test_the_marks_say_which_clause_failed(outcomes, folder):
     )
     assert "passed  2/2  names: 3 of 3 cases" in stdout
     assert stdout.endswith("The referee: ros:/catch_turtle has 2 of 6 points\n")
-    told = json.loads((folder / "g.json").read_text())
-    assert (told["agent"], told["points"], told["possible"]) == ("ros:/catch_turtle", 2.0, 6.0)
-    assert [test["failures"] for test in told["tests"]] == [["R5.3: 1 case: reach.300000-that-floats-call-less"], []]
+    grade = json.loads((folder / "g.json").read_text())
+    assert (grade["agent"], grade["points"], grade["possible"]) == ("ros:/catch_turtle", 2.0, 6.0)
+    assert [test["failures"] for test in grade["tests"]] == [["R5.3: 1 case: reach.300000-that-floats-call-less"], []]
     suite = ET.parse(folder / "g.xml").getroot()  # noqa: S314 - our own
     assert [len(case.findall("failure")) for case in suite.findall("testcase")] == [1, 0]
 

@@ -11,7 +11,7 @@ from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import Interfaces, from_attributes
 from catch_arena.ros.middleware.rclpy_bus import to_ros
 from catch_arena.ros.middleware.ros_types import (
-    described,
+    describe_type,
     fitting_packages,
     found_types,
     package_types,
@@ -85,7 +85,7 @@ def test_fields_may_stand_in_a_message_and_an_answer_may_have_none(package):
     assert request.turtle.name == "t1"
     assert from_attributes(types.catch_turtle.request, request) == CatchTurtleRequest("t1")
     assert vars(to_ros(types.catch_turtle.response, CatchTurtleResponse(success=True), service.Response())) == {}
-    assert described(types.catch_turtle) == "string turtle.name -> no field"
+    assert describe_type(types.catch_turtle) == "string turtle.name -> no field"
 
 
 def test_what_a_node_uses_decides_between_types_of_one_package(package):

@@ -28,9 +28,9 @@ def bridge():
 @pytest.fixture
 def joined(bridge):
     """Our bus, and its lines."""
-    said = []
-    made = open_bus("rosbridge", url=bridge[1], log=said.append)
-    yield made, said
+    log_lines = []
+    made = open_bus("rosbridge", url=bridge[1], log=log_lines.append)
+    yield made, log_lines
     made.close()
 
 
@@ -58,10 +58,10 @@ def published(topic, speed):
 
 def test_a_student_hears_topics_drives_and_calls(bridge, joined):
     ours, _ = joined
-    heard, asked = [], []
+    received, requests = [], []
     publish = ours.publisher("/alive_turtles", TYPES.turtle_array)
-    ours.subscribe("/turtle1/cmd_vel", TWIST, heard.append)
-    ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
+    ours.subscribe("/turtle1/cmd_vel", TWIST, received.append)
+    ours.serve("/catch_turtle", TYPES.catch_turtle, requests.append)
     until(joined, lambda: len(bridge[0].frames) == 3)
     assert bridge[0].frames == [
         {"op": "advertise", "topic": "/alive_turtles", "type": "my_robot_interfaces/msg/TurtleArray"},
@@ -73,12 +73,12 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
         twist = {"linear": {"x": 1, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -2.5}}
         send(socket, op="publish", topic="/turtle1/cmd_vel", msg=twist)
         send(socket, op="call_service", id="my call", service="/catch_turtle", args={"name": "tom"})
-        until(joined, lambda: heard and asked)
+        until(joined, lambda: received and requests)
 
-        assert heard == [TwistMessage.of(1.0, -2.5)]
-        assert asked[0].message == CatchTurtleRequest("tom")
+        assert received == [TwistMessage.of(1.0, -2.5)]
+        assert requests[0].message == CatchTurtleRequest("tom")
 
-        asked[0].answer(CatchTurtleResponse(True))
+        requests[0].answer(CatchTurtleResponse(True))
         answer = {"op": "service_response", "service": "/catch_turtle", "id": "my call"}
         assert json.loads(socket.recv(60)) == answer | {"values": {"success": True}, "result": True}
 
@@ -89,15 +89,15 @@ def test_a_student_hears_topics_drives_and_calls(bridge, joined):
 
 def test_a_server_that_goes_away_is_told_once_and_harms_nothing(bridge, joined):
     """A match plays on to its end, and is recorded."""
-    ours, said = joined
+    ours, log_lines = joined
     publish = ours.publisher("/x", TWIST)
     until(joined, lambda: bridge[0].frames)
     bridge[0].hang_up()
-    until(joined, lambda: said)
+    until(joined, lambda: log_lines)
     ours.client("/kill", EMPTY).call(Empty())
     publish(TwistMessage.of(0.0, 0.0))
     ours.spin()
-    assert said == ["warning: rosbridge: the connection is lost: start the server and this command again"]
+    assert log_lines == ["warning: rosbridge: the connection is lost: start the server and this command again"]
 
 
 @pytest.mark.parametrize("url", ["ws://127.0.0.1:1", "nonsense", "ws://127.0.0.1:99999"])
@@ -110,20 +110,20 @@ def test_without_a_server_it_is_one_line_that_says_how_to_start_one(url):
 
 def test_a_service_that_nobody_serves_is_told(bridge, joined):
     """Once, in the server's words, since `ready` cannot know. No connection stays."""
-    ours, said = joined
+    ours, log_lines = joined
     client = ours.client("/kill", EMPTY)
     assert client.ready
     calls = [client.call(Empty()) for _ in range(3)]
-    until(joined, lambda: said and len(bridge[0].clients) == 1)
-    assert said == ["warning: rosbridge: /kill: Service /kill does not exist"]
+    until(joined, lambda: log_lines and len(bridge[0].clients) == 1)
+    assert log_lines == ["warning: rosbridge: /kill: Service /kill does not exist"]
     assert [call.response for call in calls] == [None] * 3
 
 
 def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
-    ours, said = joined
-    heard, asked = [], []
-    ours.subscribe("/t", TWIST, heard.append)
-    ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
+    ours, log_lines = joined
+    received, requests = [], []
+    ours.subscribe("/t", TWIST, received.append)
+    ours.serve("/catch_turtle", TYPES.catch_turtle, requests.append)
     until(joined, lambda: len(bridge[0].frames) == 2)
     odd = ({"x": x, "y": 0, "z": 0} for x in ("1", True, 10**400, [0.0]))
     for message in (None, 3, {}, {"linear": 1, "angular": {}}, *({"linear": one, "angular": one} for one in odd)):
@@ -132,15 +132,15 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
         bridge[0].raw(text)
     bridge[0].raw(json.dumps({"op": "status", "level": "error", "msg": "unknown \x1b[31m type"}))
     for number, arguments in enumerate(({"name": 3}, {"name": None}, {}, 7), start=1):
-        asking = {"op": "call_service", "id": str(number), "service": "/catch_turtle", "args": arguments}
-        bridge[0].raw(json.dumps(asking))
+        call_frame = {"op": "call_service", "id": str(number), "service": "/catch_turtle", "args": arguments}
+        bridge[0].raw(json.dumps(call_frame))
         until(joined, lambda number=number: frames(bridge, "service_response") == number)
         assert (bridge[0].frames[-1]["id"], bridge[0].frames[-1]["result"]) == (str(number), False)
     bridge[0].raw(published("/t", 1.0))
-    until(joined, lambda: heard)
+    until(joined, lambda: received)
 
-    assert (heard, asked) == ([TwistMessage.of(1.0, 2.0)], [])
-    assert sorted(line.partition(" must")[0] for line in said) == [
+    assert (received, requests) == ([TwistMessage.of(1.0, 2.0)], [])
+    assert sorted(line.partition(" must")[0] for line in log_lines) == [
         "warning: rosbridge: a message on /catch_turtle cannot be read: name",
         "warning: rosbridge: a message on /t cannot be read: geometry_msgs/msg/Twist",
         f"warning: rosbridge: the server at {bridge[1]} does not speak rosbridge's protocol",
@@ -151,15 +151,15 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
 def test_a_flood_leaves_the_newest(bridge, joined, monkeypatch):
     """A queue of ROS holds ten messages."""
     ours, _ = joined
-    heard = []
-    ours.subscribe("/t", TWIST, lambda message: heard.append(message.linear.x))
+    received = []
+    ours.subscribe("/t", TWIST, lambda message: received.append(message.linear.x))
     until(joined, lambda: bridge[0].frames)
     for number in range(2000):
         bridge[0].raw(published("/t", float(number)))
     ours._connection.ping().wait(60)  # its answer comes after them
     monkeypatch.setattr(rosbridge_bus, "time", SimpleNamespace(monotonic=lambda: 0.0))
     ours.spin()
-    assert heard == list(range(1990, 2000))
+    assert received == list(range(1990, 2000))
 
 
 def test_its_services_end_with_it(bridge, joined, monkeypatch):
@@ -188,11 +188,11 @@ def test_a_call_holds_up_neither_topics_nor_services_nor_other_calls(bridge, joi
         send(socket, op="advertise_service", service="/catch_turtle", type=TYPES.catch_turtle.name)
         until(joined, lambda: len(bridge[0].services) == 2)
         calls = [client.call(CatchTurtleRequest(name)) for name in ("a", "b")]
-        asked = sorted((json.loads(socket.recv(60)) for _ in calls), key=lambda frame: frame["args"]["name"])
+        requests = sorted((json.loads(socket.recv(60)) for _ in calls), key=lambda frame: frame["args"]["name"])
         publish(TwistMessage.of(1.0, 2.0))
         until(joined, lambda: frames(bridge, "publish"))
         send(other, op="call_service", service="/kill", args={})  # as a node does that is asked to catch one
         until(joined, lambda: frames(bridge, "service_response"))
-        send(socket, op="service_response", id=asked[1]["id"], service="/catch_turtle", values={"success": True})
+        send(socket, op="service_response", id=requests[1]["id"], service="/catch_turtle", values={"success": True})
         until(joined, lambda: calls[1].response is not None)
     assert (calls[0].response, calls[1].response) == (None, CatchTurtleResponse(True))

@@ -78,10 +78,10 @@ def test_what_nodes_do_is_seen_before_the_match_begins():
         def publishers_of(self, topic):
             return int(topic == "/turtle1/cmd_vel")
 
-    said = []
-    served(scenario("exercise", hunters=1, time_limit_s=1), None, Seen(Hub(), "arena"), said.append, wait=True)
-    assert said[0].endswith("start it with --ros-args -r /autobot/cmd_vel:=/turtle1/cmd_vel")
-    assert said[1] == "all seats are taken: the match begins"
+    log_lines = []
+    served(scenario("exercise", hunters=1, time_limit_s=1), None, Seen(Hub(), "arena"), log_lines.append, wait=True)
+    assert log_lines[0].endswith("start it with --ros-args -r /autobot/cmd_vel:=/turtle1/cmd_vel")
+    assert log_lines[1] == "all seats are taken: the match begins"
 
 
 @pytest.mark.parametrize("after", [1, 10, 29])
@@ -95,11 +95,11 @@ def test_an_interrupt_after_the_match_is_its_normal_end(tmp_path, after):
 
 def test_an_interrupt_in_the_match_ends_it_with_a_ranking(tmp_path):
     """The replay of the steps so far is saved."""
-    record, said = tmp_path / "match.replay", []
-    found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20), said.append)
+    record, log_lines = tmp_path / "match.replay", []
+    found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20), log_lines.append)
     assert found.ranks == (1, 1)
     assert Replay.load(record).steps == LAST_TICK - 21
-    assert said == ["the match was stopped after 1 s; this is the ranking until then"]
+    assert log_lines == ["the match was stopped after 1 s; this is the ranking until then"]
 
 
 def test_teams_are_ranked_as_teams(capsys):

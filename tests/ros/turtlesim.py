@@ -21,7 +21,7 @@ class Turtlesim:
     def __init__(self, bus):
         self.bus = bus
         self.there = {"turtle1": Pose(5.0, 5.0, 0.0, 0.0, 0.0)}
-        self.asked, self.publishers = [], {}
+        self.requested, self.publishers = [], {}
         bus.subscribe("/turtle1/cmd_vel", TWIST, self.on_twist)
         bus.serve("/spawn", TYPES.spawn, self.on_spawn)
         bus.serve("/kill", TYPES.kill, self.on_kill)
@@ -30,12 +30,12 @@ class Turtlesim:
         self.there["turtle1"] = Pose(*self.there["turtle1"][:3], twist.linear.x, twist.angular.z)
 
     def on_spawn(self, request):
-        asked = request.message
-        self.asked.append(asked.name)
-        free = asked.name not in self.there
+        requested = request.message
+        self.requested.append(requested.name)
+        free = requested.name not in self.there
         if free:
-            self.there[asked.name] = Pose(asked.x, asked.y, asked.theta, 0.0, 0.0)
-        request.answer(Name(asked.name if free else ""))
+            self.there[requested.name] = Pose(requested.x, requested.y, requested.theta, 0.0, 0.0)
+        request.answer(Name(requested.name if free else ""))
 
     def on_kill(self, request):
         self.there.pop(request.message.name, None)

@@ -81,13 +81,13 @@ class Node:
 
     def client(self, service, kinds):
         """Return both ends of a client: its writer and its reader."""
-        asks, answers = kinds
-        return self.writer(f"rq{service}Request", asks), self.reader(f"rr{service}Reply", answers)
+        request_type, reply_type = kinds
+        return self.writer(f"rq{service}Request", request_type), self.reader(f"rr{service}Reply", reply_type)
 
     def server(self, service, kinds):
         """Return both ends of a server: its reader and its writer."""
-        asks, answers = kinds
-        return self.reader(f"rq{service}Request", asks), self.writer(f"rr{service}Reply", answers)
+        request_type, reply_type = kinds
+        return self.reader(f"rq{service}Request", request_type), self.writer(f"rr{service}Reply", reply_type)
 
 
 def twist(linear_x, angular_z):

@@ -91,8 +91,8 @@ def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
     match.drive(match.a, turtle="hunter_0")
     match.drive(match.b, turtle="hunter_1")
     match.tick()
-    far = match.ask(match.b, name, "/hunter_1/catch_turtle")
-    near = match.ask(match.a, name, "/hunter_0/catch_turtle")
+    far = match.request(match.b, name, "/hunter_1/catch_turtle")
+    near = match.request(match.a, name, "/hunter_0/catch_turtle")
 
     assert far.response is near.response is None
 
@@ -106,7 +106,7 @@ def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
     ]
     assert shown[:2] == (2.0, 2.0)
 
-    late = match.ask(match.a, name, "/hunter_0/catch_turtle")
+    late = match.request(match.a, name, "/hunter_0/catch_turtle")
     match.tick()
 
     assert (late.response, match.sent("/rulings")[-1].verdict) == (CatchTurtleResponse(False), "ALREADY_CAUGHT")
@@ -164,12 +164,12 @@ def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it
         numbers = {target.name: target.number for target in before.targets}
         assert [int(name.rpartition("_")[2]) for name in places] == list(range(1, len(places) + 1))
         wanted = [*[*numbers][:3] * 3, *places, "turtle1", "target_turtle_0", 7, "x" * 300]
-        asked = [(source.randrange(3), source.choice(wanted)) for _ in range(source.randrange(7))]
+        calls = [(source.randrange(3), source.choice(wanted)) for _ in range(source.randrange(7))]
         refused = [name for name, number in numbers.items() if fails(seed, KILL_REFUSED, 0.3, step, number)]
         expected = judge(
             hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
             targets=places,
-            requests=asked,
+            requests=calls,
             reach_m=4.0,
             policy=policy,
             seed=seed,
@@ -179,7 +179,7 @@ def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it
             kill_refused=refused,
         )
 
-        rulings = service.step(requests=[(f"hunter_{seat}", NAMED(name)) for seat, name in asked])
+        rulings = service.step(requests=[(f"hunter_{seat}", NAMED(name)) for seat, name in calls])
 
         assert rulings == [Ruling(Verdict(verdict), *rest, step=step) for verdict, *rest in expected]
         granted = [ruling for ruling in rulings if ruling.success]
@@ -197,27 +197,27 @@ def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it
 def test_r1_4_the_alive_targets_are_published_once_for_all_catches_of_a_step():
     """Two catches, one message; spawns come in one of their own; a step without either says nothing."""
     service = a_service(reach_m=20.0)
-    heard = []
-    service.subscribe(lambda turtles: heard.append([turtle.name[-1] for turtle in turtles.turtles]))
+    published = []
+    service.subscribe(lambda turtles: published.append([turtle.name[-1] for turtle in turtles.turtles]))
     names = [service.spawn(x, 3.0) for x in (1.0, 2.0, 3.0)]
-    assert heard == [["1"], ["1", "2"], ["1", "2", "3"]]
-    heard.clear()
+    assert published == [["1"], ["1", "2"], ["1", "2", "3"]]
+    published.clear()
 
     service.step()
-    assert heard == []
+    assert published == []
 
     service.step(requests=[("hunter_0", NAMED(names[0])), ("hunter_1", NAMED(names[1]))])
-    assert heard == [["3"]]
+    assert published == [["3"]]
 
     service.step(requests=[("hunter_0", NAMED(names[0]))])
-    assert heard == [["3"]]
+    assert published == [["3"]]
 
     for _ in range(98):  # the timer fires after ten seconds
         service.step()
-    assert heard == [["3"], ["3", "4"]]
+    assert published == [["3"], ["3", "4"]]
 
     service.kill(names[2])
-    assert heard[2:] == [["4"]]
+    assert published[2:] == [["4"]]
 
 
 @pytest.mark.rule("R8.1", "R1.7")

@@ -58,7 +58,7 @@ def test_the_page_says_what_was_measured():
 def test_the_card_in_the_docs_is_of_this_suite_and_has_every_shipped_agent():
     page = (ROOT / "docs" / "reference" / "card.md").read_text()
     assert SUITE.digest in page, "make card"
-    told = set(re.findall(r"^### (\w+)$", page, re.MULTILINE))
-    missing = sorted(set(shipped()) - told)
+    described = set(re.findall(r"^### (\w+)$", page, re.MULTILINE))
+    missing = sorted(set(shipped()) - described)
     assert not missing, f"python scripts/card.py {' '.join(missing)}"
-    assert told == set(shipped()), "make card"
+    assert described == set(shipped()), "make card"

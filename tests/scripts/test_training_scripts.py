@@ -114,9 +114,9 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
         "examples/training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
     )
     (tmp_path / "c" / "curve.csv").write_text("decisions,agent\n1,ppo\n")
-    said = run("examples/training_curves.py", tmp_path / "c", fails=True)
-    assert "is not a curve of train_ppo.py" in said
-    assert len(said.splitlines()) == 1
+    output = run("examples/training_curves.py", tmp_path / "c", fails=True)
+    assert "is not a curve of train_ppo.py" in output
+    assert len(output.splitlines()) == 1
 
 
 @pytest.mark.torch
@@ -205,11 +205,11 @@ def begun(*arguments, **constants):
 def interrupted(process):
     """Return its lines after a Ctrl-C."""
     os.killpg(process.pid, signal.SIGINT)
-    said = process.communicate(timeout=120)[0].splitlines()
+    output = process.communicate(timeout=120)[0].splitlines()
     assert process.returncode == 130
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)  # nothing of it is left
-    return said
+    return output
 
 
 @pytest.mark.torch
@@ -225,34 +225,34 @@ def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     for line in process.stdout:
         if when in line:
             break
-    said = interrupted(process)
-    assert said[-1].startswith("catch-arena: interrupted: after ")
-    assert said[-1].endswith("decisions; --resume continues")
-    assert not [line for line in said if "Traceback" in line]
-    made = int(said[-1].split()[3].replace(",", ""))
+    output = interrupted(process)
+    assert output[-1].startswith("catch-arena: interrupted: after ")
+    assert output[-1].endswith("decisions; --resume continues")
+    assert not [line for line in output if "Traceback" in line]
+    made = int(output[-1].split()[3].replace(",", ""))
     assert made == int(table(out / "progress.csv")[-1]["decisions"])
     assert PointerNetwork.load(out / "agent.npz").head == "destination"
     more = ["--decisions", made + 128, "--evaluate", every, "--evaluate-rounds", 1]
-    said = train("--out", out, "--resume", *more, AGAINST=("nearest", "first", "idle"))
+    output = train("--out", out, "--resume", *more, AGAINST=("nearest", "first", "idle"))
     assert int(table(out / "progress.csv")[-1]["decisions"]) == made + 128
     if every:  # the tournament that was broken off is played again
         assert [row["decisions"] for row in table(out / "curve.csv")] == 4 * ["512"]
-        assert re.search(r"tournament after 512 decisions\nrating .*, wins .* %\n", said)
+        assert re.search(r"tournament after 512 decisions\nrating .*, wins .* %\n", output)
 
 
 @pytest.mark.torch
 def test_ctrl_c_before_anything_is_learned_is_one_line(tmp_path):
     process = begun("--out", tmp_path / "run", "--opponents", "nearest", *SHORT)
     time.sleep(0.5)  # it imports torch
-    said = interrupted(process)
-    assert said[-1].startswith("catch-arena: interrupted")
-    assert not [line for line in said if "Traceback" in line]
+    output = interrupted(process)
+    assert output[-1].startswith("catch-arena: interrupted")
+    assert not [line for line in output if "Traceback" in line]
 
 
 @pytest.mark.torch
 def test_the_help_says_what_each_setting_means():
-    said = " ".join(train("--help").split())
-    assert "--hold HOLD number of steps for which a decision holds (default: 2)" in said
+    output = " ".join(train("--help").split())
+    assert "--hold HOLD number of steps for which a decision holds (default: 2)" in output
 
 
 @pytest.mark.torch
@@ -275,7 +275,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
 
 @pytest.mark.torch
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "error"),
     [
         ("--head tail", "argument --head: invalid choice: 'tail'"),
         ("--hold 0", "--hold must be at least 1, got 0"),
@@ -291,13 +291,13 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         ("--opponents nearest,", "is a folder without agent.py"),
     ],
 )
-def test_bad_options_are_one_line(tmp_path, arguments, said):
+def test_bad_options_are_one_line(tmp_path, arguments, error):
     short = [*SHORT, "--out", tmp_path / "run", "--decisions", 512]
     opponents = [] if "--opponents" in arguments else ["--opponents", "nearest"]
     network = tmp_path / "other.npz"
     weights = {name: np.zeros(shape) for name, shape in weight_shapes("destination", 8).items()}
     PointerNetwork("destination", weights).save(network)
-    assert said in refused(*short, *opponents, *arguments.replace("other.npz", str(network)).split())
+    assert error in refused(*short, *opponents, *arguments.replace("other.npz", str(network)).split())
 
 
 @pytest.mark.torch
@@ -370,8 +370,8 @@ def test_past_selves_that_win_are_met_more_often(module, monkeypatch):
 
 @pytest.mark.torch
 def test_the_short_example_leaves_an_agent_that_plays(tmp_path):
-    said = run("examples/train_sb3.py", "--out", tmp_path / "sb3", "--scenario", "duel", "--steps", 8192)
-    assert "check-agent" in said
+    output = run("examples/train_sb3.py", "--out", tmp_path / "sb3", "--scenario", "duel", "--steps", 8192)
+    assert "check-agent" in output
     made = create_policy(str(tmp_path / "sb3" / "agent.py"))
     assert made.network.inputs == 57
     check = [

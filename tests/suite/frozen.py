@@ -26,8 +26,8 @@ def first_matches():
         match = next(iter(SUITE.plan(scenario, 1)))
         entrants = evaluation.entrants(scenario)
         seated = [entrants[index] for index in match.seating]
-        told = match.agent_seeds
-        result = play_entrants(scenario.config, match.seed, seated, None, agent_seeds=told, most_steps=STEPS)
+        seeds = match.agent_seeds
+        result = play_entrants(scenario.config, match.seed, seated, None, agent_seeds=seeds, most_steps=STEPS)
         found[scenario.name] = [match.seed, [one.name for one in seated], result.digest]
     return found
 

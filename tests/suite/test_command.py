@@ -70,11 +70,11 @@ def test_a_run_says_what_it_plays_before_and_keeps_all_of_it(run, tmp_path):
     for name in ("duel", "four", "pairs"):
         assert (tmp_path / "out/suite/contested" / name / "tournament.sqlite").exists()
         assert re.search(rf"^ +{name} +[01]\.\d\d +", result.stdout, re.MULTILINE)
-    (told,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
-    assert told["suite_digest"] == SMALL.digest
-    assert told["is_protocol"]
-    assert sum(one["matches"] for one in told["scenarios"].values()) == SIZE
-    assert f"interquartile mean, held out: {told['iqm']['held_out']['mean']:.3f} (" in result.stdout
+    (figures,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
+    assert figures["suite_digest"] == SMALL.digest
+    assert figures["is_protocol"]
+    assert sum(one["matches"] for one in figures["scenarios"].values()) == SIZE
+    assert f"interquartile mean, held out: {figures['iqm']['held_out']['mean']:.3f} (" in result.stdout
 
 
 def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
@@ -249,7 +249,7 @@ def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch)
     path.write_text(references_text(SMALL, [whole]))
     monkeypatch.setattr("catch_arena.suite.references.references.__defaults__", (path,))
     result = run("nearest", "--json", "numbers.json")
-    (told,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
-    of = told["probability_of_improvement"]["nearest"]
+    (figures,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
+    of = figures["probability_of_improvement"]["nearest"]
     assert of["training"]["mean"] == of["held_out"]["mean"] == 0.5  # itself
     assert "probability of improvement over nearest: training 0.50" in result.stdout

@@ -49,8 +49,8 @@ def test_a_team_is_told_by_its_seats_and_prey_by_its_number(tmp_path, arena, fir
     one = made_up(0, (0,) * count, (0,) * count, logs=logs)
     add_to_logs(tmp_path, ENTRANTS[1:], parties, one)
     name = one.match.id
-    said = [f"== match {name}, {first}", "ann", f"== match {name}, {last}", "bob"]
-    assert (tmp_path / "loud.log").read_text().splitlines() == said
+    lines = [f"== match {name}, {first}", "ann", f"== match {name}, {last}", "bob"]
+    assert (tmp_path / "loud.log").read_text().splitlines() == lines
 
 
 def test_a_file_does_not_grow_for_ever(tmp_path):

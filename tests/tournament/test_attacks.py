@@ -17,7 +17,7 @@ from isolation_levels import NAMESPACES
 from tournament.agents import source
 
 from catch_arena import scenario
-from catch_arena.interrupts import family
+from catch_arena.interrupts import descendants
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -154,7 +154,7 @@ def hand_ins(tmp_path):
 def fight(hand_ins, level, attack, *, before="", matches=1, **limits):
     """Play matches of an attacker and the rival, and require that the rival is not harmed, and nothing left."""
     (hand_ins / "attacker.py").write_text(attacker(attack, before))
-    elder = family(os.getpid())
+    elder = descendants(os.getpid())
     with Sandbox(Quotas(**(PATIENT | {"isolation": level} | limits))) as sandbox:
         entrants = enter([str(hand_ins / "attacker.py"), str(hand_ins / "rival.py")], inspector(sandbox))
         results = [play_entrants(SHORT, 1, entrants, sandbox) for _ in range(matches)]
@@ -168,7 +168,7 @@ def fight(hand_ins, level, attack, *, before="", matches=1, **limits):
 def left(elder):
     """Wait for all that is new, which ends a moment after its namespaces; return what does not."""
     patience = time.monotonic() + 30
-    while (found := family(os.getpid()) - elder) and time.monotonic() < patience:
+    while (found := descendants(os.getpid()) - elder) and time.monotonic() < patience:
         time.sleep(0.01)
     return found
 

@@ -73,17 +73,17 @@ READERS = (report, export_all, follow, resume)
 
 def read_by_all(folder, copy):
     """Return the error of each reader, one line, or None; any other error fails the test."""
-    said = []
+    messages = []
     for reader in READERS:
         shutil.rmtree(copy, ignore_errors=True)
         shutil.copytree(folder, copy)
         try:
             reader(copy)
-            said.append(None)
+            messages.append(None)
         except StoreError as error:
-            said.append(str(error))
-    assert all(line.isprintable() and len(line) < 1000 for line in said if line)
-    return said
+            messages.append(str(error))
+    assert all(line.isprintable() and len(line) < 1000 for line in messages if line)
+    return messages
 
 
 def changed(whole, folder, statement, values=()):
@@ -116,8 +116,8 @@ FORGED = {
 @pytest.mark.parametrize("name", FORGED)
 def test_a_store_with_a_wrong_value_is_one_line_to_every_reader(whole, tmp_path, name):
     changed(whole, tmp_path / "forged", FORGED[name])
-    said = [line for line in read_by_all(tmp_path / "forged", tmp_path / "copy") if line]
-    assert said if name == "versions of another kind" else len(said) == len(READERS)
+    messages = [line for line in read_by_all(tmp_path / "forged", tmp_path / "copy") if line]
+    assert messages if name == "versions of another kind" else len(messages) == len(READERS)
 
 
 def test_the_line_names_the_file_the_table_and_the_row(whole, tmp_path):

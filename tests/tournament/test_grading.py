@@ -78,9 +78,9 @@ def test_seeds_stand_in_no_output(grade):
 def test_an_agent_is_told_its_own_seeds_and_of_the_matches_only_what_it_sees(grade):
     write_agent(Path("tells.py"), "raise ValueError", "print(seed)")
     grade("tells.py", "--json", "grades.json", "--seeds", "seeds.json")
-    told = [test["log"].split()[0] for test in json.loads(Path("grades.json").read_text())["tests"]]
+    logged_seeds = [test["log"].split()[0] for test in json.loads(Path("grades.json").read_text())["tests"]]
     tests = json.loads(Path("seeds.json").read_text())["tests"]
-    assert told == [str(test["matches"][0]["agent_seeds"][0]) for test in tests]
+    assert logged_seeds == [str(test["matches"][0]["agent_seeds"][0]) for test in tests]
     assert len({match["seed"] for test in tests for match in test["matches"]}) == 4
 
 

@@ -41,13 +41,13 @@ def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
 
 
 @pytest.mark.parametrize(
-    ("planned", "told"), [((5, 2**63 - 1), [5, 2**63 - 1]), ((), [6258151732429448147, 2098520664363859099])]
+    ("planned", "seeds"), [((5, 2**63 - 1), [5, 2**63 - 1]), ((), [6258151732429448147, 2098520664363859099])]
 )
-def test_agents_seeds_are_those_of_the_plan_or_follow_from_the_match_and_the_seat(planned, told):
+def test_agents_seeds_are_those_of_the_plan_or_follow_from_the_match_and_the_seat(planned, seeds):
     """These numbers never change, or a match could not be played again."""
     agents = [Plays(), Plays()]
     play_match(SHORT, 77, agents, ["a", "b"], agent_seeds=planned)
-    assert [agent.seed for agent in agents] == told
+    assert [agent.seed for agent in agents] == seeds
 
 
 def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):

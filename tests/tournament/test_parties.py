@@ -146,10 +146,10 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
     (tmp_path / "mine.py").write_text(BOTH)
     mine = str(tmp_path / "mine.py")
     specs = ["nearest", "patrol", mine, mine] if config is TAG else [mine, "nearest"]
-    told = (1, 2, 3, 4)[: len(specs)]
+    seeds = (1, 2, 3, 4)[: len(specs)]
     with Sandbox(Quotas()) as sandbox:
-        isolated = play_entrants(config, 3, enter(specs, inspector(sandbox)), sandbox, agent_seeds=told)
-    trusted = play_entrants(config, 3, enter(specs), None, agent_seeds=told)
+        isolated = play_entrants(config, 3, enter(specs, inspector(sandbox)), sandbox, agent_seeds=seeds)
+    trusted = play_entrants(config, 3, enter(specs), None, agent_seeds=seeds)
     assert not any(isolated.forfeit_codes), isolated.forfeits
     assert isolated == trusted
     if config is PAIRS:  # each instance has a seed of its own

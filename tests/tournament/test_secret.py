@@ -37,11 +37,11 @@ def test_the_page_lists_every_purpose_and_its_example_is_right():
     section = PAGE.partition("## How seeds follow")[2]
     assert set(re.findall(r"^\| `([a-z ]+)` \|", section, re.MULTILINE)) == set(PURPOSES)
     assert all(len(words.encode()) <= 16 for words in PURPOSES)
-    digits, seed, told = re.search(
+    digits, seed, agent_seed = re.search(
         r"`--seed ([0-9a-f]{32})`.*?block 3.*?(\d{15,}).*?agent 1.*?(\d{15,})", section, re.DOTALL
     ).groups()
     assert Secret.parse(digits).seed("match", 3) == int(seed) < 2**63
-    assert Secret.parse(digits).seed("agent", 3, 1) == int(told)
+    assert Secret.parse(digits).seed("agent", 3, 1) == int(agent_seed)
 
 
 def test_other_commands_draw_from_a_part_and_a_number_makes_a_secret():

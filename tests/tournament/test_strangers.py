@@ -84,8 +84,8 @@ def played(tmp_path_factory):
 def test_the_tournament_ends_and_the_terminal_is_sent_no_control_character(played):
     _, ended = played
     assert re.search(r"^ *\d +\[red\]x ", ended.stdout.decode(), re.MULTILINE)
-    for said in (ended.stdout, ended.stderr):
-        assert all(letter.isprintable() or letter == "\n" for letter in said.decode())
+    for output in (ended.stdout, ended.stderr):
+        assert all(letter.isprintable() or letter == "\n" for letter in output.decode())
 
 
 def test_its_logs_show_what_was_printed_and_raised(played):
@@ -103,8 +103,8 @@ def test_its_store_and_its_exports_hold_it_and_no_cell_is_a_formula(played):
     assert SHOWN in {one[2] for match in details for one in match if one}
     for form in ("jsonl", "csv"):
         assert run(folder, "export", "out", "-o", f"m.{form}", "--force").returncode == 0
-    told = [json.loads(line) for line in (folder / "m.jsonl").read_text(encoding="utf-8").splitlines()]
-    assert {name for one in told for name in one["agents"]} == {"[red]x", "=1+1", "nearest"}
+    rows = [json.loads(line) for line in (folder / "m.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert {name for one in rows for name in one["agents"]} == {"[red]x", "=1+1", "nearest"}
     for table in (folder / "m.csv", folder / "out/standings.csv"):
         with table.open(newline="") as file:
             assert {row["agent"] for row in csv.DictReader(file)} == {"[red]x", "'=1+1", "nearest"}
@@ -175,11 +175,11 @@ def sandbox():
 @pytest.mark.parametrize("line", LINES)
 def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, line):
     """The agent writes to the pipe itself."""
-    answers = (
+    source = (
         "for file in range(3, 64):\n    with suppress(OSError):\n"
         f"        os.write(file, {line!r} + b'\\n')\nos._exit(0)"
     )
-    path = write_agent(tmp_path / "answers.py", answers, before="import os\nfrom contextlib import suppress\n")
+    path = write_agent(tmp_path / "answers.py", source, before="import os\nfrom contextlib import suppress\n")
     entrants = enter([path, "nearest"], inspector(sandbox))
     with start_players(entrants, sandbox) as players:
         result = play_match(SHORT, 3, players, ["x", "nearest"])

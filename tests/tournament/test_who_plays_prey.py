@@ -38,8 +38,8 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 
 def test_a_line_and_the_table_on_the_terminal(played):
-    _, said = played
-    before, hunters, prey = re.split("As hunters|As prey", said)
+    _, printed = played
+    before, hunters, prey = re.split("As hunters|As prey", printed)
     assert "flee plays the prey of agents without a class Prey: nearest, patrol, first\n" in before
     assert "(plays" not in hunters
     assert prey.count("(plays") == 3

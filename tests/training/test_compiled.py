@@ -18,16 +18,16 @@ SHARE = 0.25
 
 def everything(view):
     """A number that depends on all that may be read, and one that depends on the limits."""
-    told = view.x + 2 * view.y + 3 * view.heading_cos + 4 * view.heading_sin + 5 * view.linear_velocity
-    told += view.angular_velocity + view.time_left + view.score
+    total = view.x + 2 * view.y + 3 * view.heading_cos + 4 * view.heading_sin + 5 * view.linear_velocity
+    total += view.angular_velocity + view.time_left + view.score
     for place, target in enumerate(view.targets):
-        told += (place + 1) * part(target.forward, target.left, target.age)
-        told += part(target.heading_cos, target.heading_sin, target.linear_velocity) + target.active
+        total += (place + 1) * part(target.forward, target.left, target.age)
+        total += part(target.heading_cos, target.heading_sin, target.linear_velocity) + target.active
     for rival in view.rivals:
-        told += part(rival.forward, rival.left, rival.score_difference) + rival.mate
-        told -= part(rival.heading_cos, rival.heading_sin, rival.linear_velocity)
+        total += part(rival.forward, rival.left, rival.score_difference) + rival.mate
+        total -= part(rival.heading_cos, rival.heading_sin, rival.linear_velocity)
     limits = view.limits
-    return told, limits.side_m * limits.targets_seen + limits.alarm_m + (0.5 if limits.teams else SHARE)
+    return total, limits.side_m * limits.targets_seen + limits.alarm_m + (0.5 if limits.teams else SHARE)
 
 
 def part(one, another, third=1.0):

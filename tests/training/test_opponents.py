@@ -124,13 +124,13 @@ def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
             expected = []
             result = batch.step(actions)
             for row, env in enumerate(envs):
-                told = {}
+                actions_by_name = {}
                 for seat, word in enumerate(configs[row].controls):
                     rank, command = int(batch._choices[row, seat]), batch._commands[row, seat]
                     full = {"cmd_vel": command, "catch": rank}
-                    told[f"hunter_{seat}"] = {"target": rank, "velocity": command, "full": full}[word]
-                assert told[f"hunter_{seats[row]}"] == actions[row]
-                observations, rewards, *_ = env.step(told)
+                    actions_by_name[f"hunter_{seat}"] = {"target": rank, "velocity": command, "full": full}[word]
+                assert actions_by_name[f"hunter_{seats[row]}"] == actions[row]
+                observations, rewards, *_ = env.step(actions_by_name)
                 expected.append(observations[f"hunter_{seats[row]}"])
                 assert result.rewards[row] == np.float32(rewards[f"hunter_{seats[row]}"])
             if step < 8:

@@ -60,7 +60,7 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
     with np.load(good) as file:
         tables = {name: file[name] for name in file.files}
 
-    def said(name, **changed):
+    def error_of(name, **changed):
         path = tmp_path / f"{name}.npz"
         kept = {key: value for key, value in (tables | changed).items() if value is not None}
         np.savez(path, **kept)
@@ -69,16 +69,16 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
         assert "\n" not in str(error.value)
         return str(error.value)
 
-    assert "ruleset must be catch_arena_v1, got catch_arena_v9; train the network again" in said(
+    assert "ruleset must be catch_arena_v1, got catch_arena_v9; train the network again" in error_of(
         "rules", ruleset="catch_arena_v9"
     )
-    assert "features must be 1, got 0; train the network again" in said("features", features=0)
-    assert "it has no ruleset" in said("none", ruleset=None)
-    assert "weights logit must have the shape (8,), got nothing" in said("missing", logit=None)
-    assert "weights encode must have the shape (45, 8), got (71, 8)" in said("width", encode=np.zeros((71, 8)))
-    assert "weights mix_bias must be finite numbers, got nan" in said("nan", mix_bias=np.full(8, np.nan))
-    assert "weights mix_bias must be finite numbers, got inf" in said("inf", mix_bias=np.array([0.0, np.inf] * 4))
-    assert "head must be one of" in said("head", head="tail")
+    assert "features must be 1, got 0; train the network again" in error_of("features", features=0)
+    assert "it has no ruleset" in error_of("none", ruleset=None)
+    assert "weights logit must have the shape (8,), got nothing" in error_of("missing", logit=None)
+    assert "weights encode must have the shape (45, 8), got (71, 8)" in error_of("width", encode=np.zeros((71, 8)))
+    assert "weights mix_bias must be finite numbers, got nan" in error_of("nan", mix_bias=np.full(8, np.nan))
+    assert "weights mix_bias must be finite numbers, got inf" in error_of("inf", mix_bias=np.array([0.0, np.inf] * 4))
+    assert "head must be one of" in error_of("head", head="tail")
 
     whole = good.read_bytes()
     for cut in (0, 10, len(whole) // 2, len(whole) - 5):

@@ -33,14 +33,14 @@ class Twins:
         """Return observations and rewards of the learners in these seats, with the batch's own actions of hunters."""
         seen, earned = [], []
         for arena, (env, prey) in enumerate(zip(self.envs, self.prey, strict=True)):
-            told = {
+            actions = {
                 name: np.array(one.act(self.limits.view(self.seen[arena][name].tolist(), ())), np.float32)
                 for name, one in prey.items()
             }
             for seat, word in enumerate(env.config.controls):
                 rank, command = int(self.batch._choices[arena, seat]), self.batch._commands[arena, seat]
-                told[f"hunter_{seat}"] = {"target": rank, "velocity": command}[word]
-            self.seen[arena], rewards, *_ = env.step(told)
+                actions[f"hunter_{seat}"] = {"target": rank, "velocity": command}[word]
+            self.seen[arena], rewards, *_ = env.step(actions)
             seen += [self.seen[arena][f"hunter_{seat}"] for seat in seats[arena]]
             earned += [np.float32(rewards[f"hunter_{seat}"]) for seat in seats[arena]]
         return seen, earned

@@ -35,8 +35,8 @@ def test_a_line_says_how_long_it_takes_if_something_is_compiled(capsys, tmp_path
         return value + 2
 
     compile_once(variant, lambda: (add_one(1), add_two(1)))
-    told = f"catch_arena: compiling {line}, and longer on a slow or busy machine; {compiling._KEPT}\n"
-    assert capsys.readouterr().err == told
+    message = f"catch_arena: compiling {line}, and longer on a slow or busy machine; {compiling._KEPT}\n"
+    assert capsys.readouterr().err == message
     compile_once(ONE, lambda: (add_one(2), add_two(2)))
     assert capsys.readouterr().err == ""
 

@@ -62,17 +62,17 @@ def test_a_request_by_name_after_the_end_is_told_too():
 
 @pytest.mark.parametrize("control", ["target", "velocity", "full"])
 def test_lanes_that_are_no_arenas_get_no_answers(control):
-    """They are played with the others of their block, by what scratch memory has, and are in a state that is saved."""
+    """They are played with the others of their chunk, by what scratch memory has, and are in a state that is saved."""
     engine = Engine(scenario("standard", control=control), 5)
     engine.reset(range(5))
     rng = np.random.default_rng(3)
     for _ in range(80):
         engine.step(rng.integers(0, 9, (5, 4)), rng.uniform(-1, 1, (5, 4, 2)).astype(np.float32))
-    (block,) = engine.blocks
+    (chunk,) = engine.chunks
     for seat in range(4):
         for row in (state.VERDICT, state.REQUESTED_NUMBER, state.DISTANCE, state.WINNER):
-            assert not block[state.seat_at(seat) + row :][5 : state.LANES].any()
-    seats = block[state.seat_at(0) : state.seat_at(4)].reshape(4, -1, state.LANES)
+            assert not chunk[state.seat_at(seat) + row :][5 : state.LANES].any()
+    seats = chunk[state.seat_at(0) : state.seat_at(4)].reshape(4, -1, state.LANES)
     tallies = seats[:, state.TALLIES // state.LANES :]
     assert not tallies[:, :, 5:].any()
     assert tallies[:, :, :5].any()
@@ -131,7 +131,7 @@ def test_seeds_are_checked_and_derived():
 
 
 def test_targets_are_put_where_they_have_been_for_some_time():
-    """In one arena of the second block; prey, which has the first slots, is as old as it was."""
+    """In one arena of the second chunk; prey, which has the first slots, is as old as it was."""
     engine = Engine(scenario("duel", prey=2, target_motion="wander", target_budget=None, initial_targets=2), 34)
     engine.reset(range(34))
     for _ in range(3):
@@ -148,7 +148,7 @@ def test_targets_are_put_where_they_have_been_for_some_time():
 
 
 def test_who_is_withdrawn_sits_in_one_row_alone():
-    """R1.6, R12.5: also behind the first block. Prey stands still; in row 0 it is out, and no other target stops."""
+    """R1.6, R12.5: also behind the first chunk. Prey stands still; in row 0 it is out, and no other target stops."""
     moving = {"target_motion": "wander", "max_targets": 2, "initial_targets": 2, "spawn_frequency_hz": 9.0}
     config = scenario("duel", prey=2, prey_returns_s=None, **moving)
     engine = Engine(config, 34)
@@ -181,7 +181,7 @@ def test_who_is_withdrawn_sits_in_one_row_alone():
 
 
 def test_a_target_comes_and_goes_by_name_in_one_row_alone():
-    """R8.1, R3.5, R5.8: also behind the first block; a full arena takes none, and prey is never killed."""
+    """R8.1, R3.5, R5.8: also behind the first chunk; a full arena takes none, and prey is never killed."""
     engine = Engine(scenario("duel", prey=1, initial_targets=3, max_targets=4), 34)
     engine.reset(range(34))
     assert engine.kill(33, 2)
@@ -203,7 +203,7 @@ def test_a_target_comes_and_goes_by_name_in_one_row_alone():
 
 
 def test_a_target_that_is_spawned_by_name_has_its_own_row_s_time():
-    """R8.1: rows that were reset at other steps, in the last lane of a block and in the next one."""
+    """R8.1: rows that were reset at other steps, in the last lane of a chunk and in the next one."""
     engine = Engine(scenario("duel", initial_targets=1), 34)
     engine.reset(range(34))
     for later in (31, 33):

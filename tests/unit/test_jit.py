@@ -63,7 +63,7 @@ def run_beyond(folder, *, checked, cache):
 
 def test_indices_are_tested_where_that_was_asked_for(tmp_path):
     """NUMBA_BOUNDSCHECK=1, though the same function was compiled and kept without it before; and not after it."""
-    careless, careful, again = (run_beyond(tmp_path, checked=asked, cache=tmp_path) for asked in (False, True, False))
+    careless, careful, again = (run_beyond(tmp_path, checked=checks, cache=tmp_path) for checks in (False, True, False))
     assert careless == again
     assert careless.startswith("nothing noticed /")
     assert careful.startswith("noticed /")
@@ -221,7 +221,7 @@ def test_a_damaged_cache_that_cannot_be_replaced_is_told_and_the_rules_run(tmp_p
     (index,) = tmp_path.rglob("*.nbi")
     index.unlink()
     index.mkdir()
-    cache._tell_not_kept.cache_clear()
+    cache._warn_not_kept.cache_clear()
     assert [hits([1.5, 2.0]), hits([1.5, 2.0])] == [False, False]
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"catch_arena: compiled rules cannot be kept in {tmp_path}: Is a directory; every start")

@@ -56,9 +56,9 @@ def test_compiled_code_finds_the_same_sections(thread):
     def look(memory, thread, shapes):
         found = sections_of(memory, thread)
         shapes[0, 0], shapes[0, 1] = found.requests.shape
-        shapes[1, 0], shapes[1, 1] = found.blocks.shape
+        shapes[1, 0], shapes[1, 1] = found.chunks.shape
         (seats, numbers), (rows, columns) = found.requests.shape, found.rewards.shape
-        total = found.requests[seats - 1, numbers - 1] + found.blocks[shapes[1, 0] - 1, shapes[1, 1] - 1]
+        total = found.requests[seats - 1, numbers - 1] + found.chunks[shapes[1, 0] - 1, shapes[1, 1] - 1]
         total += found.masks[len(found.masks) - 1, 2, 4] + found.rewards[rows - 1, columns - 1]
         found.requests[0, 0] = 55
         found.rewards[0, 1] = 77.0
@@ -70,9 +70,9 @@ def test_compiled_code_finds_the_same_sections(thread):
 
     of_thread = wanted.requests[thread]
     assert total == of_thread[-1, -1] + sum(
-        float(getattr(wanted, name).flat[-1]) for name in ("blocks", "masks", "rewards")
+        float(getattr(wanted, name).flat[-1]) for name in ("chunks", "masks", "rewards")
     )
-    assert shapes.tolist() == [list(of_thread.shape), list(wanted.blocks.shape)]
+    assert shapes.tolist() == [list(of_thread.shape), list(wanted.chunks.shape)]
     sections = sections_of(memory, thread)
     assert sections.rewards[0, 1] == 77.0
     assert sections.masks[0, 2, 1] == 7

@@ -1,4 +1,4 @@
-"""R1.3: rows of a block whose steps have fewer ticks meet no wall in the tick that they lack."""
+"""R1.3: rows of a chunk whose steps have fewer ticks meet no wall in the tick that they lack."""
 
 import numpy as np
 

@@ -33,10 +33,10 @@ from catch_arena.core.state import (
     WITHDRAWN,
     X,
     Y,
+    played_lanes,
     seat_at,
     seat_of,
     slot_at_rank,
-    span,
 )
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.engine.core_settings import settings_of
@@ -44,19 +44,19 @@ from catch_arena.engine.core_settings import settings_of
 LOOKS = (X, Y, SINE, COSINE, SPEED, SCORE)
 
 
-def a_block(hunters, looks):
-    """A block with the rows of so many hunters, whose LOOKS are these: (hunters, len(LOOKS), LANES)."""
-    block = np.zeros((ARENA_ROWS + hunters * HUNTER_ROWS) * LANES)
+def a_chunk(hunters, looks):
+    """A chunk with the rows of so many hunters, whose LOOKS are these: (hunters, len(LOOKS), LANES)."""
+    chunk = np.zeros((ARENA_ROWS + hunters * HUNTER_ROWS) * LANES)
     for seat, own in enumerate(looks):
         for row, numbers in zip(LOOKS, own, strict=True):
             at = seat_at(seat) + row
-            block[at : at + LANES] = numbers
-    return block
+            chunk[at : at + LANES] = numbers
+    return chunk
 
 
-def first_of(block, seat, one, other, lane, teams):
+def first_of(chunk, seat, one, other, lane, teams):
     """True if the first of two rivals precedes the second."""
-    me, rows, others = (block[seat_at(who) :] for who in (seat, one, other))
+    me, rows, others = (chunk[seat_at(who) :] for who in (seat, one, other))
     difference = lead(me, rows, others, lane)
     more = has_more_catches(rows, others, lane, is_listed_first(seat, one, other, teams))
     return more if difference == 0.0 else difference > 0.0
@@ -67,23 +67,23 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
     """Whatever differs between them: without this, the order would hang on that in which they come."""
     rivals = list(product((0.0, 1.0), repeat=len(LOOKS)))
     for one, other in product(rivals, repeat=2):
-        block = a_block(3, np.array([rivals[-1], one, other])[:, :, None].repeat(LANES, axis=2))
+        chunk = a_chunk(3, np.array([rivals[-1], one, other])[:, :, None].repeat(LANES, axis=2))
         for teams in ([0, 1, 2], [0, 0, 2], [0, 1, 0], [0, 1, 1]):
-            first = first_of(block, 0, 1, 2, 3, np.array(teams))
-            assert first != first_of(block, 0, 2, 1, 3, np.array(teams))
+            first = first_of(chunk, 0, 1, 2, 3, np.array(teams))
+            assert first != first_of(chunk, 0, 2, 1, 3, np.array(teams))
             if one == other:
                 assert first == (teams != [0, 1, 0])
 
 
 @unkept_entry
-def sort(block, seat, width, lanes, s, teams, positions, keys, tied, order):
-    block, positions, keys = by_address(block), by_address(positions), by_address(keys)
+def sort(chunk, seat, width, lanes, s, teams, positions, keys, tied, order):
+    chunk, positions, keys = by_address(chunk), by_address(positions), by_address(keys)
     tied, order = by_address(tied), by_address(order)
-    for first in range(0, span(width), len(width)):
-        note_positions(block, s, first, width, positions)
-        measure_rivals(block, s, first, width, seat, 0.0, positions, keys)
+    for first in range(0, played_lanes(width), len(width)):
+        note_positions(chunk, s, first, width, positions)
+        measure_rivals(chunk, s, first, width, seat, 0.0, positions, keys)
         sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-        me, rows = seat_of(block, seat), block[seat_at(0) : seat_at(s.hunters)]
+        me, rows = seat_of(chunk, seat), chunk[seat_at(0) : seat_at(s.hunters)]
         ranks = min(s.hunters_seen, s.hunters - 2)
         resolve_ties(me, first, width, lanes, seat, rows, SEAT_SIZE, s.hunters, ranks, teams, True, keys, tied)
         pack_order(keys, s.hunters, s.hunters_seen, first, width, order)
@@ -103,34 +103,34 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
     for _ in range(20 if lanes > 1 else 100):
         looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
         looks[:, :2] *= rng.integers(0, 3, (hunters, 2, LANES))
-        block = a_block(hunters, looks)
+        chunk = a_chunk(hunters, looks)
         for seat in range(hunters):
             at = seat_at(seat) + WITHDRAWN
-            block[at : at + LANES] = rng.random(LANES) < 0.1
+            chunk[at : at + LANES] = rng.random(LANES) < 0.1
         teams = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
             order = np.zeros(-(-s.hunters_seen // 8) * LANES)
-            sort(block, seat, width, lanes, s, teams, positions, keys, flags, order)
+            sort(chunk, seat, width, lanes, s, teams, positions, keys, flags, order)
             for lane in range(lanes):
                 seen = [slot_at_rank(order, rank, lane) for rank in range(s.hunters_seen)]
-                expected, ties = by_python(block, seat, hunters, lane, teams)
+                expected, ties = by_python(chunk, seat, hunters, lane, teams)
                 tied += ties
                 assert seen == (expected + [ABSENT] * s.hunters_seen)[: s.hunters_seen]
     assert tied > 20 or hunters == 2
 
 
-def by_python(block, seat, hunters, lane, teams):
+def by_python(chunk, seat, hunters, lane, teams):
     """The rivals in order, and how many of them are as far as the one before."""
 
     def distance(other):
-        rows = block[seat_at(other) :], block[seat_at(seat) :]
+        rows = chunk[seat_at(other) :], chunk[seat_at(seat) :]
         return (rows[0][X + lane] - rows[1][X + lane]) ** 2 + (rows[0][Y + lane] - rows[1][Y + lane]) ** 2
 
     def compare(one, other):
         if distance(one) != distance(other):
             return distance(one) - distance(other)
-        return -1 if first_of(block, seat, one, other, lane, teams) else 1
+        return -1 if first_of(chunk, seat, one, other, lane, teams) else 1
 
-    seen = [other for other in range(hunters) if other != seat and not block[seat_at(other) + WITHDRAWN + lane]]
+    seen = [other for other in range(hunters) if other != seat and not chunk[seat_at(other) + WITHDRAWN + lane]]
     order = sorted(seen, key=cmp_to_key(compare))
     return order, sum(distance(one) == distance(other) for one, other in pairwise(order))

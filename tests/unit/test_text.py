@@ -13,11 +13,11 @@ from catch_arena.errors import reason
 from catch_arena.text import (
     LONGEST_LINE,
     LONGEST_NAME,
-    in_short,
     name_fault,
     one_line,
     printable,
     printable_lines,
+    shortened,
     spreadsheet_cell,
 )
 
@@ -75,14 +75,14 @@ class Odd:
 
 def test_what_cannot_even_be_written_is_named_by_its_kind():
     assert reason(LyingError()) == "LyingError: its message cannot be read"
-    assert in_short(10**9999) == "<int>"
+    assert shortened(10**9999) == "<int>"
     deep = []
     for _ in range(100_000):
         deep = [deep]
-    assert len(in_short(deep)) < 200
-    assert "Odd" in in_short(Odd())
-    assert in_short("\ud800\x1b") == r"'\ud800\x1b'"
-    assert in_short({1: "a\nb"}) == r"{1: 'a\nb'}"
+    assert len(shortened(deep)) < 200
+    assert "Odd" in shortened(Odd())
+    assert shortened("\ud800\x1b") == r"'\ud800\x1b'"
+    assert shortened({1: "a\nb"}) == r"{1: 'a\nb'}"
 
 
 @given(ANY)

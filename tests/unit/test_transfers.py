@@ -6,7 +6,7 @@ import pytest
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import phase, unkept_entry
 from catch_arena.core.tiles import BodyTile, TargetTile
-from catch_arena.core.transfers import TILE, put_exactly, put_rows, stream_eight, take_tile, where_there
+from catch_arena.core.transfers import TILE, put_exactly, put_rows, stream_eight, take_tile, where_present
 from catch_arena.core.vectors import SINGLE, WIDE, group
 
 SIZE = 64
@@ -62,8 +62,8 @@ def test_a_tile_is_taken_from_another_place_in_each_lane(made, width):
     def take(tiles, indices, width, out):
         tiles, indices, out = by_address(tiles), by_address(indices), by_address(out)
         index = indices[group(0, width)]
-        there = index < 12
-        put_exactly(out, 0, 12, where_there(there, take_tile(tiles, index)))
+        present = index < 12
+        put_exactly(out, 0, 12, where_present(present, take_tile(tiles, index)))
 
     out = np.full((8, 12), np.nan)
     made(take)(numbers.reshape(-1), indices, width, out.reshape(-1))

@@ -12,9 +12,9 @@ from catch_arena.core.vectors import (
     WIDE,
     any_of,
     bits_of,
-    each,
     floor,
     group,
+    lane_numbers,
     long,
     number_of,
     select,
@@ -72,7 +72,7 @@ def calculate(a, b, out, width):
         out[15 * SIZE + lane] = select((x < y) | (x > 0.0), 1.0, 0.0)
         out[16 * SIZE + lane] = number_of((bits_of(x) & 0xFFFFFFFF) | (long(truncate(select(x > 0.0, 7.0, 3.0))) << 40))
         out[17 * SIZE + lane] = select(first < SIZE // 2, x, 1)
-        out[18 * SIZE + lane] = a[(each(first, width) * 5 + 3) & (SIZE - 1)]
+        out[18 * SIZE + lane] = a[(lane_numbers(first, width) * 5 + 3) & (SIZE - 1)]
         out[19 * SIZE + lane] = 1.0 if any_of(x > 1000.0) else 0.0
 
 

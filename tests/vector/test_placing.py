@@ -106,7 +106,7 @@ def test_who_is_placed_nowhere_takes_no_part_and_other_rows_play_on():
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "error"),
     [
         ({"hunters": np.zeros((1, 3, 4))}, "hunters must be numbers of the shape \\(1, 4, 4\\)"),
         ({"targets": np.zeros((1, 99, 5))}, "targets must be numbers of the shape \\(1, 0 to 16, 5\\)"),
@@ -120,12 +120,12 @@ def test_who_is_placed_nowhere_takes_no_part_and_other_rows_play_on():
         ({"steps": 600}, "steps must be numbers from 0 to 599"),
     ],
 )
-def test_what_cannot_be_placed_is_refused_in_one_line_and_nothing_has_moved(changes, said):
+def test_what_cannot_be_placed_is_refused_in_one_line_and_nothing_has_moved(changes, error):
     arena = VectorArena("standard", 1)
     arena.reset(seed=1)
     digest = arena.digest(0)
     given = {"hunters": [[(1.0, 1.0, 0.0, 0.0)] * 4], "targets": np.zeros((1, 0, 5)), "steps": 0, **changes}
-    with pytest.raises(ConfigError, match=said):
+    with pytest.raises(ConfigError, match=error):
         arena.place(**given)
     assert arena.digest(0) == digest
 

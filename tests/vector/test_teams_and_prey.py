@@ -43,9 +43,9 @@ def row_of(config, agent):
     return int(index) + (config.hunters if side == "prey" else 0)
 
 
-def same(told, row):
+def same(observation, row):
     """True if a row of the batch has the numbers of the env, and zeros after them."""
-    return told.tobytes() == row[: len(told)].tobytes() and not row[len(told) :].any()
+    return observation.tobytes() == row[: len(observation)].tobytes() and not row[len(observation) :].any()
 
 
 @pytest.mark.rule("R12.7")
@@ -60,8 +60,8 @@ def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes
     seen, notes = env.reset(seed=int(batch_seeds(SEED, 40)[row]))
     returns, caught, episodes = np.zeros(config.prey), np.zeros(config.prey), 0
     for _ in range(3 * config.max_steps + 5):
-        for agent, told in seen.items():
-            assert same(told, observations[row, row_of(config, agent)])
+        for agent, observation in seen.items():
+            assert same(observation, observations[row, row_of(config, agent)])
         actions = random_actions(config, 40, source)
         observations, rewards, terminations, truncations, infos = arena.step(**actions)
         one = {f"hunter_{seat}": int(actions["choices"][row, seat]) for seat in range(config.hunters)}
@@ -79,8 +79,8 @@ def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes
             assert infos["active"][row].tolist() == [True] * config.hunters + in_play
             continue
         assert infos["_final_obs"][row]
-        for agent, told in seen.items():
-            assert same(told, infos["final_obs"][row, row_of(config, agent)])
+        for agent, observation in seen.items():
+            assert same(observation, infos["final_obs"][row, row_of(config, agent)])
         figures = infos["episode"]
         np.testing.assert_allclose(figures["return"][row, config.hunters :], returns, rtol=1e-5, atol=1e-5)
         assert figures["times_caught"][row].tolist() == caught.tolist()

@@ -89,7 +89,7 @@ def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(contr
 
 @pytest.mark.parametrize("size", [1, 7, 33, pytest.param(100_000, marks=pytest.mark.large)])
 def test_any_number_of_arenas_plays_alike(size):
-    """The rows of a small batch and of a large one, and the last row, which may stand alone in its block."""
+    """The rows of a small batch and of a large one, and the last row, which may stand alone in its chunk."""
     config = BUSY.replace(hunters=2, max_targets=4)
     arena, few, source = VectorArena(config, size), VectorArena(config, 1), np.random.default_rng(SEED)
     seeds = batch_seeds(SEED, size)
@@ -245,9 +245,9 @@ def test_more_threads_than_there_is_work_for_cost_nothing():
     arena.close()
 
 
-def step_in_a_child(arena, actions, answers):
+def step_in_a_child(arena, actions, queue):
     arena.step(actions)
-    answers.put(arena.digest(4999))
+    queue.put(arena.digest(4999))
 
 
 @pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
@@ -258,8 +258,8 @@ def test_a_forked_process_plays_on_after_threads_have_played():
     actions = np.ones((5000, 5), dtype=np.int64)
     arena.step(actions)
     context = multiprocessing.get_context("fork")
-    answers = context.SimpleQueue()
-    child = context.Process(target=step_in_a_child, args=(arena, actions, answers))
+    queue = context.SimpleQueue()
+    child = context.Process(target=step_in_a_child, args=(arena, actions, queue))
     child.start()
     child.join(240)
     alive = child.is_alive()
@@ -267,7 +267,7 @@ def test_a_forked_process_plays_on_after_threads_have_played():
     arena.step(actions)
 
     assert not alive
-    assert answers.get() == arena.digest(4999)
+    assert queue.get() == arena.digest(4999)
 
 
 def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
@@ -296,7 +296,7 @@ def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
     "rows", [[], [0], [299], [31, 32], [200, 3, 64, 130, 129, 2, 299], range(300), range(299, -1, -1)]
 )
 def test_rows_that_are_reset_begin_with_their_own_seeds_and_the_others_go_on(rows):
-    """In any order, in blocks side by side and far apart."""
+    """In any order, in chunks side by side and far apart."""
     arena, other = VectorArena(BUSY, 300), VectorArena(BUSY, 300)
     arena.reset(seed=SEED)
     other.reset(seed=range(1000, 1300))

@@ -55,7 +55,7 @@ class DdsBus(Bus):
         self._waiting = WaitSet(self._participant)
         self._readers: dict[str, _Reader] = {}
         """Readers by their DDS topics."""
-        self._late: list[_Reply] = []
+        self._waiting_replies: list[_Reply] = []
         self._ids = count(1)
         self._watch = FastDdsWatch(self._participant, log)
 
@@ -79,8 +79,8 @@ class DdsBus(Bus):
 
         def on_sample(sample: Any) -> None:
             def answer(response: Any) -> None:
-                answered = to_sample(kind.response, response, client=sample.client, number=sample.number)
-                self._reply(_Reply(writer, reader, answered, time.monotonic() + _REPLY_WAIT_S))
+                response_sample = to_sample(kind.response, response, client=sample.client, number=sample.number)
+                self._reply(_Reply(writer, reader, response_sample, time.monotonic() + _REPLY_WAIT_S))
 
             on_request(Request(from_attributes(kind.request, sample), answer))
 
@@ -91,7 +91,7 @@ class DdsBus(Bus):
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
         writer = self._writer(f"rq{service}Request", kind.request, user, header=True)
         client = _DdsClient(service, kind, writer, self._write)
-        client.answers = self._reader(f"rr{service}Reply", kind.response, client.on_sample, user, header=True)
+        client.reply_reader = self._reader(f"rr{service}Reply", kind.response, client.on_sample, user, header=True)
         return client
 
     def publishers_of(self, topic: str) -> int:
@@ -101,11 +101,11 @@ class DdsBus(Bus):
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle the samples that have come, one of each topic and service in each round."""
         if timeout_s > 0.0:
-            self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late else timeout_s))
+            self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._waiting_replies else timeout_s))
         end = time.monotonic() + SPIN_S
-        while sum(self._hand_out(one) for one in tuple(self._readers.values())) and time.monotonic() <= end:
+        while sum(self._dispatch(one) for one in tuple(self._readers.values())) and time.monotonic() <= end:
             pass
-        late, self._late = self._late, []
+        late, self._waiting_replies = self._waiting_replies, []
         for reply in late:
             self._reply(reply)
         self._watch.look()
@@ -114,10 +114,10 @@ class DdsBus(Bus):
         """Leave the bus."""
         self._watch.close()
         self._readers.clear()
-        self._late.clear()
+        self._waiting_replies.clear()
         del self._waiting, self._participant
 
-    def _hand_out(self, reader: "_Reader") -> int:
+    def _dispatch(self, reader: "_Reader") -> int:
         """Handle the oldest sample of a reader, and return the number of taken samples: 0 or 1."""
         taken = ddspy_take(reader.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's take cannot skip a bad sample
         topic = reader.reader.topic
@@ -137,9 +137,9 @@ class DdsBus(Bus):
 
     def _reply(self, reply: "_Reply") -> None:
         """Send a response; if the reader of a client is not matched yet, keep the response for up to _REPLY_WAIT_S."""
-        is_early = time.monotonic() < reply.due_s and len(self._late) < SERVICE_DEPTH
+        is_early = time.monotonic() < reply.due_s and len(self._waiting_replies) < SERVICE_DEPTH
         if is_early and _matched(reply.writer) < _matched(reply.requests.reader):  # a client has one of each
-            self._late.append(reply)
+            self._waiting_replies.append(reply)
         else:
             self._write(reply.writer, reply.sample)
 
@@ -202,7 +202,7 @@ class _Reply(NamedTuple):
 class _DdsClient:
     """See `catch_arena.ros.middleware.bus.Client`."""
 
-    answers: _Reader
+    reply_reader: _Reader
 
     def __init__(
         self,
@@ -219,7 +219,7 @@ class _DdsClient:
     @property
     def ready(self) -> bool:
         """True if a node serves it."""
-        if not (_matched(self._writer) and _matched(self.answers.reader)):
+        if not (_matched(self._writer) and _matched(self.reply_reader.reader)):
             return False
         for handle in self._writer.get_matched_subscriptions():
             server = self._writer.get_matched_subscription_data(handle)

@@ -67,7 +67,7 @@ def open_bus(
     return RclpyBus(node, number)
 
 
-def described(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
+def describe_bus(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
     """Return one line on how nodes reach this bus, and with which types."""
     where = "" if bus.backend == "rosbridge" else f", domain {_checked_domain(domain)}"
     middleware = f", {bus.middleware}" if bus.middleware else ""

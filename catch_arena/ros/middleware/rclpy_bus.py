@@ -37,9 +37,9 @@ class RclpyBus(Bus):
         self._types: Interfaces | None = None
         self._handled = 0
         """Number of callbacks that have begun or ended."""
-        self._unanswered = 0
+        self._open_requests = 0
         self._spinning = False
-        self._answered = 0
+        self._unsent_responses = 0
         """Number of answers that were given and have not left yet."""
 
     def interfaces(self, given: Interfaces) -> Interfaces:
@@ -92,7 +92,7 @@ class RclpyBus(Bus):
 
         def publish(message: Any) -> None:
             if not self._spinning:
-                self._send_answers()
+                self._send_responses()
             made.publish(to_ros(kind, message, ros_class(kind.name)()))
 
         return publish
@@ -114,17 +114,17 @@ class RclpyBus(Bus):
 
         async def handle(request: Any, response: Any) -> Any:
             self._handled += 1
-            self._unanswered += 1
-            answered = self._future(executor=self._executor)
+            self._open_requests += 1
+            response_future = self._future(executor=self._executor)
 
             def answer(value: Any) -> None:
-                self._answered += 1
-                answered.set_result(value)
+                self._unsent_responses += 1
+                response_future.set_result(value)
 
             on_request(Request(from_attributes(kind.request, request), answer))
-            value = await answered
-            self._unanswered -= 1
-            self._answered -= 1
+            value = await response_future
+            self._open_requests -= 1
+            self._unsent_responses -= 1
             self._handled += 1
             return to_ros(kind.response, value, response)
 
@@ -146,17 +146,17 @@ class RclpyBus(Bus):
         """
         self._spinning = True
         idle, end = 0, None
-        while end is None or (idle <= self._unanswered + 1 and time.monotonic() < end):
+        while end is None or (idle <= self._open_requests + 1 and time.monotonic() < end):
             handled_before = self._handled
             self._executor.spin_once(timeout_sec=timeout_s if end is None else 0.0)
             end = end or time.monotonic() + SPIN_S
             idle = 0 if self._handled > handled_before else idle + 1
         self._spinning = False
 
-    def _send_answers(self) -> None:
+    def _send_responses(self) -> None:
         self._spinning = True
         end = time.monotonic() + SPIN_S
-        while self._answered and time.monotonic() < end:
+        while self._unsent_responses and time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.0)
         self._spinning = False
 

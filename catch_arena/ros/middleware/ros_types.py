@@ -117,7 +117,7 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
     Raises:
         BusError: if none fits.
     """
-    found, faults = _tried(sorted(_packages()), lambda package: package_types(package, given))
+    found, faults = _find_types(sorted(_packages()), lambda package: package_types(package, given))
     if INTERFACES in found:
         return {INTERFACES: found[INTERFACES]}
     if len(found) > 1:
@@ -139,10 +139,10 @@ def turtlesim_package(usual: str) -> str:
     return usual
 
 
-def described(kind: MessageType | ServiceType) -> str:
+def describe_type(kind: MessageType | ServiceType) -> str:
     """Return the fields that were matched, in ROS's words: `string name, double x, double y`."""
     if isinstance(kind, ServiceType):
-        return f"{described(kind.request)} -> {described(kind.response)}"
+        return f"{describe_type(kind.request)} -> {describe_type(kind.response)}"
     words = ((one.type if isinstance(one.type, str) else one.type.name, one.name) for one in kind.fields if one.name)
     return ", ".join(map(" ".join, words)) or "no field"
 
@@ -169,7 +169,7 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
     names = [word for word in dir(module) if hasattr(getattr(module, word), mark)]
     if usual in names:
         return match(f"{package}/{folder}/{usual}")
-    found, faults = _tried(names, lambda word: match(f"{package}/{folder}/{word}"))
+    found, faults = _find_types(names, lambda word: match(f"{package}/{folder}/{word}"))
     likely = [one for word, one in found.items() if _LIKELY.search(word)] or list(found.values())
     if len(likely) == 1:
         return likely[0]
@@ -180,7 +180,7 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
     raise BusError("; ".join(near) or f"{package}/{folder} has no type that fits {usual}", _CORRECT)
 
 
-def _tried(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str, Any], dict[str, str]]:
+def _find_types(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str, Any], dict[str, str]]:
     """Return the matches of the names that have one, and the faults of the others."""
     found, faults = {}, {}
     for name in names:

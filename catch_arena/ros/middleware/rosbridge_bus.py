@@ -15,7 +15,7 @@ from websockets.sync.client import ClientConnection, connect
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S, Bus, Call, Log, OnceLog, Request
 from catch_arena.ros.middleware.interfaces import Field, MessageType, ServiceType, values_by_field
-from catch_arena.text import in_short, one_line
+from catch_arena.text import one_line, shortened
 
 _OPEN_S: Final = 5.0
 _CALL_OPEN_S: Final = 1.0
@@ -130,7 +130,7 @@ class RosbridgeBus(Bus):
             if not self._read(one.connection):
                 self._calls.pop(name, None)
         end = time.monotonic() + SPIN_S
-        while sum(self._hand_out(key) for key in tuple(self._inboxes)) and time.monotonic() <= end:
+        while sum(self._dispatch(key) for key in tuple(self._inboxes)) and time.monotonic() <= end:
             pass
 
     def close(self) -> None:
@@ -153,14 +153,14 @@ class RosbridgeBus(Bus):
             while time.monotonic() < end:
                 text = connection.recv(timeout_s)
                 timeout_s, end = 0.0, min(end, time.monotonic() + SPIN_S)
-                self._sort_in(text)
+                self._route(text)
         except TimeoutError:
             return True
         except WebSocketException:
             return False
         return True
 
-    def _sort_in(self, text: str | bytes) -> None:
+    def _route(self, text: str | bytes) -> None:
         """Put a frame into its inbox; a full inbox drops its oldest frame."""
         if len(text) > LONGEST:
             self._warn_once(f"a frame of more than {LONGEST // 1024} KiB is left out")
@@ -180,7 +180,7 @@ class RosbridgeBus(Bus):
             if inbox is not None:
                 inbox.frames.append(frame)
 
-    def _hand_out(self, key: tuple[str, str]) -> int:
+    def _dispatch(self, key: tuple[str, str]) -> int:
         """Handle the oldest frame of an inbox, and return the number of handled frames: 0 or 1."""
         inbox = self._inboxes[key]
         if not inbox.frames:
@@ -205,17 +205,17 @@ class RosbridgeBus(Bus):
         return call
 
     def _on_response(self, frame: dict[str, Any]) -> None:
-        answered = self._calls.pop(str(frame.get("id")), None)
-        if answered is None:
+        open_call = self._calls.pop(str(frame.get("id")), None)
+        if open_call is None:
             return
-        answered.connection.close()
+        open_call.connection.close()
         if not frame.get("result"):
-            self._warn_once(f"{answered.service}: {frame.get('values')}")
+            self._warn_once(f"{open_call.service}: {frame.get('values')}")
             return
         try:
-            answered.call.response = from_json(answered.response, frame.get("values"))
+            open_call.call.response = from_json(open_call.response, frame.get("values"))
         except ValueError as error:
-            self._warn_once(f"a message on {answered.service} cannot be read: {error}", answered.service)
+            self._warn_once(f"a message on {open_call.service} cannot be read: {error}", open_call.service)
 
     def _warn_once(self, problem: str, subject: str = "") -> None:
         self._log.warn(f"rosbridge: {one_line(problem)}", subject or problem)
@@ -269,7 +269,7 @@ def from_json(kind: MessageType, values: Any) -> Any:
     """
     if not isinstance(values, dict) or any(field.name not in values for field in kind.fields):
         words = ", ".join(field.name for field in kind.fields) or "no field"
-        raise ValueError(f"{kind.name} must be an object with {words}, got {in_short(values)}")
+        raise ValueError(f"{kind.name} must be an object with {words}, got {shortened(values)}")
     return kind.make(*(_value(field, values[field.name]) for field in kind.fields))
 
 
@@ -279,11 +279,11 @@ def _value(field: Field, value: Any) -> Any:
             return from_json(field.type, value)
         if isinstance(value, list):
             return tuple(from_json(field.type, one) for one in value)
-        raise ValueError(f"{field.name} must be a list, got {in_short(value)}")
+        raise ValueError(f"{field.name} must be a list, got {shortened(value)}")
     if field.type.startswith("float") and value is None:
         return math.nan  # rosbridge's null for NaN and the infinities, which JSON does not have
     kinds = _KINDS.get(field.type, (int,))
     if type(value) in kinds:
         with suppress(OverflowError):
             return kinds[-1](value)
-    raise ValueError(f"{field.name} must be a {field.type}, got {in_short(value)}")
+    raise ValueError(f"{field.name} must be a {field.type}, got {shortened(value)}")

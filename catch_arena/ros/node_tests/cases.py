@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.answers import DiffersError, UnreadableAnswer, request_in_words
+from catch_arena.conformance.adjudicator_calls import DiffersError, UnreadableRuling, describe_request
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, Strictness, compare
 from catch_arena.conformance.report import Report
@@ -36,7 +36,7 @@ _Question = tuple[Mapping[str, Any], ExpectedRuling]
 """The arguments of `arbitrate` for one request, and the right answer."""
 
 
-def can_be_asked(case: ArbiterCase | ArenaCase) -> bool:
+def fits_a_service(case: ArbiterCase | ArenaCase) -> bool:
     """Return whether a case can be asked of a service by name: one hunter, one request, usual circumstances, and the
     same answer for the float32 of a Pose.
     """
@@ -53,7 +53,7 @@ def can_be_asked(case: ArbiterCase | ArenaCase) -> bool:
 
 
 def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -> Report:
-    """Play the cases that a node can be asked, after `meet`, and return a report; the other cases count as not played.
+    """Play the cases that fit a service, after `wait_for_node`, and return a report; other cases count as not played.
 
     Raises:
         BusError: if no node answers over this bus.
@@ -63,7 +63,7 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
 
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     """Play a case. A wrong answer counts only if it comes twice."""
-    if not isinstance(case, ArbiterCase) or not (_fits_own(case) if node.keeps_the_list else can_be_asked(case)):
+    if not isinstance(case, ArbiterCase) or not (_fits_own(case) if node.publishes_list else fits_a_service(case)):
         return Result(case, None, 0.0, _NOT_BY_SERVICE)
     start = time.perf_counter()
     failure: Failure | None = None
@@ -75,19 +75,19 @@ def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
 
 
 def _is_silence(failure: Failure | None) -> bool:
-    return failure is not None and any(isinstance(one, UnreadableAnswer) for one in failure.differences)
+    return failure is not None and any(isinstance(one, UnreadableRuling) for one in failure.differences)
 
 
 def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | None:
     """Ask the questions of a case."""
-    token = "" if node.keeps_the_list else f"{secrets.token_hex(4)}_"
-    for arguments, expected in _questions_of_own(node, case) if node.keeps_the_list else _questions(case):
+    token = "" if node.publishes_list else f"{secrets.token_hex(4)}_"
+    for arguments, expected in _questions_of_own(node, case) if node.publishes_list else _questions(case):
         name = str(expected.target)
         targets = {_sent(token, one): place for one, place in arguments["targets"].items()}
         success = node.request_catch(arguments["hunters"][0], targets, _sent(token, name), settle_s)
         if success is None:
-            silence = UnreadableAnswer(
-                request_in_words(1, expected),
+            silence = UnreadableRuling(
+                describe_request(1, expected),
                 "an answer",
                 f"none within {ANSWER_S:g} s",
                 "no answer comes",
@@ -123,7 +123,7 @@ def _questions(case: ArbiterCase) -> Iterator[_Question]:
 
 def _fits_own(case: ArbiterCase) -> bool:
     """Return whether a case can be asked with targets whose places and names the node chooses."""
-    return can_be_asked(case) and len(case.targets) == 1 and (case.group != "names" or case.id == "names.unknown")
+    return fits_a_service(case) and len(case.targets) == 1 and (case.group != "names" or case.id == "names.unknown")
 
 
 def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Question]:

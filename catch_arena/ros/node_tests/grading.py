@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from catch_arena.conformance.answers import counted
+from catch_arena.conformance.adjudicator_calls import counted
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase
 from catch_arena.conformance.report import Report
 from catch_arena.errors import ConfigError
-from catch_arena.ros.node_tests.cases import can_be_asked, run_on_node
+from catch_arena.ros.node_tests.cases import fits_a_service, run_on_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.testing import select_cases
 from catch_arena.tournament.grading import TestGrade
@@ -21,7 +21,7 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
         BusError: if no node serves the service.
     """
     tests = [(test, _cases(test)) for test in spec.tests]
-    node.meet()
+    node.wait_for_node()
     for test, cases in tests:
         yield _grade(test, run_on_node(node, cases))
 
@@ -30,7 +30,7 @@ def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
     if not test.cases:
         raise ConfigError(f'{test.name}: cases must be given for a node, as in cases = ["reach", "names"]')
     try:
-        found = [case for case in select_cases(test.cases) if can_be_asked(case)]
+        found = [case for case in select_cases(test.cases) if fits_a_service(case)]
     except ConfigError as error:
         raise ConfigError(f"{test.name}: {error}") from None
     if not found:

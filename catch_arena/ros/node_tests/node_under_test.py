@@ -41,17 +41,17 @@ class NodeUnderTest:
         self._alive: Callable[[TurtleArray], None] | None = None
         self.listed: dict[str, Place] = {}
         """Targets in the node's own list."""
-        self.keeps_the_list = False
+        self.publishes_list = False
         """True if the node publishes the list itself."""
         bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
         bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
         bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
         self._client = bus.client(service, interfaces.catch_turtle)
         self._spawned = 1
-        self._answered = False
+        self._has_answered = False
         """True if any request was answered."""
 
-    def meet(self) -> None:
+    def wait_for_node(self) -> None:
         """Wait until the service is there, and publish the list if the node does not.
 
         Raises:
@@ -64,8 +64,8 @@ class NodeUnderTest:
             self._bus.spin(0.05)
         reports_publishers = self._bus.publishers_of(ALIVE_TURTLES) is not None
         self._spin_until(time.monotonic() + (_LOOK_S if reports_publishers else _LISTEN_S))
-        self.keeps_the_list = self.keeps_the_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
-        if self.keeps_the_list:
+        self.publishes_list = self.publishes_list or bool(self._bus.publishers_of(ALIVE_TURTLES))
+        if self.publishes_list:
             self._log(f"the node publishes {ALIVE_TURTLES} itself: it is asked for its own targets")
         else:
             self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
@@ -87,7 +87,8 @@ class NodeUnderTest:
         """Publish a position for a while, then request a target; return the answer, or None without one in time.
 
         Raises:
-            BusError: if no request was ever answered: over rosbridge `meet` cannot check that a node serves it.
+            BusError: if no request was ever answered: over rosbridge `wait_for_node` cannot check that a node serves
+                it.
         """
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
@@ -96,9 +97,9 @@ class NodeUnderTest:
         end = time.monotonic() + ANSWER_S
         while call.response is None and time.monotonic() < end:
             self._publish_for(DT, *position)
-        if call.response is None and not self._answered:
+        if call.response is None and not self._has_answered:
             raise BusError(f"{self._service} does not answer on this bus: does the node run, in the same domain?")
-        self._answered = True
+        self._has_answered = True
         return None if call.response is None else bool(call.response.success)
 
     def _publish_for(self, seconds: float, pose: Pose, alive: TurtleArray) -> None:
@@ -116,7 +117,7 @@ class NodeUnderTest:
 
     def _on_list(self, message: TurtleArray) -> None:
         if self._alive is None:  # else the list is ours
-            self.keeps_the_list = True
+            self.publishes_list = True
             self.listed = {name: (x, y) for name, x, y, _ in message.turtles}
 
     def _on_spawn(self, request: Request) -> None:

@@ -10,7 +10,7 @@ from catch_arena.ros.nodes.neighbours import remapping_to
 from catch_arena.text import one_line
 from catch_arena.verdicts import Ruling, Verdict
 
-_AGAIN: Final = 10
+_LOG_AT: Final = 10
 """Number of requests for targets that are gone after which the author gets a line."""
 
 
@@ -47,10 +47,10 @@ class Advice:
             self._log_once(f"{hunter} requested several targets in one step; {hint}", f"{hunter} several")
         elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
             self._too_late[hunter] += 1
-            if self._too_late[hunter] == _AGAIN:
+            if self._too_late[hunter] == _LOG_AT:
                 target = one_line(str(ruling.target)[:40])
                 self._log(
-                    f"{self._names[hunter]} has requested targets that are gone {_AGAIN} times, such as {target}: "
+                    f"{self._names[hunter]} has requested targets that are gone {_LOG_AT} times, such as {target}: "
                     f"choose another target when yours leaves {graph_names.ALIVE_TURTLES}"
                 )
 

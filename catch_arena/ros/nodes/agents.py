@@ -12,10 +12,10 @@ from catch_arena.policy import Limits
 from catch_arena.ros.middleware.bus import Log
 from catch_arena.service import ArenaService
 from catch_arena.text import one_line
-from catch_arena.tournament.players import Answer, Players
+from catch_arena.tournament.players import Move, Players
 from catch_arena.tournament.secret import agent_seed
 
-ASK_EVERY_MS: Final = 100
+ACT_EVERY_MS: Final = 100
 """R1.3: the usual control period [ms], so that agents play as in any other match."""
 
 
@@ -41,7 +41,7 @@ class AgentSeats:
         self._service, self._players, self._log = service, players, log
         self._hunters = {seat: service.config.hunter_names[seat] for seat in sorted(players.controls)}
         self._thread = ThreadPoolExecutor(1, "agents")
-        self._answers: Future[dict[int, Answer]] | None = None
+        self._moves: Future[dict[int, Move]] | None = None
         self._seen: Mapping[int, Sequence[str]] = {}
         """Names of the targets by rank, as they were when the agents were asked."""
         self._next_ms = 0
@@ -52,24 +52,24 @@ class AgentSeats:
 
     def begin(self, seed: int) -> None:
         """Begin a match."""
-        if self._answers is not None:
-            self._answers.exception()  # wait for the answers about the previous match, and drop them
-            self._answers = None
+        if self._moves is not None:
+            self._moves.exception()  # wait for the answers about the previous match, and drop them
+            self._moves = None
         self._next_ms = 0
         for hunters in (self._cmd_vel, self._active_targets, self.forfeits):
             hunters.clear()
         config = self._service.config
         seats = range(config.hunters)
-        limits = [replace(Limits.of(config, seat), control_period_ms=ASK_EVERY_MS) for seat in seats]
+        limits = [replace(Limits.of(config, seat), control_period_ms=ACT_EVERY_MS) for seat in seats]
         for seat, fault in self._players.reset([agent_seed(seed, seat) for seat in seats], limits).items():
             self._forfeit(seat, f"{fault.code}: {fault.reason}")
 
     def act(self, now_ms: int) -> AgentActions:
         """Return the agents' actions in the step that begins now."""
         requests: list[tuple[str, CatchTurtleRequest]] = []
-        if self._answers is not None and self._answers.done():
-            answers, self._answers = self._answers.result(), None
-            for seat, (action, _, fault) in answers.items():
+        if self._moves is not None and self._moves.done():
+            moves, self._moves = self._moves.result(), None
+            for seat, (action, _, fault) in moves.items():
                 try:
                     if fault is not None:
                         raise ActionError(f"{fault.code}: {fault.reason}")
@@ -77,11 +77,11 @@ class AgentSeats:
                 except ActionError as error:
                     self._forfeit(seat, str(error))
         playing = {seat: hunter for seat, hunter in self._hunters.items() if seat not in self.forfeits}
-        if now_ms >= self._next_ms and self._answers is None and playing:
-            self._next_ms = now_ms - now_ms % ASK_EVERY_MS + ASK_EVERY_MS
+        if now_ms >= self._next_ms and self._moves is None and playing:
+            self._next_ms = now_ms - now_ms % ACT_EVERY_MS + ACT_EVERY_MS
             views = {seat: self._service.observe(hunter) for seat, hunter in playing.items()}
             self._seen = {seat: self._service.targets_seen(hunter) for seat, hunter in playing.items()}
-            self._answers = self._thread.submit(self._players.act, views)
+            self._moves = self._thread.submit(self._players.act, views)
         return AgentActions(dict(self._cmd_vel), dict(self._active_targets), requests)
 
     def close(self) -> None:

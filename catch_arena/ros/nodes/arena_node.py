@@ -83,7 +83,7 @@ class ArenaNode:
         self.advice = Advice(service.config, names, log)
         self._log_once = OnceLog(log)
         self._neighbours = Neighbours(hunters, [seat.hunter for seat in self.seats], interfaces, log)
-        self._explained = False
+        self._remapping_explained = False
         """True if the advice on remapping a node that drives turtle1 was logged."""
         self._pending: list[tuple[str, Request]] = []
         """Catch requests for the next step, each with its hunter."""
@@ -264,9 +264,9 @@ class ArenaNode:
                 self._lists.append(self._bus.publisher(name, self._interfaces.turtle_array))
 
     def _explain_remapping(self) -> None:
-        if self._explained:  # `missing` queries the bus, which is too slow for each Twist of a flood
+        if self._remapping_explained:  # `missing` queries the bus, which is too slow for each Twist of a flood
             return
-        self._explained = True
+        self._remapping_explained = True
         self.advice.explain_remapping([seat.hunter for seat in self.missing or self.seats])
 
     def _publishers(self, seat: RosSeat) -> int | None:

@@ -26,7 +26,7 @@ PERIOD_S: Final = 0.1
 """R1.3: period of the exercise's control loop [s]."""
 _ANSWER_S: Final = 1.0
 """Time after which a request without an answer is repeated [s]."""
-_ALONE: Final[dict[str, Any]] = {
+_SETTINGS: Final[dict[str, Any]] = {
     "hunters": 1,
     "initial_targets": 0,
     "max_targets": 64,
@@ -64,7 +64,7 @@ class Controller:
         service: str | None = None,
         log: Log,
     ) -> None:
-        config = config.replace(**_ALONE, control=players.controls[0], observed_targets=64)
+        config = config.replace(**_SETTINGS, control=players.controls[0], observed_targets=64)
         self._engine = Engine(config)
         self._players, self._turtle, self._log = players, turtle, log
         self._pose: Pose | None = None

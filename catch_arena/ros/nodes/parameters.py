@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from catch_arena.errors import ConfigError, suggest
-from catch_arena.text import in_short
+from catch_arena.text import shortened
 
 SPAWN_FREQUENCY: Final = "spawn_frequency"
 NAME_PREFIX: Final = "turtle_name_prefix"
@@ -37,7 +37,7 @@ def parameters_from(words: Sequence[str], defaults: Mapping[str, Value]) -> dict
             raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {SPAWN_FREQUENCY}:=2.0, got {text!r}")
         if name not in values:
             known = suggest(name, values) if values else "this node has none"
-            raise ConfigError(f"there is no parameter {in_short(name)}: {known}")
+            raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
         values[name] = _value(name, value, type(values[name]))
     return values
 
@@ -46,4 +46,4 @@ def _value(name: str, word: str, kind: type) -> Value:
     try:
         return _BOOLEANS[word.lower()] if kind is bool else kind(word)
     except (KeyError, ValueError):
-        raise ConfigError(f"{name} must be {_KINDS[kind]}, got {in_short(word)}") from None
+        raise ConfigError(f"{name} must be {_KINDS[kind]}, got {shortened(word)}") from None

@@ -5,7 +5,7 @@ from typing import Final
 
 LATE_S: Final = 0.005
 """Delay [s] above which a tick counts as late."""
-_GIVEN_UP_S: Final = 0.25
+_SKIPPED_DELAY_S: Final = 0.25
 """Delay [s] above which missed ticks are not made up for: the next tick is due one period from now."""
 
 
@@ -35,5 +35,5 @@ class Rate:
         self.ticks += 1
         self.late += delay_s > LATE_S
         self.latest_s = max(self.latest_s, delay_s)
-        if delay_s > _GIVEN_UP_S:
+        if delay_s > _SKIPPED_DELAY_S:
             self._due = time.perf_counter()

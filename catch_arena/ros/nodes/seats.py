@@ -28,14 +28,14 @@ class RosSeat:
         """True while a node drives it."""
         self._log, self._log_once = log, OnceLog(log)
         self._twist = STANDING_STILL
-        self._fresh = False
-        self._missed = True
+        self._has_new_twist = False
+        self._is_missing = True
         """True if the next Twist is logged: no node has driven the hunter yet, or its silence was logged."""
         self.drove = False
         """True if a node ever drove it."""
-        self._was_there = self._left = False
+        self._had_publishers = self._has_left = False
         """True if a node that could drive it was on the bus; if one has left."""
-        self._given_ms = -WATCHDOG_MS
+        self._last_twist_ms = -WATCHDOG_MS
 
     def on_twist(self, message: TwistMessage) -> None:
         """Take a Twist; the last one before a step counts."""
@@ -45,11 +45,11 @@ class RosSeat:
             return
         if message.linear.y != 0.0:
             self._log_once.warn(f"{self.hunter}: its node sends linear.y, which turtles ignore: turn instead")
-        if not self.driven and self._missed:
-            self._log(f"{self.hunter}: its node {'is back' if self._left else 'is there'}")
+        if not self.driven and self._is_missing:
+            self._log(f"{self.hunter}: its node {'is back' if self._has_left else 'is there'}")
         self.driven = self.drove = True
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
-        self._fresh = True
+        self._has_new_twist = True
 
     def command(self, now_ms: int, tick_ms: int, *, targets: bool = True) -> Twist:
         """R2.4: return the last Twist in each step, and zero at the first tick more than a second after it came.
@@ -59,10 +59,10 @@ class RosSeat:
             tick_ms: time of the step's tick [ms].
             targets: whether there is a target to drive to; without one, silence of a node is not logged.
         """
-        if self._fresh:
-            self._fresh = False
-            self._given_ms = now_ms
-        if tick_ms - self._given_ms > WATCHDOG_MS:
+        if self._has_new_twist:
+            self._has_new_twist = False
+            self._last_twist_ms = now_ms
+        if tick_ms - self._last_twist_ms > WATCHDOG_MS:
             if self.driven:
                 self._leave("is silent", logged=targets)
             return STANDING_STILL
@@ -82,21 +82,21 @@ class RosSeat:
                 "sends: all are obeyed",
                 "two",
             )
-        gone = self._was_there and not publishers
+        gone = self._had_publishers and not publishers
         if gone and not self.drove:
             self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
-        elif not publishers and (self.driven or (gone and not self._missed)):  # or its silence was not logged
+        elif not publishers and (self.driven or (gone and not self._is_missing)):  # or its silence was not logged
             self._leave("has gone")
-        self._was_there = bool(publishers)
+        self._had_publishers = bool(publishers)
 
     def stop(self) -> None:
         """Stand still until the next Twist."""
-        self._twist, self._fresh = STANDING_STILL, False
-        self._given_ms = -WATCHDOG_MS
+        self._twist, self._has_new_twist = STANDING_STILL, False
+        self._last_twist_ms = -WATCHDOG_MS
 
     def _leave(self, state: str, *, logged: bool = True) -> None:
-        self.driven, self._missed = False, logged
+        self.driven, self._is_missing = False, logged
         self.stop()
         if logged:
-            self._left = True
+            self._has_left = True
             self._log(f"{self.hunter}: its node {state}; the hunter stands still until a node drives it again")

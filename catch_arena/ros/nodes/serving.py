@@ -23,7 +23,7 @@ from catch_arena.tournament.isolation.quotas import Quotas
 
 FASTEST: Final = 100.0
 """The highest --speed."""
-_ASK_AGAIN: Final = 20_000 // TICK_MS
+_LOG_AGAIN: Final = 20_000 // TICK_MS
 """Period in which the missing seats are logged again [ticks]."""
 _SETTLE: Final = 1000 // TICK_MS
 """Time between the last node and the beginning of the match [ticks]."""
@@ -117,7 +117,7 @@ def serve_match(
                 rate.sleep()
                 node.tick()
 
-        interrupts.linger(play)
+        interrupts.run_until_signal(play)
         early = not service.over
         if early:
             log(f"the match was stopped after {service.world.time_ms / 1000:.0f} s; this is the ranking until then")
@@ -133,9 +133,9 @@ def serve_match(
                 if record is not None:  # last, since saving takes as long as many ticks
                     if left_out := service.requests_left_out:
                         log(f"the replay is without {left_out} refused requests: there were too many to keep")
-                    interrupts.keep(lambda: service.replay.save(record))
+                    interrupts.run_uninterrupted(lambda: service.replay.save(record))
 
-        interrupts.linger(end)
+        interrupts.run_until_signal(end)
     return Served(tuple(names), ranks, scores, rate, node.remarks())
 
 
@@ -143,7 +143,7 @@ def _wait_for_nodes(node: ArenaNode, rate: Rate) -> None:
     """Wait until each seat has its node, and then for a second, in which names and types of the nodes are checked."""
     ticks = 0
     while node.missing:
-        if ticks % _ASK_AGAIN == 0:
+        if ticks % _LOG_AGAIN == 0:
             node.log_missing(again=ticks > 0)
         ticks += 1
         rate.sleep()

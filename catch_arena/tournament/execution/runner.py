@@ -72,7 +72,7 @@ def play_plan(
     on_results(before)
     planned = 0
 
-    def reported(blocks: Iterable[Block]) -> Iterator[Block]:
+    def report_progress(blocks: Iterable[Block]) -> Iterator[Block]:
         so_far = planned
         for block in blocks:
             so_far += len(block)
@@ -80,7 +80,7 @@ def play_plan(
             yield block
 
     for number in count():
-        stage = store.plan(reported(plan.stage(number, store.played(planned))))
+        stage = store.plan(report_progress(plan.stage(number, store.played(planned))))
         if not stage:
             store.end()
             return

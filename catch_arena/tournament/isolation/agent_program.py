@@ -41,9 +41,9 @@ _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
 _MIB: Final = 1 << 20
 _ADDRESSES: Final = 4
 """Addresses that a process may use for each byte of its private memory: libraries map memory that they never use."""
-_TOLD: Final = 76
+_ERROR_SENT: Final = 76
 """Exit code of a match's process that has sent its agent's error; nothing more is sent, and the program ends."""
-_OVER: Final = (b"", protocol.END)
+_END_LINES: Final = (b"", protocol.END)
 """Lines at which a match is over: the end of the pipe, and END."""
 _CLEAN_S: Final = 1.0
 """Time to end the processes that a match has left [s]; then the program ends, and the tournament ends the rest."""
@@ -61,7 +61,7 @@ def main(words: str) -> None:
     except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of MatchFailedError
         traceback.print_exc()
     finally:
-        _leave(None if arguments["namespaced"] else Path(arguments["folder"]))
+        _clean_up_and_exit(None if arguments["namespaced"] else Path(arguments["folder"]))
 
 
 def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
@@ -76,36 +76,36 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
         namespaced: True if the process is in its own namespaces.
     """
     if not namespaced:
-        _end_with(os.getppid(), Path(folder))
+        _end_after_parent(os.getppid(), Path(folder))
     allowed = Quotas(**quotas)
     _confine(allowed, namespaced=namespaced)
     writable = [Path(folder), SHARED] if namespaced else [Path(folder)]
-    kept = {path for place in writable for path in _found_in(place)}
+    kept = {path for place in writable for path in _contents_of(place)}
     os.write(out, protocol.STARTED)
-    _work_in(Path(folder, "match"))
+    _enter_folder(Path(folder, "match"))
     if (command := command_of(spec)) is not None:
         _limit_cpu(allowed.cpu_s)
         _become_command(command, into, out)
     _import(spec, out)
     gc.freeze()  # a collection in a fork would look at all modules, and copy their pages
-    lines = select.poll()
-    lines.register(into, select.POLLIN)
-    while lines.poll()[0][1] & select.POLLIN:
-        _work_in(Path(folder, "match"))
+    poll = select.poll()
+    poll.register(into, select.POLLIN)
+    while poll.poll()[0][1] & select.POLLIN:
+        _enter_folder(Path(folder, "match"))
         sys.stdout.flush()
         sys.stderr.flush()
         parent, child = os.getpid(), os.fork()
         if child == 0:
             try:
                 signal.signal(signal.SIGTERM, signal.SIG_DFL)
-                _set_for_process(_SET_PDEATHSIG, signal.SIGKILL)
+                _prctl(_SET_PDEATHSIG, signal.SIGKILL)
                 _limit_cpu(allowed.cpu_s)
                 if os.getppid() == parent:
                     _serve_match(spec, into, out)
             finally:
                 os._exit(1)
         code = _exit_code(child)
-        if not (_end_all_others() if namespaced else _end_descendants()) or code == _TOLD:
+        if not (_end_all_others() if namespaced else _end_descendants()) or code == _ERROR_SENT:
             return
         os.chdir("/")
         for place in writable:
@@ -113,34 +113,34 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
         os.write(out, protocol.line(ended=code))
 
 
-def speak_for(policy: Policy | PreyPolicy, lines: int, answers: int, known: Mapping[str, Any]) -> None:
+def run_policy(policy: Policy | PreyPolicy, into: int, out: int, facts: Mapping[str, Any]) -> None:
     """Speak the protocol for a Python class; an error that it raises is sent in one line, and its traceback printed.
 
     Args:
         policy: instance for this match, made after its hello.
-        lines: descriptor of the lines for it.
-        answers: descriptor for its answers.
-        known: further facts for the greeting, besides the control.
+        into: descriptor of the lines for it.
+        out: descriptor for its answers.
+        facts: further facts for the greeting, besides the control.
     """
     doing = "init"
     try:
-        _send(answers, protocol.line(control=getattr(policy, "control", "target"), **known))
-        if (line := _read_line(lines)) in _OVER:
+        _send(out, protocol.line(control=getattr(policy, "control", "target"), **facts))
+        if (line := _read_line(into)) in _END_LINES:
             return
         doing = "reset"
         message = json.loads(line)["reset"]
         limits = protocol.limits_in(message)
         policy.reset(message["seed"])
-        _send(answers, protocol.line(ready=True))
+        _send(out, protocol.line(ready=True))
         doing = "act"
-        while (line := _read_line(lines)) not in _OVER:
+        while (line := _read_line(into)) not in _END_LINES:
             seen = msgspec.json.decode(line)
             action = policy.act(limits.view(seen["view"], seen["mask"]))  # type: ignore[arg-type]  # its limits are of its side
-            _send(answers, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
+            _send(out, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
         _print(error)
-        _send(answers, protocol.line(error=f"{doing} raised {reason(error)}"))
-        os._exit(_TOLD)
+        _send(out, protocol.line(error=f"{doing} raised {reason(error)}"))
+        os._exit(_ERROR_SENT)
 
 
 def _serve_match(spec: str, into: int, out: int) -> NoReturn:
@@ -152,8 +152,8 @@ def _serve_match(spec: str, into: int, out: int) -> NoReturn:
         policy = create_policy(spec, side)
     except AgentError as error:
         _report(error, out)
-        os._exit(_TOLD)
-    speak_for(policy, into, out, {"sources": sources_of(spec), "prey": has_prey(spec)})
+        os._exit(_ERROR_SENT)
+    run_policy(policy, into, out, {"sources": sources_of(spec), "prey": has_prey(spec)})
     _flush()
     os._exit(0)
 
@@ -187,7 +187,7 @@ def _confine(quotas: Quotas, *, namespaced: bool) -> None:
     """Limit the memory, files and processes of this process and of those that it starts."""
     with suppress(OSError):  # when the machine has no memory left, agents are ended first
         Path("/proc/self/oom_score_adj").write_text("1000")
-    _set_for_process(_SET_CHILD_SUBREAPER, 1)
+    _prctl(_SET_CHILD_SUBREAPER, 1)
     if LINUX:  # this limit does not apply to root
         _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
     _limit(resource.RLIMIT_DATA, quotas.memory_mib * _MIB)
@@ -201,11 +201,11 @@ def _limit_cpu(seconds: int) -> None:
     _limit(resource.RLIMIT_CPU, seconds, spare=1)  # SIGXCPU comes before SIGKILL, and shows the reason
 
 
-def _limit(what: int, amount: int, spare: int = 0) -> None:
-    _, hard = resource.getrlimit(what)
+def _limit(kind: int, amount: int, spare: int = 0) -> None:
+    _, hard = resource.getrlimit(kind)
     most = amount + spare if hard == resource.RLIM_INFINITY else min(amount + spare, hard)
     with suppress(ValueError, OSError):  # macOS knows some limits by name only
-        resource.setrlimit(what, (min(amount, most), most))
+        resource.setrlimit(kind, (min(amount, most), most))
 
 
 def _tasks() -> int:
@@ -213,7 +213,7 @@ def _tasks() -> int:
     return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
-def _leave(folder: Path | None) -> NoReturn:
+def _clean_up_and_exit(folder: Path | None) -> NoReturn:
     """End this process, and without namespaces all processes that it started; remove its folder."""
     try:
         if folder is not None:
@@ -223,15 +223,15 @@ def _leave(folder: Path | None) -> NoReturn:
         os._exit(0)
 
 
-def _end_with(parent: int, folder: Path) -> None:
+def _end_after_parent(parent: int, folder: Path) -> None:
     """End this process and all that it started when its parent ends or sends SIGTERM; then remove its folder."""
-    signal.signal(signal.SIGTERM, lambda *_: _leave(folder))
-    _set_for_process(_SET_PDEATHSIG, signal.SIGTERM)
+    signal.signal(signal.SIGTERM, lambda *_: _clean_up_and_exit(folder))
+    _prctl(_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:  # the parent ended before the call
-        _leave(folder)
+        _clean_up_and_exit(folder)
 
 
-def _set_for_process(option: int, value: int) -> None:
+def _prctl(option: int, value: int) -> None:
     if LINUX:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
@@ -246,8 +246,8 @@ def _exit_code(child: int) -> int:
 
 def _end_all_others() -> bool:
     """End all other processes in these namespaces; return False if some do not end in time."""
-    patience = time.monotonic() + _CLEAN_S
-    while time.monotonic() < patience:
+    deadline = time.monotonic() + _CLEAN_S
+    while time.monotonic() < deadline:
         try:
             os.kill(-1, signal.SIGKILL)
         except ProcessLookupError:
@@ -261,8 +261,8 @@ def _end_all_others() -> bool:
 def _end_descendants() -> bool:
     """End all descendants of this process that the system lists; return False if some do not end in time."""
     children = Path(f"/proc/self/task/{os.getpid()}/children")
-    patience = time.monotonic() + _CLEAN_S
-    while time.monotonic() < patience:
+    deadline = time.monotonic() + _CLEAN_S
+    while time.monotonic() < deadline:
         try:
             pids = children.read_text().split()
         except OSError:
@@ -276,18 +276,18 @@ def _end_descendants() -> bool:
     return False
 
 
-def _work_in(folder: Path) -> None:
+def _enter_folder(folder: Path) -> None:
     folder.mkdir(mode=0o700, exist_ok=True)
     os.chdir(folder)
     os.environ["HOME"] = os.environ["TMPDIR"] = os.environ["PWD"] = str(folder)
 
 
-def _found_in(folder: Path) -> Iterator[Path]:
+def _contents_of(folder: Path) -> Iterator[Path]:
     """Yield the files and folders in a folder, with those in its subfolders; links and mounts are not entered."""
     for entry in folder.iterdir():
         yield entry
         if not entry.is_symlink() and entry.is_dir() and not entry.is_mount():
-            yield from _found_in(entry)
+            yield from _contents_of(entry)
 
 
 def _remove(folder: Path, kept: Collection[Path]) -> None:
@@ -303,24 +303,26 @@ def _remove(folder: Path, kept: Collection[Path]) -> None:
             path.unlink()
 
 
-def _report(error: AgentError, answers: int) -> None:
+def _report(error: AgentError, out: int) -> None:
     if error.__cause__ is not None:
         _print(error.__cause__)
-    _send(answers, protocol.line(error=str(error)))
+    _send(out, protocol.line(error=str(error)))
 
 
 def _print(error: BaseException) -> None:
     """Print a traceback to the agent's log; for an error of ours only the agent's own lines, as the error is sent."""
-    theirs = error.__traceback__
-    while theirs is not None and _calls_agents(theirs.tb_frame.f_code.co_filename):
-        theirs = theirs.tb_next
+    agent_traceback = error.__traceback__
+    while agent_traceback is not None and _calls_agents(agent_traceback.tb_frame.f_code.co_filename):
+        agent_traceback = agent_traceback.tb_next
     log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
     if isinstance(error, CatchArenaError):
-        ours = str(Path(catch_arena.__file__).parent) + os.sep
-        frames = [frame for frame in traceback.extract_tb(theirs) if not frame.filename.startswith(ours)]
+        package_folder = str(Path(catch_arena.__file__).parent) + os.sep
+        frames = [
+            frame for frame in traceback.extract_tb(agent_traceback) if not frame.filename.startswith(package_folder)
+        ]
         traceback.print_list(frames, log)
     else:
-        traceback.print_exception(type(error), error, theirs, file=log)
+        traceback.print_exception(type(error), error, agent_traceback, file=log)
     with suppress(OSError):
         log.flush()
 
@@ -330,17 +332,17 @@ def _calls_agents(file: str) -> bool:
     return file.startswith("<frozen importlib") or file in {importlib.__file__, loading.__file__, __file__}
 
 
-def _read_line(lines: int) -> bytes:
+def _read_line(into: int) -> bytes:
     """Read a line and return it, empty at the end of the pipe; the other side sends nothing after a line."""
     line = b""
-    while not line.endswith(b"\n") and (part := os.read(lines, protocol.PART)):
+    while not line.endswith(b"\n") and (part := os.read(into, protocol.PART)):
         line += part
     return line
 
 
-def _send(answers: int, line: bytes) -> None:
+def _send(out: int, line: bytes) -> None:
     while line:
-        line = line[os.write(answers, line) :]
+        line = line[os.write(out, line) :]
 
 
 def _flush() -> None:

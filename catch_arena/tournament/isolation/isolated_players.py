@@ -13,11 +13,11 @@ from typing import Any, Final, NamedTuple, get_args
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.policy import AnyLimits, Policy, PreyPolicy
-from catch_arena.text import in_short, one_line
+from catch_arena.text import one_line, shortened
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, how_it_ended
-from catch_arena.tournament.players import Answer, Fault, Observation, Players
+from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, exit_reason
+from catch_arena.tournament.players import Fault, Move, Observation, Players
 
 _POLL_S: Final = 0.1
 """Longest single wait [s], so that this process notices if it stood still itself."""
@@ -28,7 +28,7 @@ _STALL_S: Final = 1.0
 class _Reply(NamedTuple):
     """Answer of an agent in one line, or the fault that it has instead."""
 
-    said: dict[str, Any]
+    fields: dict[str, Any]
     """JSON object in the line; empty if there is a fault."""
     seconds: float
     """Time from sending a line to reading the answer [s]."""
@@ -56,12 +56,12 @@ class IsolatedPlayers(Players):
         self.controls |= {seat: entrant.control for seat, entrant in entrants.items()}
         self._sandbox = sandbox
         self._entrants = entrants
-        self._allowed = sandbox.quotas
+        self._quotas = sandbox.quotas
         self._bank_s = dict.fromkeys(entrants, sandbox.quotas.bank_s)
-        self._granted = {
-            "init": f"init_s ({self._allowed.init_s:g} s)",
-            "reset": f"what was left of init_s ({self._allowed.init_s:g} s)",
-            "act": f"step_ms ({self._allowed.step_ms:g} ms) and what was left of bank_s ({self._allowed.bank_s:g} s)",
+        self._limit_names = {
+            "init": f"init_s ({self._quotas.init_s:g} s)",
+            "reset": f"what was left of init_s ({self._quotas.init_s:g} s)",
+            "act": f"step_ms ({self._quotas.step_ms:g} ms) and what was left of bank_s ({self._quotas.bank_s:g} s)",
         }
         """Names of the limits that a late agent exceeds, by request; reports count faults by these words."""
         self._processes: dict[int, AgentProcess] = {}
@@ -77,32 +77,32 @@ class IsolatedPlayers(Players):
                 faults[seat] = reply.fault
             elif self._entrants[seat].side == "prey":  # prey cannot choose its control (R12.2)
                 continue
-            elif (control := _control_in(reply)) != self.controls[seat]:
-                why = f"says that its control is {in_short(control)}, and said {self.controls[seat]!r} before"
+            elif (control := _control_of(reply)) != self.controls[seat]:
+                why = f"says that its control is {shortened(control)}, and said {self.controls[seat]!r} before"
                 faults[seat] = Fault("FORFEIT_INIT", why)
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
-        left_s = {seat: max(0.0, self._allowed.init_s - greeted[seat].seconds) for seat in lines}
+        left_s = {seat: max(0.0, self._quotas.init_s - greeted[seat].seconds) for seat in lines}
         for seat, reply in self._exchange(lines, left_s, "reset").items():
             if reply.fault is not None:
                 faults[seat] = reply.fault
         return here | {seat: replace(fault, code="FORFEIT_INIT") for seat, fault in faults.items()}
 
-    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
         """Ask these seats for their actions; all processes get their views before the first answer is read."""
-        step_s, bank_s = self._allowed.step_ms / 1000.0, self._bank_s
+        step_s, bank_s = self._quotas.step_ms / 1000.0, self._bank_s
         lines = {
             seat: protocol.view_line(*observation)
             for seat, observation in observations.items()
             if seat in self._processes
         }
-        answers = super().act({seat: one for seat, one in observations.items() if seat not in self._processes})
+        moves = super().act({seat: one for seat, one in observations.items() if seat not in self._processes})
         for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
             bank_s[seat] -= max(0.0, reply.seconds - step_s)
             fault = reply.fault
-            if fault is None and "action" not in reply.said:
-                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {in_short(reply.said)}")
-            answers[seat] = reply.said.get("action"), reply.seconds, fault
-        return answers
+            if fault is None and "action" not in reply.fields:
+                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {shortened(reply.fields)}")
+            moves[seat] = reply.fields.get("action"), reply.seconds, fault
+        return moves
 
     def inspect(self) -> Inspection:
         """Ask the agent in seat 0 for its control, side and sources, and end it."""
@@ -111,14 +111,14 @@ class IsolatedPlayers(Players):
         self.drop(0)
         if reply.fault is not None:
             return Inspection(fault=reply.fault.reason, log=log)
-        control, sources = _control_in(reply), reply.said.get("sources")
+        control, sources = _control_of(reply), reply.fields.get("sources")
         try:
-            require_choice("control", control if isinstance(control, str) else in_short(control), get_args(Control))
+            require_choice("control", control if isinstance(control, str) else shortened(control), get_args(Control))
         except ConfigError as error:
             return Inspection(fault=str(error), log=log)
         listed = sources if isinstance(sources, list) else []  # a stranger's code may say anything
         named = tuple(one for one in listed if isinstance(one, str))
-        return Inspection(control, named, None, log, reply.said.get("prey") is True)
+        return Inspection(control, named, None, log, reply.fields.get("prey") is True)
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that has stopped playing, and all processes that it started."""
@@ -138,7 +138,7 @@ class IsolatedPlayers(Players):
         for seat in seats:
             self._processes[seat] = self._sandbox.start(self._entrants[seat])
         lines = {seat: protocol.hello_line(self._entrants[seat].side) for seat in seats}
-        return self._exchange(lines, dict.fromkeys(seats, self._allowed.init_s), "init")
+        return self._exchange(lines, dict.fromkeys(seats, self._quotas.init_s), "init")
 
     def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
         """Send each seat its line, and return the answer of each: a JSON object or a fault.
@@ -151,7 +151,7 @@ class IsolatedPlayers(Players):
         due: dict[int, float] = {}
         seat_of: dict[int, int] = {}
         poll = select.poll()
-        late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._granted[doing]}", late=True)
+        late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._limit_names[doing]}", late=True)
         now = time.monotonic()
         for seat, line in lines.items():
             process = self._processes[seat]
@@ -166,29 +166,29 @@ class IsolatedPlayers(Players):
                 seat_of[file] = seat
                 poll.register(file, select.POLLIN)
         while due:
-            patience = min(max(0.0, min(due.values()) - now), _POLL_S)
-            events = poll.poll(math.ceil(1000.0 * patience))
+            wait_s = min(max(0.0, min(due.values()) - now), _POLL_S)
+            events = poll.poll(math.ceil(1000.0 * wait_s))
             before, now = now, time.monotonic()
-            if now - before > patience + _STALL_S:
-                raise MatchFailedError(f"this process stood still for {now - before - patience:.1f} s")
+            if now - before > wait_s + _STALL_S:
+                raise MatchFailedError(f"this process stood still for {now - before - wait_s:.1f} s")
             for file, _ in events:
                 seat = seat_of[file]
                 process = self._processes[seat]
-                if file == process.printed:
+                if file == process.log_pipe:
                     if not process.read_log():
                         poll.unregister(file)
                 elif (received := process.read()) is not None:
                     poll.unregister(file)
-                    reply = _understood(received, now - sent_at[seat])
+                    reply = _parse(received, now - sent_at[seat])
                     in_time = now <= due.pop(seat) or reply.fault is not None
                     replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
-                poll.unregister(self._processes[seat].answers)  # later answers are too late
+                poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
                 replies[seat] = _Reply({}, now - sent_at[seat], late)
         for seat, reply in replies.items():
-            if "ended" in reply.said:  # our program reports the end of the process that it forked for the match
-                replies[seat] = _Reply({}, reply.seconds, _crash(doing, how_it_ended(reply.said["ended"])))
+            if "ended" in reply.fields:  # our program reports the end of the process that it forked for the match
+                replies[seat] = _Reply({}, reply.seconds, _crash(doing, exit_reason(reply.fields["ended"])))
             elif reply.fault is ENDED:
                 self._end_of_process(seat)
                 replies[seat] = _Reply({}, reply.seconds, _crash(doing, ENDED.reason))
@@ -207,29 +207,29 @@ class IsolatedPlayers(Players):
             raise MatchFailedError(f"the process of {self._entrants[seat].name} could not start: {last}")
 
 
-def _understood(received: bytes | Fault, seconds: float) -> _Reply:
+def _parse(received: bytes | Fault, seconds: float) -> _Reply:
     """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
     if isinstance(received, Fault):
         return _Reply({}, seconds, received)
     try:
-        said = json.loads(received)
+        fields = json.loads(received)
     except (ValueError, RecursionError):
-        said = None
-    if not isinstance(said, dict):
+        fields = None
+    if not isinstance(fields, dict):
         text = repr(received[:80].decode(errors="replace"))
         return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
-    if "error" in said:
-        why = said["error"]
-        return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else in_short(why))))
-    return _Reply(said, seconds)
+    if "error" in fields:
+        why = fields["error"]
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why))))
+    return _Reply(fields, seconds)
 
 
-def _crash(doing: str, how: str) -> Fault:
-    return Fault("FORFEIT_CRASH", f"{doing}: {how}")
+def _crash(doing: str, cause: str) -> Fault:
+    return Fault("FORFEIT_CRASH", f"{doing}: {cause}")
 
 
-def _control_in(greeting: _Reply) -> Any:
-    return greeting.said.get("control", "target")
+def _control_of(greeting: _Reply) -> Any:
+    return greeting.fields.get("control", "target")
 
 
 @contextmanager

@@ -24,12 +24,12 @@ from catch_arena.tournament.isolation.quotas import Level
 TEMPORARY: Final = Path("/tmp")  # noqa: S108 - in a file system of its own
 SHARED: Final = Path("/dev/shm")  # noqa: S108
 _PROGRAM: Final = "bwrap"
-_NOBODY: Final = 65534
+_UNPRIVILEGED_ID: Final = 65534
 _PROBE_S: Final = 20.0
 _SYSCTL: Final = Path("/proc/sys")
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
-    *("--uid", f"{_NOBODY}", "--gid", f"{_NOBODY}", "--hostname", "arena"),
+    *("--uid", f"{_UNPRIVILEGED_ID}", "--gid", f"{_UNPRIVILEGED_ID}", "--hostname", "arena"),
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
@@ -52,21 +52,21 @@ _REASONS: Final = (
 """Settings of the kernel that forbid user namespaces: name, value, and remedy."""
 
 
-def level_here(asked: Level | None = None) -> Level:
+def available_level(required: Level | None = None) -> Level:
     """Return the level of isolation on this machine.
 
     Args:
-        asked: the level that is required; None for the best one that works.
+        required: the level that is required; None for the best one that works.
 
     Raises:
         ConfigError: if the required level does not work here.
     """
-    if asked == "processes":
-        return asked
-    why = namespaces_missing()
+    if required == "processes":
+        return required
+    why = namespaces_fault()
     if why is None:
         return "namespaces"
-    if asked is None:
+    if required is None:
         return "processes"
     raise ConfigError(f"isolation namespaces cannot be held here: {why}")
 
@@ -77,11 +77,11 @@ def level_line(level: Level) -> str:
         return "isolation: namespaces"
     return (
         "isolation: processes, which does not stop a hostile agent: "
-        f"{namespaces_missing() or 'leave isolation=processes out'} (`catch-arena docs isolation`)"
+        f"{namespaces_fault() or 'leave isolation=processes out'} (`catch-arena docs isolation`)"
     )
 
 
-def bubblewrap_words(visible: Iterable[Path], writable_bytes: int) -> list[str]:
+def bubblewrap_command(visible: Iterable[Path], writable_bytes: int) -> list[str]:
     """Return the command line up to the program that bubblewrap starts.
 
     Args:
@@ -105,13 +105,13 @@ def visible_paths(spec: str) -> list[Path]:
     return [*_runtime(), *_own_paths(spec)]
 
 
-def namespaces_missing() -> str | None:
+def namespaces_fault() -> str | None:
     """Return the reason for which namespaces do not work on this machine, with a remedy; None if they work."""
-    return _missing(shutil.which(_PROGRAM))
+    return _fault(shutil.which(_PROGRAM))
 
 
 @cache
-def _missing(program: str | None) -> str | None:
+def _fault(program: str | None) -> str | None:
     if sys.platform != "linux":
         return f"{sys.platform} has none: only Linux does"
     if program is None:
@@ -119,7 +119,7 @@ def _missing(program: str | None) -> str | None:
     true = shutil.which("true") or "/bin/true"
     try:
         subprocess.run(  # noqa: S603 - a program of the system
-            [*bubblewrap_words([*map(Path, _SYSTEM), Path(true)], 1 << 20), true],
+            [*bubblewrap_command([*map(Path, _SYSTEM), Path(true)], 1 << 20), true],
             stdin=subprocess.DEVNULL,
             capture_output=True,
             check=True,
@@ -130,13 +130,15 @@ def _missing(program: str | None) -> str | None:
     except OSError as error:
         return f"{program} cannot be started: {error.strerror}"
     except subprocess.CalledProcessError as error:
-        said = error.stderr.decode(errors="replace").strip().splitlines()
-        return "; ".join([f"{program} fails: {said[-1] if said else f'exit code {error.returncode}'}", *_hints(said)])
+        lines = error.stderr.decode(errors="replace").strip().splitlines()
+        return "; ".join(
+            [f"{program} fails: {lines[-1] if lines else f'exit code {error.returncode}'}", *_hints(lines)]
+        )
     return None
 
 
-def _hints(said: Sequence[str]) -> list[str]:
-    if any("Unknown option" in line for line in said):
+def _hints(lines: Sequence[str]) -> list[str]:
+    if any("Unknown option" in line for line in lines):
         return ["it must be version 0.8 or later"]
     return [hint for name, value, hint in _REASONS if _setting(name) == value]
 

@@ -19,7 +19,7 @@ from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.tournament.agent_spec import command_of
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.namespaces import TEMPORARY, bubblewrap_words, level_here, visible_paths
+from catch_arena.tournament.isolation.namespaces import TEMPORARY, available_level, bubblewrap_command, visible_paths
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.players import Fault
@@ -94,28 +94,28 @@ class AgentProcess:
     def __init__(self, spec: str, quotas: Quotas) -> None:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
-        self._serves_many = command_of(spec) is None  # a command ends with its first match
+        self._serves_many_matches = command_of(spec) is None  # a command ends with its first match
         self.started = False
         """True after the process has begun to run the agent's code."""
-        self._longest = quotas.answer_kib * _KIB
+        self._max_line_bytes = quotas.answer_kib * _KIB
         self._log_size = quotas.log_kib * _KIB
         self._namespaced = quotas.isolation == "namespaces"
         self._unread = b""
         self._log_open = True
-        self._plays = False
+        self._in_match = False
         self._killed = False
         self.log = Log(self._log_size)
         pipes: list[tuple[int, int]] = []
         try:
             pipes.extend(os.pipe() for _ in range(3))
-            (into, self._into), (self.answers, out), (self.printed, log) = pipes
+            (into, self._line_pipe), (self.answer_pipe, out), (self.log_pipe, log) = pipes
             self._folder = None if self._namespaced else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
             folder = str(TEMPORARY) if self._folder is None else self._folder.name
             settings = {"spec": spec, "quotas": quotas.numbers(), "folder": folder, "into": into, "out": out}
             words = [sys.executable, "-c", _MAIN, json.dumps(settings | {"namespaced": self._namespaced}), _package()]
             words += module_folders()
             if self._namespaced:
-                words = [*bubblewrap_words(visible_paths(spec), quotas.file_mib << 20), *words]
+                words = [*bubblewrap_command(visible_paths(spec), quotas.file_mib << 20), *words]
             self._process = subprocess.Popen(  # noqa: S603 - our own program
                 words,
                 stdin=subprocess.DEVNULL,
@@ -132,7 +132,7 @@ class AgentProcess:
             raise MatchFailedError(f"an agent's process cannot be started: {error}") from None
         for file in (into, out, log):
             os.close(file)
-        for file in (self._into, self.answers, self.printed):
+        for file in (self._line_pipe, self.answer_pipe, self.log_pipe):
             os.set_blocking(file, False)
 
     @property
@@ -142,17 +142,17 @@ class AgentProcess:
 
     def begin(self) -> None:
         """Begin a match, with a new log."""
-        self._plays = True
+        self._in_match = True
         self.log = Log(self._log_size)
 
     def files(self) -> tuple[int, ...]:
         """Return the descriptors to poll: answers, and printed text while the log is open."""
-        return (self.answers, self.printed) if self._log_open else (self.answers,)
+        return (self.answer_pipe, self.log_pipe) if self._log_open else (self.answer_pipe,)
 
     def write(self, line: bytes) -> bool:
         """Write a line, and return False if the pipe has no room; a closed pipe shows in the next `read`."""
         try:
-            return os.write(self._into, line) == len(line)
+            return os.write(self._line_pipe, line) == len(line)
         except BlockingIOError:
             return False
         except BrokenPipeError:
@@ -161,7 +161,7 @@ class AgentProcess:
     def read(self) -> bytes | Fault | None:
         """Read the available bytes, and return a whole line, a fault, or None if the line is not complete yet."""
         try:
-            part = os.read(self.answers, protocol.PART)
+            part = os.read(self.answer_pipe, protocol.PART)
         except BlockingIOError:
             return None
         if not part:
@@ -172,9 +172,9 @@ class AgentProcess:
             self._unread = self._unread.removeprefix(protocol.STARTED)
         line, end, rest = self._unread.partition(b"\n")
         if rest:
-            return Fault("FORFEIT_ILLEGAL", f"said more than one line: {_shown(self._unread)}")
-        if len(self._unread) > self._longest:
-            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {self._longest} bytes: {_shown(line)}")
+            return Fault("FORFEIT_ILLEGAL", f"said more than one line: {_excerpt(self._unread)}")
+        if len(self._unread) > self._max_line_bytes:
+            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {self._max_line_bytes} bytes: {_excerpt(line)}")
         if not end:
             return None
         self._unread = b""
@@ -184,7 +184,7 @@ class AgentProcess:
         """Add printed bytes to the log, and return whether more may come."""
         with suppress(BlockingIOError):
             for _ in range(4):  # an agent that prints without end must not block
-                if not (part := os.read(self.printed, protocol.PART)):
+                if not (part := os.read(self.log_pipe, protocol.PART)):
                     self._log_open = False
                     break
                 self.log.add(part)
@@ -192,10 +192,10 @@ class AgentProcess:
 
     def finish(self) -> bool:
         """End the current match, if any, and return whether the process can play another one."""
-        if not self._plays:
+        if not self._in_match:
             return True
-        self._plays = False
-        if not self._serves_many or not self.write(protocol.END):
+        self._in_match = False
+        if not self._serves_many_matches or not self.write(protocol.END):
             return False
         line = self._last_line()
         self.read_log()
@@ -217,18 +217,18 @@ class AgentProcess:
         """Kill the process, wait for its end, and remove its folder."""
         self.kill()
         self._process.wait()
-        patience = time.monotonic() + _END_S  # the log ends with the last process in the namespaces
-        while self.read_log() and (left := patience - time.monotonic()) > 0:
-            select.select([self.printed], [], [], left)
-        for file in (self._into, self.answers, self.printed):
+        deadline = time.monotonic() + _END_S  # the log ends with the last process in the namespaces
+        while self.read_log() and (left := deadline - time.monotonic()) > 0:
+            select.select([self.log_pipe], [], [], left)
+        for file in (self._line_pipe, self.answer_pipe, self.log_pipe):
             os.close(file)
         if self._folder is not None:
             self._folder.cleanup()
 
     def _last_line(self) -> bytes | None:
         """Return the next line, or None if none comes in time."""
-        patience = time.monotonic() + _END_S
-        while (left := patience - time.monotonic()) > 0 and select.select([self.answers], [], [], left)[0]:
+        deadline = time.monotonic() + _END_S
+        while (left := deadline - time.monotonic()) > 0 and select.select([self.answer_pipe], [], [], left)[0]:
             if (received := self.read()) is not None:
                 return received if isinstance(received, bytes) else None
         return None
@@ -246,7 +246,7 @@ class Sandbox:
 
     def __init__(self, quotas: Quotas | None = None) -> None:
         quotas = quotas or Quotas()
-        self.quotas = replace(quotas, isolation=level_here(quotas.isolation))
+        self.quotas = replace(quotas, isolation=available_level(quotas.isolation))
         self._processes: dict[tuple[str, str], AgentProcess] = {}
 
     def __enter__(self) -> "Sandbox":
@@ -290,7 +290,7 @@ class Sandbox:
             self._processes.popitem()[1].close()
 
 
-def how_it_ended(code: Any) -> str:
+def exit_reason(code: Any) -> str:
     """Return an exit code in words; a code below 0 is a signal."""
     if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
         return ENDED.reason
@@ -304,5 +304,5 @@ def _package() -> str:
     return str(Path(catch_arena.__file__).parents[1])
 
 
-def _shown(content: bytes) -> str:
+def _excerpt(content: bytes) -> str:
     return repr(content[:80].decode(errors="replace"))

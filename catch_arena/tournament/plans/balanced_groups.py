@@ -75,14 +75,14 @@ def _equalised(groups: NDArray[np.int64], before: NDArray[np.float64]) -> NDArra
     The best swap gives the smallest sum of squared meetings. As the number of meetings is fixed, that is most equal.
     """
     count, seats = groups.shape
-    who = groups.ravel().copy()
-    every, group = np.arange(who.size), np.arange(who.size) // seats
+    members = groups.ravel().copy()
+    every, group = np.arange(members.size), np.arange(members.size) // seats
     same = group[:, None] == group[None, :]
     while True:
-        met = before + _meetings(who.reshape(count, seats), len(before))
+        met = before + _meetings(members.reshape(count, seats), len(before))
         np.fill_diagonal(met, _NEVER)
-        between = met[np.ix_(who, who)]
-        in_group = between.reshape(who.size, count, seats).sum(axis=2)  # a slot's player with all of a group
+        between = met[np.ix_(members, members)]
+        in_group = between.reshape(members.size, count, seats).sum(axis=2)  # a slot's player with all of a group
         staying = in_group[every, group] - _NEVER  # not with oneself
         moving = in_group[:, group] - between  # to the other's slot, when the other is gone
         gain = moving - staying[:, None]
@@ -90,6 +90,6 @@ def _equalised(groups: NDArray[np.int64], before: NDArray[np.float64]) -> NDArra
         change[same] = 0.0
         best = int(change.argmin())
         if change.flat[best] >= 0:
-            return who.reshape(count, seats)
-        swap = list(divmod(best, who.size))
-        who[swap] = who[swap[::-1]]
+            return members.reshape(count, seats)
+        swap = list(divmod(best, members.size))
+        members[swap] = members[swap[::-1]]

@@ -96,11 +96,11 @@ def plan_of(
     others, free = entrants - len(first), parties.group - len(first)
     if not free:
         raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {parties.group}")
-    count, turns, what = comb(others, free), 1, f"every {free} of {others} entrants"
+    count, turns, subject = comb(others, free), 1, f"every {free} of {others} entrants"
     sampled = count * parties.block_size > most
     if sampled:
         count, turns = groups_in_sweep(others, free), sweeps_to_meet(others, free)
-        what = f"balanced blocks of {entrants} entrants"
+        subject = f"balanced blocks of {entrants} entrants"
     if rounds is None:
         rounds = ceil(_BLOCKS_OF_EACH * others / max(turns * count * free, 1))
     turns *= rounds
@@ -109,7 +109,7 @@ def plan_of(
         raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {turns}")
     if size > _MOST_MATCHES:
         raise ConfigError(
-            f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {what}, in every seating, {turns} rounds"
+            f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {subject}, in every seating, {turns} rounds"
         )
 
     def blocks() -> Iterator[Block]:

@@ -61,7 +61,7 @@ def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], sid
     histogram = sums_by(size, int(outcomes.scores.max(initial=0)) + 1, outcomes.seating, outcomes.scores)
     totals = histogram.sum(axis=1)
     below_or_half = np.cumsum(histogram, axis=1) - histogram / 2.0
-    who = np.flatnonzero(totals)
+    with_matches = np.flatnonzero(totals)
 
     def improvement(i: int, j: int) -> float:
         better, worse = (i, j) if side == "hunter" else (j, i)
@@ -77,7 +77,7 @@ def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], sid
             share=share.get((i, j), unknown),
             improvement=improvement(i, j),
         )
-        for i in who.tolist()
-        for j in who.tolist()
+        for i in with_matches.tolist()
+        for j in with_matches.tolist()
         if i != j
     ]

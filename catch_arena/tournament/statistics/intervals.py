@@ -16,10 +16,10 @@ RESAMPLES: Final = 2000
 FEWEST_BLOCKS: Final = 4
 """Smallest number of blocks for an interval: fewer may be equal by chance."""
 _CONFIDENCE: Final = 0.95
-_AT_A_TIME: Final = 100
+_BATCH: Final = 100
 _MOST_DRAWN: Final = 4096
 """Largest number of blocks that are drawn singly; more are put into this number of bags first."""
-_NOTHING: Final = 1e-12
+_TOLERANCE: Final = 1e-12
 """Relative size of a sum of squares below which it is taken for a rounding error."""
 
 
@@ -98,21 +98,21 @@ def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_vari
     resamples have no standard error.
     """
     residuals, counts = _bags(residuals), _bags(counts)
-    nothing = _NOTHING * (residuals**2).sum(axis=0)
+    tolerance = _TOLERANCE * (residuals**2).sum(axis=0)
     products = np.concatenate((residuals, counts, residuals**2, residuals * counts, counts**2), axis=1)
     blocks, figures = residuals.shape
     found = np.empty((RESAMPLES, figures))
     bits = np.random.PCG64(0)  # its raw stream is fixed by NumPy's policy; that of Generator's methods is not
-    for begin in range(0, RESAMPLES, _AT_A_TIME):
-        drawn = (bits.random_raw((_AT_A_TIME, blocks)) % np.uint64(blocks)).astype(np.int64)
-        weights = sums_by(_AT_A_TIME, blocks, np.arange(_AT_A_TIME)[:, None], drawn)
+    for begin in range(0, RESAMPLES, _BATCH):
+        drawn = (bits.random_raw((_BATCH, blocks)) % np.uint64(blocks)).astype(np.int64)
+        weights = sums_by(_BATCH, blocks, np.arange(_BATCH)[:, None], drawn)
         moved, totals, squares, mixed, spread = np.split(weights @ products, 5, axis=1)
         shift = moved / totals
-        around_its_own_mean = squares - 2.0 * shift * mixed + shift**2 * spread
-        around_its_own_mean[around_its_own_mean <= nothing] = 0.0
-        distance = np.abs(shift) / np.sqrt(correction * around_its_own_mean / totals**2 + pseudo_variance)
-        still = moved**2 <= nothing
-        found[begin : begin + _AT_A_TIME] = np.where(still, 0.0, np.where(totals > 0, distance, math.inf))
+        centred = squares - 2.0 * shift * mixed + shift**2 * spread
+        centred[centred <= tolerance] = 0.0
+        distance = np.abs(shift) / np.sqrt(correction * centred / totals**2 + pseudo_variance)
+        still = moved**2 <= tolerance
+        found[begin : begin + _BATCH] = np.where(still, 0.0, np.where(totals > 0, distance, math.inf))
     critical: Floats = np.quantile(found, _CONFIDENCE, axis=0, method="inverted_cdf")
     return critical
 

@@ -80,8 +80,8 @@ class Pairs:
         block = np.repeat(outcomes.block, len(one))
         first, second = outcomes.seating[:, one].ravel(), outcomes.seating[:, other].ravel()
         result = np.sign(outcomes.ranks[:, other] - outcomes.ranks[:, one]).ravel()
-        apart = first != second
-        return cls(outcomes.entrants, outcomes.blocks, block[apart], first[apart], second[apart], result[apart])
+        differ = first != second
+        return cls(outcomes.entrants, outcomes.blocks, block[differ], first[differ], second[differ], result[differ])
 
     def table(self, result: int) -> Floats:
         """Return the number of times that each entrant had this result against each other: (entrants, entrants)."""

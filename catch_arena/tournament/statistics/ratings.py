@@ -18,7 +18,7 @@ from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, 
 ELO: Final = 400.0 / math.log(10.0)
 """Points per unit of log strength: with 400 points more, wins are ten times as likely as defeats."""
 _LONGEST_STEP: Final = 2.0
-_CLOSE_ENOUGH: Final = 1e-10
+_TOLERANCE: Final = 1e-10
 _MOST_STEPS: Final = 200
 
 
@@ -139,7 +139,7 @@ def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
         information[size, size] = (met * tied * (1.0 - tied)).sum() / 2.0 + equals_tie * (1.0 - equals_tie)
         step = np.linalg.solve(information, gradient)
         longest = float(np.abs(step).max())
-        if longest < _CLOSE_ENOUGH:
+        if longest < _TOLERANCE:
             break
         found = found + step * min(1.0, _LONGEST_STEP / longest)
     return found[:size], float(found[size]), information

@@ -39,17 +39,17 @@ def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequ
         return played
     cut = parties.on(side)
     if len(parties.seats[cut]) > 1:
-        return [_cut(one, cut) for one in played]
+        return [_slice_parties(one, cut) for one in played]
     other = parties.on("prey" if side == "hunter" else "hunter")
 
     def opponents(one: PlayedMatch) -> tuple[int, tuple[int, ...]]:
         return one.match.block, one.match.seating[other]
 
     alike = groupby(sorted(played, key=lambda one: (*opponents(one), one.match.id)), key=opponents)
-    return [_joined([_cut(one, cut) for one in those], side) for _, those in alike]
+    return [_join([_slice_parties(one, cut) for one in matches], side) for _, matches in alike]
 
 
-def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
+def _slice_parties(one: PlayedMatch, cut: slice) -> PlayedMatch:
     match, result = one.match, one.result
     return replace(
         one,
@@ -58,9 +58,9 @@ def _cut(one: PlayedMatch, cut: slice) -> PlayedMatch:
     )
 
 
-def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
+def _join(matches: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
     """Return one match that joins matches with one party each."""
-    first, results = those[0], [one.result for one in those]
+    first, results = matches[0], [one.result for one in matches]
     joined: dict[str, Any] = {
         name: tuple(value for result in results for value in getattr(result, name)) for name in _BY_PARTY
     }
@@ -68,7 +68,7 @@ def _joined(those: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
     ranks = ranks_of_sides(joined["scores"], lasted, len(lasted) if side == "hunter" else 0)
     return replace(
         first,
-        match=replace(first.match, seating=tuple(index for one in those for index in one.match.seating)),
+        match=replace(first.match, seating=tuple(index for one in matches for index in one.match.seating)),
         result=replace(first.result, **joined, ranks=ranks, logs=()),
         replay=None,
     )

@@ -10,10 +10,10 @@ from catch_arena.ros.middleware.opening import open_bus
 TYPES = Interfaces()
 YES, NO = CatchTurtleResponse(success=True), CatchTurtleResponse(success=False)
 ours, theirs = (open_bus("rclpy", node=name) for name in ("ours", "theirs"))
-asked, heard = [], []
-ours.serve("/catch_turtle", TYPES.catch_turtle, asked.append)
+requests, received = [], []
+ours.serve("/catch_turtle", TYPES.catch_turtle, requests.append)
 publish = ours.publisher("/out", TWIST)
-theirs.subscribe("/out", TWIST, heard.append)
+theirs.subscribe("/out", TWIST, received.append)
 client = theirs.client("/catch_turtle", TYPES.catch_turtle)
 
 
@@ -27,14 +27,14 @@ def until(ready, *buses):
 
 until(lambda: client.ready and theirs.publishers_of("/out") and ours.listeners_to("/out"), ours, theirs)
 calls = [client.call(CatchTurtleRequest(name)) for name in "abc"]
-until(lambda: len(asked) == 3, ours, theirs)
+until(lambda: len(requests) == 3, ours, theirs)
 assert [call.response for call in calls] == [None] * 3
 by_name = dict(zip("abc", calls, strict=True))
-asked[1].answer(YES)  # later ones are heard while earlier ones wait
+requests[1].answer(YES)  # later ones are heard while earlier ones wait
 publish(TwistMessage.of(1.0, 2.0))  # the answer leaves before it, without another spin of ours
-until(lambda: heard and by_name[asked[1].message.name].response == YES, theirs)
-assert heard == [TwistMessage.of(1.0, 2.0)]
-for one in (asked[0], asked[2]):
+until(lambda: received and by_name[requests[1].message.name].response == YES, theirs)
+assert received == [TwistMessage.of(1.0, 2.0)]
+for one in (requests[0], requests[2]):
     one.answer(NO)
 until(lambda: all(call.response for call in calls), ours, theirs)
 assert sorted(call.response.success for call in calls) == [False, False, True]

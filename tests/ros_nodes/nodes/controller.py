@@ -25,7 +25,7 @@ class Controller(Node):
         self.choices = choices
         package, word, self.list_field, self.name_field, self.answer_field = choices.types
         self.catch = import_module(f"{package}.srv").CatchTurtle
-        self.pose, self.turtles, self.asking = None, [], False
+        self.pose, self.turtles, self.is_waiting = None, [], False
         group = ReentrantCallbackGroup() if choices.answers == "threads" else None
         self.publisher = self.create_publisher(Twist, f"{choices.turtle}/cmd_vel", 10)
         self.create_subscription(Pose, f"{choices.turtle}/pose", self.on_pose, 10, callback_group=group)
@@ -59,9 +59,9 @@ class Controller(Node):
             twist.linear.x = distance * min(2.0, 0.8 * self.choices.hz) * max(math.cos(turn), 0.0)
             twist.angular.z = gain * turn
         self.publisher.publish(twist)
-        if distance < self.choices.stop and not self.asking:
-            self.asking = True
-            self.ask(getattr(turtle, self.name_field))
+        if distance < self.choices.stop and not self.is_waiting:
+            self.is_waiting = True
+            self.send_request(getattr(turtle, self.name_field))
 
     def distance(self, turtle):
         return math.hypot(turtle.x - self.pose.x, turtle.y - self.pose.y)
@@ -71,7 +71,7 @@ class Controller(Node):
             return min(self.turtles, key=self.distance)
         return self.turtles[0]
 
-    def ask(self, name):
+    def send_request(self, name):
         while self.pen is not None and not self.pen.wait_for_service(1.0):  # a colour for each catch
             self.get_logger().info("waiting for the pen")
         if self.pen is not None:
@@ -94,10 +94,10 @@ class Controller(Node):
     def on_answer(self, name, response):
         caught = getattr(response, self.answer_field)
         self.turtles = [one for one in self.turtles if not (caught and getattr(one, self.name_field) == name)]
-        self.say(f"{'caught' if caught else 'refused'} {name}")
-        self.asking = False
+        self.log(f"{'caught' if caught else 'refused'} {name}")
+        self.is_waiting = False
 
-    def say(self, line):
+    def log(self, line):
         print(line, flush=True)  # noqa: T201
 
 

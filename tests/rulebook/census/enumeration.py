@@ -59,7 +59,7 @@ class Position:
         """All requests of each step, those of the lower seats first."""
         own = [one for count in range(self.most + 1) for one in itertools.product(self.names, repeat=count)]
         return [
-            [(seat, name) for seat, asked in enumerate(step) for name in asked]
+            [(seat, name) for seat, requested in enumerate(step) for name in requested]
             for step in itertools.product(own, repeat=len(self.hunters))
         ]
 

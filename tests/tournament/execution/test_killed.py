@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.errors import StoreError
-from catch_arena.interrupts import family
+from catch_arena.interrupts import descendants
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store
 
@@ -137,9 +137,9 @@ def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
     environment = os.environ | {"TMPDIR": str(tmp_path / "temporary")}
     process = subprocess.Popen([sys.executable, "-c", PLAYS, level], cwd=tmp_path, env=environment)
     with process:
-        while sum(is_grandchild(pid) for pid in family(process.pid)) < 4 and process.poll() is None:
+        while sum(is_grandchild(pid) for pid in descendants(process.pid)) < 4 and process.poll() is None:
             time.sleep(0.05)
-        relatives = family(process.pid)
+        relatives = descendants(process.pid)
         assert len(relatives) >= 14  # two workers, with two programs each, their agents, and these children
         process.kill()
     patience = time.monotonic() + 60

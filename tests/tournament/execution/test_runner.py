@@ -11,7 +11,7 @@ from tournament.seats import hunters
 from catch_arena import Replay, scenario
 from catch_arena.errors import MatchFailedError
 from catch_arena.files import prepare_folder
-from catch_arena.interrupts import family
+from catch_arena.interrupts import descendants
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS
 from catch_arena.tournament.plans.schedule import round_robin
@@ -45,7 +45,7 @@ def test_one_process_or_two_give_the_same_results_and_replays(tmp_path):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_path, jobs):
     entrants = enter([write_agent(tmp_path / "bad.py", "return -1"), "nearest", "idle"])
-    before = family(os.getpid())
+    before = descendants(os.getpid())
     played = run(SHORT, entrants, round_robin(3, hunters(2), 2, seed=0), jobs=jobs, record=tmp_path)
     assert len(played) == 12
     for one in played:
@@ -53,15 +53,15 @@ def test_a_failing_agent_spoils_its_own_matches_only_and_no_process_stays(tmp_pa
         assert list(one.result.forfeit_codes) == codes
     assert [path.name for path in (tmp_path / LOGS).iterdir()] == ["bad.log"]
     assert (tmp_path / LOGS / "bad.log").read_text().count("FORFEIT_ILLEGAL in step 1: an action must be") == 8
-    assert family(os.getpid()) - before <= helpers()
+    assert descendants(os.getpid()) - before <= helpers()
 
 
 def test_a_worker_that_dies_every_time_is_told_with_its_match(tmp_path):
     bad = write_agent(tmp_path / "bad.py", "os._exit(1)", before="import os\n")
-    before = family(os.getpid())
+    before = descendants(os.getpid())
     with pytest.raises(MatchFailedError, match=r"match r00001-g000001.* failed 3 times: a worker process died"):
         run(SHORT, enter([bad, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
-    assert family(os.getpid()) - before <= helpers()
+    assert descendants(os.getpid()) - before <= helpers()
 
 
 def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):

@@ -9,7 +9,7 @@ from isolation_levels import LEVELS
 from tournament.agents import LEAVES_A_CHILD, source
 
 from catch_arena import Replay, scenario
-from catch_arena.interrupts import family
+from catch_arena.interrupts import descendants
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -170,7 +170,7 @@ def test_a_child_that_would_outlive_its_parent_does_not(sandbox, played):
     assert played(sandbox, "leaves_a_child", "nearest").forfeit_codes == (None, None)
     below = 2 if sandbox.quotas.isolation == "namespaces" else 0  # bubblewrap's first process, and the agent's program
     pids = [process.pid for process in sandbox._processes.values()]
-    assert len(family(*pids)) == below * len(pids)
+    assert len(descendants(*pids)) == below * len(pids)
 
 
 def test_what_it_writes_goes_to_a_folder_of_its_own_that_is_removed(sandbox, played, tmp_path, monkeypatch):

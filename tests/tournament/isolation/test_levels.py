@@ -8,7 +8,7 @@ from isolation_levels import LEVELS
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.isolation import namespaces
-from catch_arena.tournament.isolation.namespaces import level_here, level_line
+from catch_arena.tournament.isolation.namespaces import available_level, level_line
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 
@@ -28,9 +28,9 @@ def bubblewrap(tmp_path, monkeypatch):
 
 
 def test_the_best_level_holds_unless_another_one_is_asked_for():
-    assert level_here() == LEVELS[0]
+    assert available_level() == LEVELS[0]
     for level in LEVELS:
-        assert level_here(level) == level
+        assert available_level(level) == level
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_the_best_level_holds_unless_another_one_is_asked_for():
 def test_without_a_bubblewrap_that_works_the_level_is_refused_in_one_line(bubblewrap, monkeypatch, script, why):
     bubblewrap(script)
     monkeypatch.setattr(namespaces, "_PROBE_S", 1.0 if script == "sleep 600" else 60.0)
-    assert level_here() == "processes"
+    assert available_level() == "processes"
     with pytest.raises(ConfigError) as refused:
         Sandbox(Quotas(isolation="namespaces"))
     assert str(refused.value).startswith("isolation namespaces cannot be held here: ")
@@ -70,7 +70,7 @@ def test_a_kernel_without_user_namespaces_is_named(bubblewrap, tmp_path, monkeyp
     bubblewrap("echo bwrap: No permissions to create new namespace >&2; exit 1")
     monkeypatch.setattr(namespaces, "_SYSCTL", tmp_path / "sys")
     with pytest.raises(ConfigError, match=f"No permissions to create new namespace; {hint}"):
-        level_here("namespaces")
+        available_level("namespaces")
 
 
 def test_one_line_says_what_processes_do_not_stop_and_what_to_install(bubblewrap):

@@ -13,7 +13,7 @@ from tournament.agents import write_agent
 import catch_arena.agents
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, MatchFailedError
-from catch_arena.interrupts import family
+from catch_arena.interrupts import descendants
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.playing import inspector, start_players
@@ -53,13 +53,13 @@ def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
 
 def test_agents_that_come_with_the_package_need_no_process(sandbox):
     sandbox.close()
-    before = family(os.getpid())  # Python's own helpers may have been started by other tests
+    before = descendants(os.getpid())  # Python's own helpers may have been started by other tests
     played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
-    assert family(os.getpid()) == before
+    assert descendants(os.getpid()) == before
     played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
     # in namespaces: bubblewrap, its first process, and the program of the agent
     of_each = 3 if sandbox.quotas.isolation == "namespaces" else 1
-    assert len(family(os.getpid()) - before) == of_each
+    assert len(descendants(os.getpid()) - before) == of_each
 
 
 def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox, tmp_path):
@@ -180,7 +180,7 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_pa
 
 def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     sandbox.close()
-    before = family(os.getpid())
+    before = descendants(os.getpid())
     entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
 
     def interrupt(env):
@@ -189,7 +189,7 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
 
     with pytest.raises(KeyboardInterrupt):
         played(SHORT, entrants, sandbox, watch=interrupt)
-    assert family(os.getpid()) == before
+    assert descendants(os.getpid()) == before
     assert played(SHORT, entrants, sandbox).forfeit_codes == (None, None)
 
 

@@ -51,7 +51,7 @@ def sandbox(request):
 
 
 @pytest.fixture
-def ask(tmp_path):
+def evaluate(tmp_path):
     """Function that evaluates Python expressions in an agent's process; the agent's file is alone in a folder."""
 
     def found(sandbox, *questions, matches=1):
@@ -73,8 +73,8 @@ def in_namespaces(sandbox):
     return sandbox.quotas.isolation == "namespaces"
 
 
-def test_it_sees_its_own_processes_only(sandbox, ask):
-    numbers, parents = ask(sandbox, "[int(n) for n in os.listdir('/proc') if n.isdigit()]", "os.getppid()")
+def test_it_sees_its_own_processes_only(sandbox, evaluate):
+    numbers, parents = evaluate(sandbox, "[int(n) for n in os.listdir('/proc') if n.isdigit()]", "os.getppid()")
     if in_namespaces(sandbox):
         assert (len(numbers), parents) == (3, 2)
     else:
@@ -110,13 +110,13 @@ def test_an_agent_plays_from_any_place_with_what_is_its_own(sandbox, tmp_path, p
             weights.unlink()
 
 
-def test_it_reaches_nobody_over_a_network(sandbox, ask):
+def test_it_reaches_nobody_over_a_network(sandbox, evaluate):
     with socket.create_server(("127.0.0.1", 0)) as tcp, socket.socket(socket.AF_UNIX) as named:
         name = f"\0catch-arena-test-{os.getpid()}"
         named.bind(name)
         named.listen()
         port = tcp.getsockname()[1]
-        reached = ask(
+        reached = evaluate(
             sandbox,
             f"socket.create_connection(('127.0.0.1', {port})) and 'reached'",
             f"socket.socket(socket.AF_UNIX).connect({name!r}) or 'reached'",
@@ -130,9 +130,9 @@ def test_it_reaches_nobody_over_a_network(sandbox, ask):
         assert reached[:2] == ["reached", "reached"]
 
 
-def test_its_files_can_be_read_and_in_namespaces_not_be_written(sandbox, ask, tmp_path):
+def test_its_files_can_be_read_and_in_namespaces_not_be_written(sandbox, evaluate, tmp_path):
     (tmp_path / "exam.toml").write_text("secret")
-    own, write, above, system = ask(
+    own, write, above, system = evaluate(
         sandbox,
         "sorted(os.listdir(HERE))",
         "Path(__file__).write_text('x')",
@@ -148,11 +148,11 @@ def test_its_files_can_be_read_and_in_namespaces_not_be_written(sandbox, ask, tm
         assert (write, above, system) == (1, "secret", True)
 
 
-def test_its_environment_holds_nothing_of_ours(sandbox, ask, monkeypatch):
+def test_its_environment_holds_nothing_of_ours(sandbox, evaluate, monkeypatch):
     """But which instructions NumPy uses: by others a sum has other last bits, and a network would play otherwise."""
     monkeypatch.setenv("SECRET", "1")
     monkeypatch.setenv("OPENBLAS_CORETYPE", "Haswell")
-    names, core, parents = ask(
+    names, core, parents = evaluate(
         sandbox,
         "sorted(os.environ)",
         "os.environ['OPENBLAS_CORETYPE']",
@@ -166,9 +166,9 @@ def test_its_environment_holds_nothing_of_ours(sandbox, ask, monkeypatch):
 
 
 @pytest.mark.parametrize("level", NAMESPACES)
-def test_it_has_no_privileges(level, ask):
+def test_it_has_no_privileges(level, evaluate):
     with Sandbox(Quotas(isolation=level, **FREE)) as sandbox:
-        privileges, new_user = ask(
+        privileges, new_user = evaluate(
             sandbox,
             "ctypes.CDLL(None).prctl(39, 0, 0, 0, 0)",  # PR_GET_NO_NEW_PRIVS
             "ctypes.CDLL(None).unshare(0x10000000)",  # CLONE_NEWUSER
@@ -177,10 +177,10 @@ def test_it_has_no_privileges(level, ask):
 
 
 @pytest.mark.parametrize("level", NAMESPACES)
-def test_what_it_writes_is_bounded_and_gone_with_the_match(level, ask):
+def test_what_it_writes_is_bounded_and_gone_with_the_match(level, evaluate):
     """In both of its folders, whatever it makes there; at the next match, nothing is found."""
     with Sandbox(Quotas(isolation=level, file_mib=2, **FREE)) as sandbox:
-        before, *full, _ = ask(
+        before, *full, _ = evaluate(
             sandbox,
             "[[str(path) for path in Path(place).rglob('*')] for place in ('/tmp/match', '/dev/shm')]",
             "[Path(f'/tmp/match/{n}').write_bytes(bytes(1 << 20)) for n in range(3)]",

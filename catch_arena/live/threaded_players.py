@@ -7,13 +7,13 @@ from typing import Final
 
 from catch_arena.policy import AnyLimits
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.players import Answer, Fault, Observation, Players
+from catch_arena.tournament.players import Fault, Move, Observation, Players
 
-_AT_ONCE_S: Final = 0.05
+_FIRST_WAIT_S: Final = 0.05
 """Time within which most agents have answered, so that the window need not be drawn [s]."""
 
 
-class PatientPlayers(Players):
+class ThreadedPlayers(Players):
     """Isolated players whose thinking does not hold up this thread.
 
     Args:
@@ -32,12 +32,12 @@ class PatientPlayers(Players):
         """Begin a match."""
         return self._players.reset(seeds, limits)
 
-    def act(self, observations: Mapping[int, Observation]) -> dict[int, Answer]:
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
         """Return the answers of seats to their observations; call `wait` while they think."""
-        answers: Future[dict[int, Answer]] = Future()
-        thread = Thread(target=self._act, args=(observations, answers))
+        moves: Future[dict[int, Move]] = Future()
+        thread = Thread(target=self._act, args=(observations, moves))
         thread.start()
-        thread.join(_AT_ONCE_S)
+        thread.join(_FIRST_WAIT_S)
         try:
             while thread.is_alive():
                 self._wait()
@@ -45,7 +45,7 @@ class PatientPlayers(Players):
             self._sandbox.kill()  # the thread stops waiting when the agents' processes end
             thread.join()
             raise
-        return answers.result()
+        return moves.result()
 
     def drop(self, seat: int) -> None:
         """Drop a seat that has forfeited."""
@@ -55,8 +55,8 @@ class PatientPlayers(Players):
         """Return the texts that agents have printed, by seat."""
         return self._players.logs()
 
-    def _act(self, observations: Mapping[int, Observation], answers: "Future[dict[int, Answer]]") -> None:
+    def _act(self, observations: Mapping[int, Observation], moves: "Future[dict[int, Move]]") -> None:
         try:
-            answers.set_result(self._players.act(observations))
+            moves.set_result(self._players.act(observations))
         except BaseException as error:  # noqa: BLE001 - reading the answers raises it
-            answers.set_exception(error)
+            moves.set_exception(error)

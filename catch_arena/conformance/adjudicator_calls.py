@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from catch_arena.conformance.cases import ExpectedRuling
 from catch_arena.errors import reason
-from catch_arena.text import in_short, printable
+from catch_arena.text import printable, shortened
 from catch_arena.verdicts import Ruling, Verdict
 
 _EVIDENCE: Final = ("distance_um", "winner")
@@ -41,7 +41,7 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class UnreadableAnswer(Difference):
+class UnreadableRuling(Difference):
     """An answer, or a part of it, that cannot be read as a ruling."""
 
     looks_like: str
@@ -71,12 +71,12 @@ class DiffersError(Exception):
 class WrongTarget:
     """Placeholder for the target of a ruling that does not repeat the requested target."""
 
-    in_short: str
-    """The target, as `in_short` writes it."""
+    shortened: str
+    """The target, as `text.shortened` writes it."""
 
 
 def call_adjudicator(call: str, function: Callable[..., object], *arguments: object) -> Any:
-    """Call a function of the code under test and return its result; `what` names the call.
+    """Call a function of the code under test and return its result; `call` names it.
 
     Raises:
         DiffersError: if it raises anything.
@@ -120,7 +120,7 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
         DiffersError: for the first part of the answer that cannot be read.
     """
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
-        too_few, got = given is None, in_short(given)
+        too_few, got = given is None, shortened(given)
     else:
         given = list(islice(given, len(expected) + 1))  # no more: the iterable may never end
         if len(given) == len(expected):
@@ -133,7 +133,7 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
     looks_like = "too few rulings are returned, or None" if too_few else "too many rulings are returned, or not a list"
     must = f"{counted(len(expected), 'ruling')}, one for each request, in their order"
     rule = "An answer is a list with one ruling for each request, in their order (`catch-arena docs conformance`)."
-    raise DiffersError(UnreadableAnswer("the answer", must, got, looks_like, rule))
+    raise DiffersError(UnreadableRuling("the answer", must, got, looks_like, rule))
 
 
 def counted(number: int, noun: str) -> str:
@@ -141,9 +141,9 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def request_in_words(place: int, request: ExpectedRuling) -> str:
+def describe_request(place: int, request: ExpectedRuling) -> str:
     """Return a description of one request: its place, its hunter and its target."""
-    return f"request {place}, hunter {request.hunter} asks for {in_short(request.target)}"
+    return f"request {place}, hunter {request.hunter} asks for {shortened(request.target)}"
 
 
 def _where(error: BaseException) -> str:
@@ -163,9 +163,9 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
     """
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
-        subject = f"{request_in_words(place, expected)}: {field}"
+        subject = f"{describe_request(place, expected)}: {field}"
         return DiffersError(
-            UnreadableAnswer(subject, must, in_short(value), f"{field} cannot be read", f"It must be {must}.")
+            UnreadableRuling(subject, must, shortened(value), f"{field} cannot be read", f"It must be {must}.")
         )
 
     fields = _fields(given)
@@ -184,7 +184,7 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
         if value is None and fields.get(name) is not None:
             raise wrong(name, "a whole number or None", fields[name])
     target = fields["target"]
-    repeated = expected.target if _repeats(expected.target, target) else WrongTarget(in_short(target))
+    repeated = expected.target if _repeats(expected.target, target) else WrongTarget(shortened(target))
     return Ruling(verdict, hunter, repeated, evidence["distance_um"], evidence["winner"])
 
 

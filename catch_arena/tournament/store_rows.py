@@ -28,12 +28,12 @@ _MATCH: Final = msgspec.json.Decoder(Match)
 _RESULT: Final = msgspec.json.Decoder(MatchResult)
 
 
-def versions_of(key: int, text: str) -> dict[str, str]:
+def decode_versions(key: int, text: str) -> dict[str, str]:
     """Return the versions that played, by package; like the functions below, raise DamagedError for wrong values."""
     return _decode(_VERSIONS, f"table versions, row {key}", text)
 
 
-def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
+def decode_match(row: Sequence[Any], parties: int, entrants: int) -> Match:
     """Return a match of the plan.
 
     Args:
@@ -52,10 +52,10 @@ def match_of(row: Sequence[Any], parties: int, entrants: int) -> Match:
     return match
 
 
-def played_of(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
-    """Return a played match; its row has the values of `match_of`, the replay's digest, and RESULTS."""
+def decode_played_match(row: Sequence[Any], parties: int, entrants: int) -> PlayedMatch:
+    """Return a played match; its row has the values of `decode_match`, the replay's digest, and RESULTS."""
     *planned, replay = row[: -len(RESULTS)]
-    match = match_of(planned, parties, entrants)
+    match = decode_match(planned, parties, entrants)
     where = f"table result, row {match.id}"
     result = _decode(_RESULT, where, _object(dict(zip(RESULTS.values(), row[-len(RESULTS) :], strict=True))))
     if wrong := [name for name in _BY_PARTY if len(getattr(result, name)) != parties]:

@@ -1,4 +1,4 @@
-"""Views of the memory of a batch of arenas, by content: the blocks of core/state.py, without a copy."""
+"""Views of the memory of a batch of arenas, by content: the chunks of core/state.py, without a copy."""
 
 from typing import Final
 
@@ -15,37 +15,37 @@ def row_of(offset: int) -> int:
     return offset // LANES
 
 
-ANSWER: Final = slice(row_of(state.ANSWER[0]), row_of(state.ANSWER[-1]) + 1)
+RULING: Final = slice(row_of(state.RULING[0]), row_of(state.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
 _HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 
 
-class BlockViews:
-    """Views of the blocks, each [block, ..., row, lane]; writing to a view writes to the arena.
+class ChunkViews:
+    """Views of the chunks, each [chunk, ..., row, lane]; writing to a view writes to the arena.
 
     Args:
         config: the arenas' settings.
-        regions: offsets of the rows in a block.
-        blocks: (number of blocks, rows * LANES).
+        regions: offsets of the rows in a chunk.
+        chunks: (number of chunks, rows * LANES).
     """
 
-    def __init__(self, config: ArenaConfig, regions: Regions, blocks: NDArray[np.float64]) -> None:
+    def __init__(self, config: ArenaConfig, regions: Regions, chunks: NDArray[np.float64]) -> None:
         hunters, prey = config.hunters, config.prey
-        num_blocks, num_rows = len(blocks), row_of(regions.end)
+        num_chunks, num_rows = len(chunks), row_of(regions.end)
         slot = slot_rows(config.targets_move)
         first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
-        self.fields = blocks.reshape(num_blocks, num_rows, LANES)
-        """All rows; the arena's own come first: [block, row, lane]."""
-        self.hunters = self.fields[:, first_hunter:first_target].reshape(num_blocks, hunters, state.HUNTER_ROWS, LANES)
-        """Rows of the hunters: [block, seat, row, lane]."""
-        self.targets = self.fields[:, first_target:first_order].reshape(num_blocks, config.max_targets, slot, LANES)
-        """Rows of the target slots: [block, slot, row, lane]."""
+        self.fields = chunks.reshape(num_chunks, num_rows, LANES)
+        """All rows; the arena's own come first: [chunk, row, lane]."""
+        self.hunters = self.fields[:, first_hunter:first_target].reshape(num_chunks, hunters, state.HUNTER_ROWS, LANES)
+        """Rows of the hunters: [chunk, seat, row, lane]."""
+        self.targets = self.fields[:, first_target:first_order].reshape(num_chunks, config.max_targets, slot, LANES)
+        """Rows of the target slots: [chunk, slot, row, lane]."""
         self.target_orders = self.fields[:, first_order:first_prey].reshape(
-            num_blocks, hunters, target_order_rows(config.targets_seen), LANES
+            num_chunks, hunters, target_order_rows(config.targets_seen), LANES
         )
-        """Order in which each seat sees the targets: [block, seat, word, lane], see RANKS_PER_WORD."""
-        self.prey = self.fields[:, first_prey:end].reshape(num_blocks, prey, state.PREY_ROWS, LANES)
-        """Rows of prey: [block, index, row, lane]."""
+        """Order in which each seat sees the targets: [chunk, seat, word, lane], see RANKS_PER_WORD."""
+        self.prey = self.fields[:, first_prey:end].reshape(num_chunks, prey, state.PREY_ROWS, LANES)
+        """Rows of prey: [chunk, index, row, lane]."""
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
         self.target_digest = [row_of(offset) for offset in digest]
         """A.8: rows of a slot that the digest reads, in its order."""
@@ -66,14 +66,14 @@ class BlockViews:
 
     def targets_seen(self, arena: int, seat: int) -> list[int]:
         """R7.1: return the numbers of the targets that one hunter sees, by rank."""
-        block, lane = divmod(arena, LANES)
-        slots = self.target_orders[block, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
+        chunk, lane = divmod(arena, LANES)
+        slots = self.target_orders[chunk, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
         seen = slots[np.cumsum(slots == state.ABSENT) == 0]
-        numbers: list[int] = self.targets[block, seen, row_of(state.NUMBER), lane].astype(int).tolist()
+        numbers: list[int] = self.targets[chunk, seen, row_of(state.NUMBER), lane].astype(int).tolist()
         return numbers
 
     def seeds(self) -> NDArray[np.uint64]:
-        """Return the seeds of the current episodes, of all lanes: (blocks * LANES,)."""
+        """Return the seeds of the current episodes, of all lanes: (chunks * LANES,)."""
         high, low = (
             self.fields[:, row_of(offset)].reshape(-1).astype(np.uint64) for offset in (state.SEED_HIGH, state.SEED_LOW)
         )
@@ -81,13 +81,13 @@ class BlockViews:
 
     def state(self, arena: int) -> NDArray[np.float64]:
         """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
-        block, lane = divmod(arena, LANES)
-        own = self.fields[block, :, lane]
+        chunk, lane = divmod(arena, LANES)
+        own = self.fields[chunk, :, lane]
         alive = int(own[row_of(state.ALIVE)])
         numbers = [
             own[: state.ARENA_DIGEST_ROWS],
-            self.hunters[block, :, _HUNTER_DIGEST, lane].T.reshape(-1),
-            self.targets[block, :alive, self.target_digest, lane].T.reshape(-1),
+            self.hunters[chunk, :, _HUNTER_DIGEST, lane].T.reshape(-1),
+            self.targets[chunk, :alive, self.target_digest, lane].T.reshape(-1),
         ]
         if self.prey.size:
             times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]
