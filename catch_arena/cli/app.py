@@ -30,7 +30,7 @@ _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 
 GROUPS: Final = {
     "Play": ("match", "play", "watch", "agents", "scenarios", "docs"),
-    "Look": ("explain", "verify", "diff", "render", "highlights", "mosaic"),
+    "Look": ("explain", "verify", "diff", "render", "clip", "highlights", "mosaic"),
     "Tournaments": ("tournament", "report", "export", "compare", "suite"),
     "Teach": ("check-agent", "grade", "conformance"),
     "ROS 2": ("ros",),

@@ -83,7 +83,7 @@ def encode_bundle(replay: Replay) -> bytes:
         contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
         if last is not None:
             shown = commentary.caption
-            commentary.record(last.time_ms, annotations_of(last, world, config), world.team_scores)
+            commentary.record(last.time_ms, annotations_of(last, world, by_lot=info.by_lot), world.team_scores)
             if commentary.caption is not None and commentary.caption is not shown:
                 moments.append(_moment(commentary.caption, info))
         last = world

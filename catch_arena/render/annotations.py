@@ -9,7 +9,6 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from catch_arena.config import ArenaConfig
 from catch_arena.render.lens import Lens, lens_of, millimetres
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Label, Ring, Shape, Stroke, mix
@@ -83,15 +82,14 @@ class Annotation:
         return _VISIBLE_MS[self.kind]
 
 
-def annotations_of(before: World, after: World, config: ArenaConfig) -> tuple[Annotation, ...]:
+def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
     """Return the annotations of a step's rulings, which were judged on the world before it.
 
     Args:
         before: the world before the step.
         after: the world after the step.
-        config: the arena's settings.
+        by_lot: whether lots decide contests and not distance (R5.9).
     """
-    by_lot = config.policy == "first_come"  # R5.9
     targets = {target.name: (target.x, target.y) for target in before.targets}
     played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
@@ -107,11 +105,13 @@ def annotations_of(before: World, after: World, config: ArenaConfig) -> tuple[An
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
             prey = played.get(str(ruling.target))
             claims = [(rival.seat, rival.distance_um) for rival in rivals if rival.requested]
-            lens, teams = None, config.team_by_seat
-            if any(teams[seat] != teams[ruling.hunter] for seat, _ in claims):  # among team-mates nobody loses
+            lens = None
+            if any(
+                before.hunters[seat].team != hunter.team for seat, _ in claims
+            ):  # among team-mates there is no loser
                 claims.insert(0, (ruling.hunter, ruling.distance_um or 0))
                 hunters = [(other.x, other.y, other.theta) for other in before.hunters]
-                lens = lens_of((x, y), claims, hunters, config.side_m)
+                lens = lens_of((x, y), claims, hunters, before.side_m)
             annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]

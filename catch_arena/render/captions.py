@@ -45,7 +45,7 @@ def caption_of(annotation: Annotation, info: MatchInfo) -> Caption | None:
     if lens is not None:
         winner, rival = lens.claimants[:2]
         other, behind = _shortened(info.label(rival.seat)), rival.distance_um - winner.distance_um
-        if info.config.policy == "first_come":
+        if info.by_lot:
             text, clause = f"{name} is first in the queue, before {other}", "R5.9"
         elif behind == 0:
             text, clause = f"{name} and {other} are equally near: {name} wins the draw", "R5.5"

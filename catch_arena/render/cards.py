@@ -104,7 +104,7 @@ def podium_shapes(
             Turtle(x, top - 52 * unit, 1.57, 92 * unit, color),
             Label(x, top - 122 * unit, str(scores[contender]), big, WHITE, 800, "center"),
             Label(
-                x, foot + 26 * unit, info.contenders[contender].name, size, WHITE, 700, "center", max_width=1.15 * wide
+                x, foot + 26 * unit, info.contenders[contender].name, size, WHITE, 700, "center", max_width=1.06 * wide
             ),
         ]
     if prey:

@@ -117,7 +117,7 @@ def lens_shapes(viewport: Viewport, info: MatchInfo, lens: Lens, age_ms: float) 
 def result_text(info: MatchInfo, lens: Lens) -> str:
     """Return what decided a contest: the difference of the two least distances, the queue, or a draw."""
     winner, rival = lens.claimants[:2]
-    if info.config.policy == "first_come":
+    if info.by_lot:
         return "first in the queue"
     behind = rival.distance_um - winner.distance_um
     return f"{millimetres(behind)} nearer" if behind else "equally near: by draw"

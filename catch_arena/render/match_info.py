@@ -115,6 +115,11 @@ class MatchInfo:
         """R11.1: true if the match has teams."""
         return self.config.teams is not None
 
+    @property
+    def by_lot(self) -> bool:
+        """R5.9: true if a queue, drawn by lot, decides contests and not distance."""
+        return self.config.policy == "first_come"
+
     def color(self, agent: int) -> Color:
         """Return an agent's colour."""
         return self.colors[agent]
@@ -137,6 +142,11 @@ class MatchInfo:
     def prey(self, name: str) -> int:
         """Return the number of the agent that PettingZoo calls `prey_{index}`."""
         return self.config.hunters + int(name.removeprefix("prey_"))
+
+
+def agent_color(config: ArenaConfig, number: int) -> Color:
+    """Return the colour of an agent of a tournament, or of its teams, in all videos and pages of the tournament."""
+    return _color(number if config.teams is None else _team_number(number))
 
 
 def _color_numbers(config: ArenaConfig, given: Sequence[int]) -> tuple[int, ...]:

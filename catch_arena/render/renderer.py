@@ -136,7 +136,7 @@ class MatchRenderer:
         else:
             self._poses = motion.poses[0]
         self._motion = motion
-        annotations = annotations_of(motion.before, motion.after, self.info.config)
+        annotations = annotations_of(motion.before, motion.after, by_lot=self.info.by_lot)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
         self._feed.record(annotations)
         after = motion.after

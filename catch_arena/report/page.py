@@ -14,7 +14,8 @@ import jinja2
 
 from catch_arena.config import RULESET
 from catch_arena.files import write_whole
-from catch_arena.player import element_script, packed_text, page_file, script_json
+from catch_arena.player import css, element_script, packed_text, page_file, script_json
+from catch_arena.render.match_info import agent_color
 from catch_arena.replay.comparison import flat_settings
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
@@ -78,6 +79,10 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
             }
             for side in data.sides
         ],
+        colors={
+            entrant.name: css(agent_color(data.tournament.config, number))
+            for number, entrant in enumerate(data.tournament.entrants)
+        },
         teams=len(data.parties) < len(data.parties.by_seat),
         seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),

@@ -54,6 +54,8 @@ def video(match, tmp_path_factory) -> Callable[[str, str], RenderReport]:
     """A small video of the match, by the ending of its file and the layout."""
 
     def rendered(ending: str, layout: str) -> RenderReport:
-        return render_replay(match, tmp_path_factory.mktemp("video") / f"match{ending}", layout=layout, **SMALL)
+        return render_replay(
+            match, tmp_path_factory.mktemp("video") / f"match{ending}", start_s=0.0, layout=layout, **SMALL
+        )
 
     return cache(rendered)
