@@ -12,6 +12,7 @@ from typing import Annotated, Any, Final
 
 import msgspec
 import numpy as np
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
@@ -43,7 +44,7 @@ _LONGEST_REASON: Final = 300
 _Count = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
 
 
-class _Header(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+class _Header(msgspec.Struct, forbid_unknown_fields=True):
     """JSON object at the beginning of a body; `colors` is left out if there are none."""
 
     ruleset: str
@@ -86,7 +87,7 @@ def encode_replay(match: Replay) -> bytes:
         list(match.colors),
     )
     parts = [
-        pack_json(msgspec.to_builtins(header)),
+        pack_json({name: value for name, value in asdict(header).items() if name != "colors" or value}),
         pack_columns(choices.T),
         _pack_commands(commands[:, driven_seats(config)]),
         _pack_commands(prey_commands),

@@ -17,7 +17,8 @@ LOST = Annotation("lost", 400, 1, 1.1, 2.1, "−59 mm")
 
 
 def words(shapes) -> list[Label]:
-    return [label for label in kinds(shapes, Label) if not label.text.isdecimal()]
+    """Texts other than the hunters' numbers and names."""
+    return [label for label in kinds(shapes, Label) if not label.text.isdecimal() and "hunter_" not in label.text]
 
 
 def test_a_contest_tells_who_won_and_by_how_much_the_others_lost():

@@ -19,13 +19,14 @@ HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 213 µm
 AREA = hud.Rect(0, 300, 640, 60)
 
 
-def texts(slow: bool) -> list[str]:
-    shapes = caption_shapes(AREA, HIGHLIGHT, "m7   1 of 3", slow=slow)
+def texts(*, slow: bool, clauses: bool = False) -> list[str]:
+    shapes = caption_shapes(AREA, HIGHLIGHT, "m7   1 of 3", slow=slow, clauses=clauses)
     return [shape.text for shape in shapes if isinstance(shape, Label)]
 
 
 def test_the_caption_says_what_and_why_and_where_it_is_from():
-    assert {"CONTEST", HIGHLIGHT.event, HIGHLIGHT.reason, "m7   1 of 3"} <= set(texts(slow=False))
+    assert {"CONTEST", HIGHLIGHT.event, "the nearest wins", "m7   1 of 3"} <= set(texts(slow=False))
+    assert HIGHLIGHT.reason in texts(slow=False, clauses=True)
     assert any("slow motion" in text for text in texts(slow=True))
     assert set(HEADINGS) == set(KINDS)
 

@@ -15,8 +15,8 @@ def test_everybody_is_drawn_once_hunters_above_targets_and_numbers_above_both():
     shapes = shapes_of(world)
     turtles = kinds(shapes, Turtle)
     assert [turtle.color for turtle in turtles] == [TARGET] * 2 + list(HUNTER_COLORS[:2])
-    numbers = [shape.text for shape in kinds(shapes, Label)]
-    assert numbers == ["0", "1"]
+    texts = [shape.text for shape in kinds(shapes, Label)]
+    assert texts == ["hunter_0", "hunter_1", "0", "1"]
     assert shapes.index(turtles[-1]) < min(shapes.index(label) for label in kinds(shapes, Label))
 
 

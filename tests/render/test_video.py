@@ -101,7 +101,7 @@ def test_slow_motion_shows_more_instants_and_a_time_lapse_fewer(match, frames):
     ("size", "even"), [((321, 321), (322, 322)), ((400, 335), (400, 336)), ((320, 320), (320, 320))]
 )
 def test_odd_sizes_become_the_next_even_ones(play, tmp_path, size, even):
-    report = render_replay(play("duel", max_cycles=2), tmp_path / "odd.mp4", size=size, fps=10)
+    report = render_replay(play("duel", max_cycles=2), tmp_path / "odd.mp4", size=size, fps=10, start_s=0.0)
     assert report.size == even
     assert [frame.shape for frame in decoded(report.path)] == [(even[1], even[0], 3)] * 2
 
@@ -112,7 +112,7 @@ def test_a_match_without_steps_is_one_frame(tmp_path, play, ending):
     replay.choices.clear()
     replay.commands.clear()
     del replay.digests[1:]
-    assert render_replay(replay, tmp_path / f"none{ending}", **SMALL).frames == 1
+    assert render_replay(replay, tmp_path / f"none{ending}", start_s=0.0, **SMALL).frames == 1
 
 
 def test_an_end_after_the_end_is_the_end(match):
