@@ -155,7 +155,7 @@ def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player,
             assert f"agent {claim.seat}" in text
             assert f"{claim.distance_um / 1e6:.6f} m" in text
         assert f"({contest.clause})" in text
-        assert f"agent {contest.claims[0].seat} is granted it" in text
+        assert f"agent {contest.claims[0].seat} catches it" in text
         assert player.locator(".claims li").first.inner_text().startswith(f"{contest.claims[0].seat}\n")
     player.get_by_role("button", name="Previous contest").click()
     assert clock(player) == pytest.approx((contests[1].step - 1) / 10)

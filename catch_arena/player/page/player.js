@@ -345,7 +345,7 @@ export class CatchReplay extends HTMLElement {
     this.contest.hidden = !contest;
     const owner = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
     if (!contests.length) {
-      this.note.textContent = `No contest${owner}: in no step could two hunters catch the same target.`;
+      this.note.textContent = `No contest${owner}: no target was requested by two hunters within reach in the same step.`;
     } else if (contest) {
       const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${owner}`;
       const { prey } = contest.place;
