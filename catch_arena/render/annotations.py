@@ -190,7 +190,7 @@ def annotation_shapes(
 
 
 def _names(viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], taken: Sequence[_TextBox]) -> list[Label]:
-    """Return the agents' names below their turtles: of each agent whose name covers no turtle and no other text."""
+    """Return the agents' names below their turtles, or else above: those that cover no other turtle and no text."""
     length = viewport.hunter_length
     if len(poses) > _MOST_NAMES or min(viewport.width, viewport.height) < _LEAST_NAMED:
         return []
@@ -201,12 +201,15 @@ def _names(viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], tak
         name = truncated(info.names[agent], size, 600, _LONGEST_NAME * size)
         half_width = 0.5 * text_width(name, size, 600)
         down = max(info.config.reaches[agent] * viewport.scale if agent < info.config.hunters else 0.0, 0.5 * length)
-        room = _TextBox(x, y + down + 0.85 * size, half_width, 0.5 * size)
         others = [_TextBox(*place, 0.45 * length, 0.45 * length) for other, place in turtles.items() if other != agent]
-        inside = half_width < x < viewport.width - half_width and room.y < viewport.height - size
-        if inside and not any(_overlap(room, other) for other in (*others, *boxes)):
-            boxes.append(room)
-            names.append(Label(x, room.y, name, size, mix(info.color(agent), WHITE, 0.5), 600, "center", outline=INK))
+        for middle in (y + down + 0.85 * size, y - down - 0.85 * size):
+            room = _TextBox(x, middle, half_width, 0.5 * size)
+            inside = half_width < x < viewport.width - half_width and size < middle < viewport.height - size
+            if inside and not any(_overlap(room, other) for other in (*others, *boxes)):
+                boxes.append(room)
+                color = mix(info.color(agent), WHITE, 0.5)
+                names.append(Label(x, middle, name, size, color, 600, "center", outline=INK))
+                break
     return names
 
 
@@ -287,7 +290,7 @@ def _text_shapes(
         room = _moved_clear(_TextBox(x, y + side * away, half_width, 0.5 * size), side, taken)
         room = room._replace(y=min(max(room.y, 0.6 * size), viewport.height - 0.6 * size))
         taken.append(room)
-        color = WHITE if annotation.kind == "catch" else mix(info.color(annotation.seat), WHITE, 0.35)
+        color = mix(info.color(annotation.seat), WHITE, 0.35)
         opacity = min(1.0, 3.0 * (1.0 - part))
         shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
     return shapes
