@@ -197,6 +197,18 @@ def test_captions_and_the_result_are_those_of_videos(bundles):
     assert contests > 5
 
 
+def test_a_contest_without_measured_distances_has_no_lens():
+    """R9.1: the policy `capstone` grants each request for a target."""
+    env = catch_arena.parallel_env("capstone", time_limit_s=20.0, hunters=4, control="target", side_m=4.0)
+    env.record()
+    _, infos = env.reset(seed=1)
+    while env.agents:
+        _, _, _, _, infos = env.step(chase(env, infos))
+    (shown,) = read([bundle_text(env.replay())])
+    assert shown["contests"]
+    assert all(contest["lens"] is None for contest in shown["contests"])
+
+
 @pytest.fixture(scope="module")
 def small():
     """(facts, tracks) of a short bundle with something in each list."""

@@ -292,6 +292,14 @@ export class CatchReplay extends HTMLElement {
     this.strip.style.height = `${Math.min(96, 16 + 9 * hunters.length)}px`;
   }
 
+  /**
+   * Return true if the replay has come to its end, and there was something to play.
+   * @param {Replay} replay
+   */
+  #over({ duration }) {
+    return !this.playing && duration > 0 && this.time === duration;
+  }
+
   #button() {
     this.toggle.textContent = this.playing ? "Pause" : "Play";
   }
@@ -329,7 +337,7 @@ export class CatchReplay extends HTMLElement {
     if (!replay || !this.arena.clientWidth) return;
     const calm = this.calm.matches;
     const grows = playing && !calm ? GROWS_MS * speed : 0;
-    const over = !playing && time === replay.duration;
+    const over = this.#over(replay);
     this.painter.paint(this.arena, replay, time, { picked, viewed, calm, grows, over });
     this.painter.strip(this.strip, replay, picked);
     const scores = replay.scores(time);
@@ -418,7 +426,7 @@ export class CatchReplay extends HTMLElement {
       sentences.push(`Prey: ${prey.map(({ label }, index) => `${label} ${preyStatus(hunted[index])}`).join(", ")}.`);
     }
     const caption = replay.captionAt(time, CatchReplay.look.captionMs);
-    if (time === replay.duration) sentences.unshift(`${replay.result}.`);
+    if (this.#over(replay)) sentences.unshift(`${replay.result}.`);
     else if (caption) sentences.unshift(`${caption.text}.`);
     this.arena.ariaLabel = `The arena at ${seconds(this.time)}. ${sentences.join(" ")}`;
   }
