@@ -28,6 +28,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphin
 myst_heading_anchors = 4
 myst_enable_extensions = ["attrs_block"]
 default_role = "code"
+smartquotes_action = "qe"  # no dashes, which would change the names of options
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
 toc_object_entries_show_parents = "hide"
