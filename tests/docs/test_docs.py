@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import catch_arena
 from catch_arena.cli import main
 from catch_arena.files import tomllib
 from catch_arena.policy import Limits, PreyLimits
@@ -87,6 +88,11 @@ def test_every_scenario_and_every_shipped_agent_has_a_row():
     for page, names in (("scenarios.md", SCENARIOS), ("shipped_agents.md", shipped())):
         first_table = (ROOT / "docs" / "reference" / page).read_text().partition("\n## ")[0]
         assert sorted(re.findall(r"^\| `(\w+)` \|", first_table, re.MULTILINE)) == sorted(names)
+
+
+def test_every_public_name_has_an_entry_in_the_reference():
+    page = (ROOT / "docs" / "reference" / "api.rst").read_text()
+    assert set(re.findall(r":: catch_arena\.(\w+)$", page, re.MULTILINE)) == set(catch_arena.__all__)
 
 
 def test_the_made_pages_are_up_to_date():
