@@ -7,7 +7,7 @@ from importlib.resources import files
 from typing import Any, Final
 
 from catch_arena.player.bundle import bundle_text, css
-from catch_arena.render import cards, hud, lens, scene, shapes, viewport
+from catch_arena.render import annotations, cards, hud, lens, scene, shapes, viewport
 from catch_arena.replay import Replay
 
 _SCRIPTS: Final = ("replay.js", "shapes.js", "overlays.js", "arena.js", "player.js")
@@ -74,6 +74,12 @@ def player_look() -> dict[str, Any]:
         "caption": hud.CAPTION,
         "captionMs": lens.LENS_MS,
         "leastArena": lens.LEAST_ARENA,
+        "lensGrowsMs": lens.GROWS_MS,
+        "mostNames": annotations.MOST_NAMES,
+        "leastNamed": annotations.LEAST_NAMED,
+        "longestName": annotations.LONGEST_NAME,
+        "podiumHeights": cards.HEIGHTS,
+        "podiumPlaces": cards.PLACES,
         "dimmed": cards.DIMMED,
         "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
     }

@@ -18,11 +18,11 @@ from catch_arena.replay.motion import Pose2D
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
-_MOST_NAMES: Final = 8
+MOST_NAMES: Final = 8
 """Greatest number of agents that have their names next to them."""
-_LEAST_NAMED: Final = 440
+LEAST_NAMED: Final = 440
 """Shorter side of the smallest arena with names [pixels]."""
-_LONGEST_NAME: Final = 9.0
+LONGEST_NAME: Final = 9.0
 """Greatest width of a name next to a turtle, in sizes of its text."""
 NEAR_UM: Final = 1_000_000
 """Distance [micrometres] within which a hunter is near a target that another catches."""
@@ -192,13 +192,13 @@ def annotation_shapes(
 def _names(viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], taken: Sequence[_TextBox]) -> list[Label]:
     """Return the agents' names below their turtles, or else above: those that cover no other turtle and no text."""
     length = viewport.hunter_length
-    if len(poses) > _MOST_NAMES or min(viewport.width, viewport.height) < _LEAST_NAMED:
+    if len(poses) > MOST_NAMES or min(viewport.width, viewport.height) < LEAST_NAMED:
         return []
     size = max(11, round(0.3 * length))
     turtles = {agent: viewport.to_pixels(*pose[:2]) for agent, pose in poses.items()}
     boxes, names = list(taken[len(poses) :]), []
     for agent, (x, y) in turtles.items():
-        name = truncated(info.names[agent], size, 600, _LONGEST_NAME * size)
+        name = truncated(info.names[agent], size, 600, LONGEST_NAME * size)
         half_width = 0.5 * text_width(name, size, 600)
         down = max(info.config.reaches[agent] * viewport.scale if agent < info.config.hunters else 0.0, 0.5 * length)
         others = [_TextBox(*place, 0.45 * length, 0.45 * length) for other, place in turtles.items() if other != agent]

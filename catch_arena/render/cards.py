@@ -20,9 +20,9 @@ DIMMED: Final = 0.1
 GOLD: Final[Color] = (255, 206, 84)
 """Colour of headings."""
 _MOST_ROWS: Final = 8
-_HEIGHTS: Final = (1.0, 0.72, 0.5)
+HEIGHTS: Final = (1.0, 0.72, 0.5)
 """Heights of the podium's steps, the first place's first, relative to that."""
-_PLACES: Final = ((0.0,), (-0.5, 0.5), (0.0, -1.0, 1.0))
+PLACES: Final = ((0.0,), (-0.5, 0.5), (0.0, -1.0, 1.0))
 """Places of one, two or three contenders, the best first, in steps to the right of the middle."""
 
 
@@ -38,7 +38,7 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     rows += [(info.label(agent), info.color(agent), True) for agent in range(info.config.hunters, len(info.names))]
     left_out = len(rows) - _MOST_ROWS if len(rows) > _MOST_ROWS + 1 else 0
     rows = rows[: len(rows) - left_out]
-    line, left_out_room = 1.75 * size, 1.75 * size * bool(left_out)
+    line, left_out_room = 1.6 * size, 1.6 * size * bool(left_out)
     top = height / 2.0 - 0.5 * (len(rows) * line + left_out_room + 2.6 * big + 2.8 * small)
     shapes: list[Shape] = [
         Label(middle, top, info.event or "CATCH ARENA", big, GOLD, 800, "center", max_width=room),
@@ -115,12 +115,12 @@ def podium_shapes(
             max_width=0.94 * width,
         )
     ]
-    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(_HEIGHTS)]
+    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(HEIGHTS)]
     foot, wide = 0.5 * height + 215 * unit, 190 * unit
     for place, contender in enumerate(order):
         rank = 1 + sum(score > scores[contender] for score in scores)
-        tall = _HEIGHTS[rank - 1] * 200 * unit
-        x, color = middle + _PLACES[len(order) - 1][place] * 210 * unit, info.contenders[contender].color
+        tall = HEIGHTS[rank - 1] * 200 * unit
+        x, color = middle + PLACES[len(order) - 1][place] * 210 * unit, info.contenders[contender].color
         top = foot - tall
         shapes += [
             Box(x - wide / 2.0, top, wide, tall, mix(color, hud.PANEL, 0.35), 10 * unit),

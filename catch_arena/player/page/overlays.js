@@ -7,14 +7,6 @@ import { legible, mixed, readableOn } from "./shapes.js";
 /** @typedef {import("./replay.js").Moment} Moment */
 
 const WHITE = "#ffffff";
-/** Greatest number of agents that have their names next to them. */
-const MOST_NAMES = 8;
-/** Side of the smallest arena with names, in pixels. */
-const LEAST_NAMED = 440;
-/** Greatest width of a name next to a turtle, in sizes of its text. */
-const LONGEST_NAME = 9;
-/** Steps of the podium, the first place's first: middle as a part of the width, and relative height. */
-const STEPS = [[0.5, 1], [0.2, 0.72], [0.8, 0.5]];
 
 /**
  * Return a text's size in whole pixels, large enough to be read.
@@ -27,8 +19,10 @@ const fontSize = (pixels, smallest) => Math.max(smallest, Math.round(pixels));
  * Return a length in millimetres as text, with at least two digits.
  * @param {number} micrometres
  */
-const millimetres = (micrometres) =>
-  `${(micrometres / 1000).toFixed(micrometres < 995 ? 2 : micrometres < 9950 ? 1 : 0)} mm`;
+const millimetres = (micrometres) => {
+  const decimals = micrometres < 100 ? 3 : micrometres < 995 ? 2 : micrometres < 9950 ? 1 : 0;
+  return `${(micrometres / 1000).toFixed(decimals)} mm`;
+};
 
 /**
  * An agent in the picture; reach, x and y are in pixels.
@@ -84,7 +78,7 @@ function spreadApart(points, room) {
 }
 
 /**
- * Draw the agents' names below their turtles: of each agent whose name covers no turtle and no other name.
+ * Draw the agents' names below their turtles, or else above: those that cover no other turtle and no name.
  * @param {Pen} pen
  * @param {Look} look
  * @param {Agent[]} agents
@@ -92,15 +86,15 @@ function spreadApart(points, room) {
  * @param {number} length of a hunter
  */
 export function drawNames(pen, look, agents, side, length) {
-  if (agents.length > MOST_NAMES || side < LEAST_NAMED) return;
+  if (agents.length > look.mostNames || side < look.leastNamed) return;
   const size = fontSize(0.3 * length, 11);
   /** @type {{ x: number, y: number, halfWidth: number, halfHeight: number }[]} */
   const taken = [];
   for (const agent of agents) {
     const { x } = agent;
-    const name = pen.truncated(agent.name, size, 600, LONGEST_NAME * size);
+    const name = pen.truncated(agent.name, size, 600, look.longestName * size);
     const halfWidth = 0.5 * pen.width(name, size, 600);
-    const y = agent.y + Math.max(agent.reach, 0.5 * length) + 0.85 * size;
+    const away = Math.max(agent.reach, 0.5 * length) + 0.85 * size;
     const half = 0.45 * length;
     const others = agents.filter((other) => other !== agent).map((other) => ({
       x: other.x,
@@ -108,10 +102,15 @@ export function drawNames(pen, look, agents, side, length) {
       halfWidth: half,
       halfHeight: half,
     }));
-    const covers = [...others, ...taken].some((other) =>
-      Math.abs(x - other.x) < halfWidth + other.halfWidth && Math.abs(y - other.y) < 0.5 * size + other.halfHeight
+    if (x <= halfWidth || x >= side - halfWidth) continue;
+    const y = [agent.y + away, agent.y - away].find((middle) =>
+      middle > size && middle < side - size &&
+      ![...others, ...taken].some((other) =>
+        Math.abs(x - other.x) < halfWidth + other.halfWidth &&
+        Math.abs(middle - other.y) < 0.5 * size + other.halfHeight
+      )
     );
-    if (covers || x <= halfWidth || x >= side - halfWidth || y >= side - size) continue;
+    if (y === undefined) continue;
     taken.push({ x, y, halfWidth, halfHeight: 0.5 * size });
     pen.label(x, y, name, size, { color: mixed(agent.color, WHITE, 0.5), align: "center", outline: look.ink });
   }
@@ -233,18 +232,21 @@ export function drawPodium(pen, look, replay, side) {
     pen.label(x, y, text, size, { color, weight, align: "center", most });
   pen.box(0, 0, side, side, `rgb(0 0 0 / ${1 - look.dimmed})`);
   write(middle, 0.5 * side - 265 * unit, replay.result, big, 800, 0.94 * side, look.gold);
-  const order = [...scores.keys()].sort((one, other) => scores[other] - scores[one]).slice(0, STEPS.length);
+  const order = [...scores.keys()].sort((one, other) => scores[other] - scores[one]).slice(
+    0,
+    look.podiumHeights.length,
+  );
   order.forEach((contender, place) => {
     const { name, color } = contenders[contender];
     const rank = scores.filter((score) => score > scores[contender]).length;
-    const x = middle + (STEPS[place][0] - 0.5) * 700 * unit;
-    const tall = STEPS[rank][1] * 200 * unit;
+    const x = middle + look.podiumPlaces[order.length - 1][place] * 210 * unit;
+    const tall = look.podiumHeights[rank] * 200 * unit;
     const top = foot - tall;
     pen.box(x - wide / 2, top, wide, tall, mixed(color, look.panel, 0.35), 10 * unit);
     write(x, top + 34 * unit, String(rank + 1), big, 800);
     pen.turtle(x, top - 52 * unit, 1.57, 92 * unit, color);
     write(x, top - 122 * unit, String(scores[contender]), big, 800);
-    write(x, foot + 26 * unit, name, size, 700, 1.15 * wide);
+    write(x, foot + 26 * unit, name, size, 700, 1.06 * wide);
   });
   if (!replay.prey.length) return;
   const caught = replay.hunted(duration).map(({ caught }) => caught === 1 ? "once" : `${caught} times`);

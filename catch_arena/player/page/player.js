@@ -5,8 +5,6 @@ import { readableOn } from "./shapes.js";
 /** @typedef {import("./shapes.js").Look} Look */
 /** @typedef {import("./replay.js").Claim} Claim */
 
-/** Time in which a lens grows while the replay plays, in milliseconds. */
-const GROWS_MS = 160;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 const KEYS = [
   ["Space", "play, pause"],
@@ -336,7 +334,7 @@ export class CatchReplay extends HTMLElement {
     const { replay, time, picked, viewed, playing, speed } = this;
     if (!replay || !this.arena.clientWidth) return;
     const calm = this.calm.matches;
-    const grows = playing && !calm ? GROWS_MS * speed : 0;
+    const grows = playing && !calm ? CatchReplay.look.lensGrowsMs * speed : 0;
     const over = this.#over(replay);
     this.painter.paint(this.arena, replay, time, { picked, viewed, calm, grows, over });
     this.painter.strip(this.strip, replay, picked);
@@ -363,7 +361,8 @@ export class CatchReplay extends HTMLElement {
     this.contest.hidden = !contest;
     const owner = picked === null ? "" : ` of ${replay.hunters[picked].label}`;
     if (!contests.length) {
-      this.note.textContent = `No contest${owner}: no target was requested by two hunters within reach in the same step.`;
+      this.note.textContent =
+        `No contest${owner}: no target was requested by two hunters within reach in the same step.`;
     } else if (contest) {
       const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${owner}`;
       const { prey } = contest.place;

@@ -22,6 +22,12 @@
  * @property {number} caption part of the picture's side
  * @property {number} captionMs time for which a caption and its lens are shown
  * @property {number} leastArena side of the smallest picture with captions, in pixels
+ * @property {number} lensGrowsMs
+ * @property {number} mostNames greatest number of agents that have their names next to them
+ * @property {number} leastNamed side of the smallest arena with names, in pixels
+ * @property {number} longestName greatest width of a name next to a turtle, in sizes of its text
+ * @property {number[]} podiumHeights
+ * @property {number[][]} podiumPlaces
  * @property {number} dimmed brightness of the arena under the podium
  * @property {[own: number, white: number, points: [number, number][]][]} turtle
  */
