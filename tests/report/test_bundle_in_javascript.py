@@ -177,7 +177,7 @@ def test_captions_and_the_result_are_those_of_videos(bundles):
         info, worlds = MatchInfo.of_replay(replay), list(replay.worlds())
         commentary, captions = Commentary(info), []
         for before, after in itertools.pairwise(worlds):
-            commentary.record(before.time_ms, annotations_of(before, after, replay.config), after.team_scores)
+            commentary.record(before.time_ms, annotations_of(before, after, by_lot=info.by_lot), after.team_scores)
             captions += [commentary.caption] if commentary.caption not in {None, *captions[-1:]} else []
         for one, caption in zip(shown["moments"], captions, strict=True):
             assert (one["time"], one["agent"], one["text"], one["atTop"]) == (

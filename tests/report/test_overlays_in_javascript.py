@@ -158,7 +158,7 @@ def test_captions_and_lenses_are_those_of_videos(matches, drawn, scenario):
     commentary, expected = captions.Commentary(info), []
     for before, after in itertools.pairwise(replay.worlds()):
         last = commentary.caption
-        found = annotations.annotations_of(before, after, replay.config)
+        found = annotations.annotations_of(before, after, by_lot=info.by_lot)
         commentary.record(before.time_ms, found, after.team_scores)
         if commentary.caption is not last:
             expected.append(commentary.caption)
@@ -175,7 +175,7 @@ def test_the_podium_is_that_of_videos(matches, drawn, scenario):
     prey = [score for score in hud.standings_of(world) if score.hunted]
     shapes = podium_shapes((SIDE, SIDE), MatchInfo.of_replay(replay), world.team_scores, prey)
     darkening, *podium = drawn[scenario]["podium"]
-    assert darkening == ["box", 0, 0, SIDE, SIDE, "rgb(0 0 0 / 0.8)", 0]
+    assert darkening == ["box", 0, 0, SIDE, SIDE, "rgb(0 0 0 / 0.9)", 0]
     assert_same(podium, shapes)
 
 
