@@ -2,9 +2,9 @@
 the paths of its results.
 
 - app: the application, its errors and exit codes. options, bus: the options that commands share.
-- The commands: matches (tournament, match), hand_ins (check-agent, grade), evaluation (compare), suite,
-  live (play, watch), replays (verify, diff, explain), videos (render, clip, mosaic, highlights), report, exports
-  (export), conformance, listings (agents, scenarios, docs), ros and ros_bags.
+- The commands: matches (tournament, match), hand_ins (new-agent, check-agent, grade, new-class), evaluation (compare),
+  suite, live (play, watch), replays (verify, diff, explain), videos (render, clip, mosaic, highlights), report,
+  exports (export), conformance, listings (agents, scenarios, docs), ros and ros_bags.
 - outputs: files that are not replaced without --force. terminal, tables, progress: output on a terminal.
 """
 

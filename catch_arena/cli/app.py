@@ -32,7 +32,7 @@ GROUPS: Final = {
     "Play": ("match", "play", "watch", "agents", "scenarios", "docs"),
     "Look": ("explain", "verify", "diff", "render", "clip", "highlights", "mosaic"),
     "Tournaments": ("tournament", "report", "export", "compare", "suite"),
-    "Teach": ("check-agent", "grade", "conformance"),
+    "Teach": ("new-agent", "check-agent", "grade", "new-class", "conformance"),
     "ROS 2": ("ros",),
 }
 """Every command by group, in the order of the program's help."""

@@ -4,14 +4,16 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from io import BytesIO
 from itertools import cycle, islice
 from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import printable, printable_lines
-from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.entrants import Entrant, Inspection, enter
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -82,6 +84,35 @@ class TestGrade:
         return {name: getattr(self, name) for name in known} | dict(self.figures)
 
 
+def enter_opponents(test: GradingTest, inspect: Callable[[str], Inspection]) -> tuple[Entrant, ...]:
+    """Return the opponents of a test.
+
+    Raises:
+        ConfigError: for an opponent that cannot play.
+    """
+    if test.cases:
+        raise ConfigError(f"{test.name}: only a node can play cases; give its service, such as ros:/catch_turtle")
+    opponents = enter(test.opponents, inspect)
+    for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
+        if opponent.fault is not None:
+            raise ConfigError(f"{test.name}: opponent {opponent_spec} cannot play: {opponent.fault}")
+    return opponents
+
+
+def unplayed_grade(test: GradingTest, fault: str, *, hinted: bool = True) -> TestGrade:
+    """Return the grade of an agent that cannot begin: no match is played."""
+    forfeit = Forfeit("FORFEIT_INIT", 0, fault)
+    return TestGrade(
+        test=test.name,
+        points=0.0,
+        possible=test.points,
+        failures=(str(forfeit) if hinted else fault,),
+        hints=tuple(_HINTS[cause] for cause in _causes_of(forfeit, test.config)) if hinted else (),
+        figures={},
+        measured="not played",
+    )
+
+
 def grade_agent(
     spec: GradingSpec,
     test: GradingTest,
@@ -90,6 +121,7 @@ def grade_agent(
     sandbox: Sandbox | None,
     max_forfeits: int = 0,
     progress: Callable[[int, int], None] = lambda *_: None,
+    keep: Callable[[int, MatchResult, bytes], None] | None = None,
 ) -> TestGrade:
     """Play the matches of a test, with the student's agent in each seat in turn, and return its grade.
 
@@ -102,6 +134,8 @@ def grade_agent(
         max_forfeits: number of forfeits in a row after which the rest is not played, as after two timeouts; 0 to play
             all matches.
         progress: called with (played, total) matches after each match.
+        keep: called with (the student's party, result, content of the replay's file) after each match; None to make no
+            replays.
 
     Raises:
         MatchFailedError: if a match could not be held.
@@ -116,8 +150,13 @@ def grade_agent(
     for match in matches:
         party = match.seating.index(0)
         seating = [*others[:party], student, *others[party:]]
-        result = play_entrants(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds)
+        replay, title = None if keep is None else BytesIO(), f"{test.name}, match {match.block + 1}"
+        result = play_entrants(
+            config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds, title=title, record=replay
+        )
         played.append((party, result))
+        if keep is not None and replay is not None:
+            keep(party, result, replay.getvalue())
         progress(len(played), len(matches))
         forfeit = result.forfeits[party]
         forfeited = 0 if forfeit is None else forfeited + 1

@@ -66,6 +66,7 @@ class _File(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
     seed: str | int | None = None
     seed_file: str | None = None
     matches: Count = 10
+    launch: str = ""
     test: Annotated[tuple[GradingTest, ...], Meta(min_length=1)]
 
 
@@ -77,6 +78,10 @@ class GradingSpec:
     tests: tuple[GradingTest, ...]
     secret: Secret
     """Source of the seeds of all matches."""
+    has_seed: bool = True
+    """False if the seed is drawn in each run."""
+    launch: str = ""
+    """Command that starts a student's ROS 2 node in the student's folder, for `grade FOLDER --ros`."""
 
     def matches(self, test: GradingTest) -> tuple[Match, ...]:
         """Return the matches of a test, with the student (0) as each party in turn: a hunter or team, or a prey."""
@@ -116,7 +121,8 @@ def read_spec(path: Path) -> GradingSpec:
         raise ConfigError(f"{path}: {_describe(str(error), table)}") from None
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
-    return GradingSpec(path.stem if file.title is None else file.title, tests, secret)
+    has_seed = not (file.seed is None and file.seed_file is None)
+    return GradingSpec(path.stem if file.title is None else file.title, tests, secret, has_seed, file.launch)
 
 
 def _complete(at: str, test: GradingTest, given: Collection[str], matches: int, folder: Path) -> GradingTest:

@@ -20,13 +20,18 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
         ConfigError: for a test without cases that can be asked of a service, before the first request.
         BusError: if no node serves the service.
     """
-    tests = [(test, _cases(test)) for test in spec.tests]
+    tests = [(test, cases_of(test)) for test in spec.tests]
     node.wait_for_node()
     for test, cases in tests:
         yield _grade(test, run_on_node(node, cases))
 
 
-def _cases(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
+def cases_of(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
+    """Return the cases of a test that can be asked of a service.
+
+    Raises:
+        ConfigError: if there are none.
+    """
     if not test.cases:
         raise ConfigError(f'{test.name}: cases must be given for a node, as in cases = ["reach", "names"]')
     try:

@@ -4,13 +4,14 @@ import multiprocessing
 import os
 import signal
 import traceback
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import cache
 from threading import Thread
 from types import TracebackType
+from typing import Any, TypeVar
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
@@ -19,6 +20,8 @@ from catch_arena.streams import outlive_readers
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.players import Fault
+
+_Result = TypeVar("_Result")
 
 
 class Executor:
@@ -36,18 +39,22 @@ class Executor:
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
         """Begin to play these matches, without the entrants that are `excluded`."""
-        future: Future[list[RecordedMatch]] = Future()
+        return self.run(self.worker.play_block, matches, excluded)
+
+    def run(self, work: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
+        """Begin to call a function with these arguments; all of them can be sent to another process."""
+        future: Future[_Result] = Future()
         try:
-            future.set_result(self.worker.play_block(matches, excluded))
+            future.set_result(work(*arguments))
         except MatchFailedError as error:
             future.set_exception(error)
         return future
 
-    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """Return the matches of a submitted block.
+    def result(self, future: Future[_Result]) -> _Result:
+        """Return the result of submitted work.
 
         Raises:
-            MatchFailedError: if the block failed on our side.
+            MatchFailedError: if the work failed on our side.
         """
         return future.result()
 
@@ -78,22 +85,22 @@ class ProcessExecutor(Executor):
         self._jobs = jobs
         self._pool = self._new_pool()
 
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches as soon as one of the processes is idle."""
+    def run(self, work: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
+        """Begin to call a function as soon as one of the processes is idle."""
         _compile(self.worker.config)  # once here; worker processes read it from the cache
         with _signals_held():  # new processes hold signals until they have begun
             try:
-                return self._pool.submit(_play_block_here, self.worker, matches, excluded)
+                return self._pool.submit(_run_here, work, arguments)
             except BrokenProcessPool:
                 self.close()
                 self._pool = self._new_pool()
-                return self._pool.submit(_play_block_here, self.worker, matches, excluded)
+                return self._pool.submit(_run_here, work, arguments)
 
-    def result(self, future: Future[list[RecordedMatch]]) -> list[RecordedMatch]:
-        """Return the matches of a submitted block.
+    def result(self, future: Future[_Result]) -> _Result:
+        """Return the result of submitted work.
 
         Raises:
-            MatchFailedError: if the block failed on our side, or a worker process died.
+            MatchFailedError: if the work failed on our side, or a worker process died.
         """
         try:
             return future.result()
@@ -128,9 +135,9 @@ def _compile(config: ArenaConfig) -> None:
     Engine(config)
 
 
-def _play_block_here(worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
+def _run_here(work: Callable[..., _Result], arguments: Sequence[Any]) -> _Result:
     try:
-        return worker.play_block(matches, excluded)
+        return work(*arguments)
     except KeyboardInterrupt:  # raised by an agent: this process ignores Ctrl-C
         raise RuntimeError(f"in a worker process:\n{traceback.format_exc()}") from None
 

@@ -68,7 +68,7 @@ class RayExecutor(Executor):
         future: Future[list[RecordedMatch]] = self._task.remote(self._sent, matches, excluded, self._versions).future()
         return future
 
-    def result(self, future: Future[Any]) -> list[RecordedMatch]:
+    def result(self, future: Future[Any]) -> Any:
         """Return the matches of a submitted block.
 
         Raises:

@@ -1,0 +1,170 @@
+"""Grading of all submissions of a class, each kept in a file as soon as it is graded: the same command continues."""
+
+import hashlib
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from catch_arena.classroom.moments import Moment, WorstMatch
+from catch_arena.classroom.submissions import Submission
+from catch_arena.config import RULESET
+from catch_arena.errors import AgentError, MatchFailedError
+from catch_arena.files import prepare_folder, write_whole
+from catch_arena.tournament.agent_spec import resolve
+from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution.executors import Executor
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.grading import TestGrade, grade_agent, unplayed_grade
+from catch_arena.tournament.grading_spec import GradingSpec
+from catch_arena.tournament.isolation.playing import inspector
+from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.parties import Parties
+
+KEPT: Final = "grades"
+"""Folder of the kept grades, in the folder of results."""
+_MOST_TRIES: Final = 3
+"""Number of tries for a submission that fails on our side."""
+LOG_SHOWN: Final = 4000
+"""Length of the shown end of a log [characters]."""
+
+
+class Graded(msgspec.Struct, frozen=True, kw_only=True):
+    """Grades of one submission."""
+
+    name: str
+    digest: str
+    key: str = ""
+    """Digest of the submission and of all by which it is graded."""
+    grades: tuple[TestGrade, ...]
+    fault: str | None = None
+    """Reason for which it was not graded, which is not the student's fault; None if it was."""
+    log: str = ""
+    """End of the agent's output: in its worst match, or from its start if it cannot begin."""
+    moment: Moment | None = None
+
+    @property
+    def points(self) -> float:
+        """Points of all tests."""
+        return sum((grade.points for grade in self.grades), 0.0)
+
+    @property
+    def possible(self) -> float:
+        """Largest possible number of points."""
+        return sum((grade.possible for grade in self.grades), 0.0)
+
+
+def grade_submission(
+    worker: Worker, spec: GradingSpec, opponents: Sequence[Sequence[Entrant]], max_forfeits: int, submission: Submission
+) -> Graded:
+    """Play all tests of a spec with a submission, in this process.
+
+    Args:
+        worker: has the sandbox of this process.
+        spec: the grading spec.
+        opponents: opponents in each test.
+        max_forfeits: number of forfeits in a row that end a test.
+        submission: the submission.
+
+    Raises:
+        MatchFailedError: if a match could not be held.
+    """
+    log = ""
+    try:
+        inspection = inspector(worker.sandbox)(resolve(submission.agent).spec)
+        (student,) = enter([submission.agent], lambda _: inspection)
+    except AgentError as error:  # no agent, such as a notebook
+        why = str(error).replace(f"{submission.path.parent}/", "")
+        grades = tuple(unplayed_grade(test, why, hinted=False) for test in spec.tests)
+        return Graded(name=submission.name, digest=submission.digest(), grades=grades)
+    if student.fault is not None:
+        grades = tuple(unplayed_grade(test, student.fault) for test in spec.tests)
+        log = inspection.log[-LOG_SHOWN:]
+        return Graded(name=submission.name, digest=student.digest, grades=grades, log=log)
+    student = replace(student, name=submission.name)
+    found: list[tuple[TestGrade, WorstMatch]] = []
+    try:
+        for test, others in zip(spec.tests, opponents, strict=True):
+            worst = WorstMatch(Parties.of(test.config))
+            grade = grade_agent(spec, test, student, others, worker.sandbox, max_forfeits, keep=worst.keep)
+            found.append((grade, worst))
+    finally:
+        worker.close()  # no process of a student waits for the next one
+    _, worst = max(found, key=lambda one: (bool(one[0].failures), one[0].possible))
+    return Graded(
+        name=submission.name,
+        digest=student.digest,
+        grades=tuple(grade for grade, _ in found),
+        log=worst.log[-LOG_SHOWN:],
+        moment=worst.moment(),
+    )
+
+
+def spec_key(spec: GradingSpec, quotas: Quotas, opponents: Sequence[Sequence[Entrant]]) -> str:
+    """Return a digest of everything besides the submission that a grade depends on."""
+    parts = (spec.title, spec.tests, spec.secret.digits, spec.launch, RULESET, version("catch-arena"), quotas.numbers())
+    rivals = [[opponent.digest for opponent in others] for others in opponents]
+    return hashlib.blake2b(msgspec.json.encode((parts, rivals)), digest_size=16).hexdigest()
+
+
+def grade_class(
+    submissions: Sequence[Submission],
+    grade: Callable[[Submission], Graded],
+    executor: Executor,
+    folder: Path,
+    spec_key: str,
+) -> Iterator[tuple[Graded, bool]]:
+    """Yield the grades of all submissions as they come, and whether they were kept by an earlier run.
+
+    Each is kept in a file before it is yielded. A submission that fails on our side is tried again when all others
+    are graded, alone, so that it costs no other one.
+
+    Args:
+        submissions: the submissions.
+        grade: grades a submission; it can be sent to another process.
+        executor: runs `grade`.
+        folder: folder of the results.
+        spec_key: digest of everything else that a grade depends on.
+
+    Raises:
+        OutputError: if a grade cannot be written.
+    """
+    kept = prepare_folder(folder / KEPT)
+    keys = {one.name: f"{spec_key}-{one.digest()}" for one in submissions}
+    waiting = deque[tuple[Submission, int]]()
+    for submission in submissions:
+        graded = _kept_grade(kept / f"{submission.name}.json")
+        if graded is not None and graded.key == keys[submission.name]:
+            yield graded, True
+        else:
+            waiting.append((submission, 1))
+    running: dict[Future[Graded], tuple[Submission, int]] = {}
+    while waiting or running:
+        while waiting and len(running) < (executor.max_pending if waiting[0][1] == 1 else 1):
+            one = waiting.popleft()
+            running[executor.run(grade, one[0])] = one
+        for future in wait(running, return_when=FIRST_COMPLETED).done:
+            submission, tries = running.pop(future)
+            try:
+                graded = msgspec.structs.replace(executor.result(future), key=keys[submission.name])
+            except MatchFailedError as error:
+                if tries < _MOST_TRIES:
+                    waiting.append((submission, tries + 1))
+                    continue
+                yield Graded(name=submission.name, digest=submission.digest(), grades=(), fault=str(error)), False
+                continue
+            write_whole(kept / f"{submission.name}.json", msgspec.json.encode(graded))
+            yield graded, False
+
+
+def _kept_grade(path: Path) -> Graded | None:
+    """Return the grade in a file; None if there is none, or one of another version."""
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Graded)
+    except (OSError, ValueError):
+        return None

@@ -1,0 +1,72 @@
+"""marks.csv: a line for each student, with points, reasons, dates, and the submissions to look at together."""
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Final
+
+from catch_arena.classroom.grading import Graded
+from catch_arena.classroom.submissions import Submission
+from catch_arena.files import write_whole
+from catch_arena.text import spreadsheet_cell, without_folders
+
+MARKS: Final = "marks.csv"
+EXCEL: Final = "marks_excel.csv"
+"""The same file with a byte order mark, by which Excel knows that it is UTF-8."""
+
+
+def write_marks(
+    folder: Path,
+    graded: Mapping[str, Graded],
+    submissions: Sequence[Submission],
+    tests: Sequence[str],
+    look_at: Mapping[str, str],
+    deadline: datetime | None,
+) -> None:
+    """Write marks.csv and marks_excel.csv.
+
+    Args:
+        folder: folder of the results.
+        graded: grades by name.
+        submissions: the submissions, in the order of the lines.
+        tests: names of the tests.
+        look_at: for some names, other submissions to look at, in words.
+        deadline: last moment at which a submission is in time; None for no deadline.
+
+    Raises:
+        OutputError: if a file cannot be written.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    titles = [test if tests.index(test) == number else f"{test} ({number + 1})" for number, test in enumerate(tests)]
+    heading = ["student", "points", "possible", *titles, "reason", "changed", "hours_late", "look_at", "digest"]
+    writer.writerow(map(spreadsheet_cell, heading))
+    for submission in submissions:
+        one = graded[submission.name]
+        points = [f"{grade.points:g}" for grade in one.grades] or [""] * len(tests)
+        failures = dict.fromkeys(grade.failures[0] for grade in one.grades if grade.failures)
+        reason = f"not graded: {one.fault}" if one.fault else without_folders("; ".join(failures))
+        row = [
+            one.name,
+            f"{one.points:g}" if one.grades else "",
+            f"{one.possible:g}" if one.grades else "",
+            *points,
+            reason,
+            submission.changed.isoformat(sep=" "),
+            hours_late(submission.changed, deadline),
+            look_at.get(one.name, ""),
+            one.digest,
+        ]
+        writer.writerow(map(spreadsheet_cell, row))
+    write_whole(folder / MARKS, text.getvalue().encode())
+    write_whole(folder / EXCEL, text.getvalue().encode("utf-8-sig"))
+
+
+def hours_late(changed: datetime, deadline: datetime | None) -> str:
+    """Return the number of hours after the deadline, rounded up to one decimal; empty if it was in time."""
+    if deadline is None or changed <= deadline:
+        return ""
+    return f"{math.ceil((changed - deadline).total_seconds() / 360) / 10:.1f}"

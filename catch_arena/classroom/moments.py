@@ -1,0 +1,108 @@
+"""Worst moment of a student's matches, for the student's page: a failure, a lost contest, refusals, or a long wait."""
+
+import json
+from itertools import pairwise
+from typing import Final
+
+import msgspec
+
+from catch_arena.explanation import explain
+from catch_arena.explanation.formatting import seconds
+from catch_arena.explanation.highlights import extract_events
+from catch_arena.explanation.sentences import capture_sentence, contest_sentence, refusals_sentence
+from catch_arena.player import packed_text
+from catch_arena.player.bundle import encode_bundle
+from catch_arena.replay import Replay
+from catch_arena.replay.fileformat import decode_replay
+from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.parties import Parties
+
+_BEFORE_MS: Final = 2000
+"""Time that the page plays before the moment [ms]."""
+
+
+class Moment(msgspec.Struct, frozen=True):
+    """Moment of a match that the page plays."""
+
+    title: str
+    """Test and match."""
+    text: str
+    start_ms: int
+    seat: int | None
+    """The student's seat; None for prey, which the player cannot select."""
+    bundle: str
+    """Replay bundle of the match, without its seed."""
+
+
+class WorstMatch:
+    """Worst match of a student in a test so far: a forfeit, else the one with the worst score against the best other.
+
+    Its method `keep` is for `grade_agent`.
+
+    Args:
+        parties: the parties of the test's arena.
+    """
+
+    def __init__(self, parties: Parties) -> None:
+        self._parties = parties
+        self._worst: tuple[bool, float] | None = None
+        self._replay = b""
+        self._seat = 0
+        self._forfeit: Forfeit | None = None
+        self.log = ""
+        """Output of the student's agent in the match."""
+
+    def keep(self, party: int, result: MatchResult, replay: bytes) -> None:
+        """Keep a match if it is worse than all before."""
+        hunting, own = self._parties.hunting, result.scores[party]
+        rivals = [score for other, score in enumerate(result.scores[:hunting]) if other != party]
+        forfeit = result.forfeits[party]
+        badness = forfeit is not None, float(own if party >= hunting else max(rivals, default=0) - own)
+        if self._worst is None or badness > self._worst:
+            self._worst, self._replay, self._forfeit, self.log = badness, replay, forfeit, result.logs[party]
+            self._seat = self._parties.seats[party][0] if forfeit is None or forfeit.seat < 0 else forfeit.seat
+
+    def moment(self) -> Moment | None:
+        """Return the worst moment of the match; None if the agent did not begin it.
+
+        Raises:
+            ReplayError: if the match does not play as recorded.
+        """
+        if self._worst is None or (self._forfeit is not None and not self._forfeit.step):
+            return None
+        replay = decode_replay(self._replay)
+        at_ms, text = _worst_moment(replay, self._seat)
+        if self._forfeit is not None:
+            at_ms, text = (self._forfeit.step - 1) * replay.config.control_period_ms, str(self._forfeit)
+        facts, _, tracks = encode_bundle(replay).partition(b"\n")
+        content = json.dumps(json.loads(facts) | {"seed": "hidden"}, separators=(",", ":"), ensure_ascii=False)
+        seat = self._seat if self._seat < replay.config.hunters else None
+        return Moment(
+            replay.title, text, max(0, at_ms - _BEFORE_MS), seat, packed_text(content.encode() + b"\n" + tracks)
+        )
+
+
+def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:
+    """Return the time [ms since reset] and the text of the worst moment of a seat that did not fail."""
+    hunters = replay.config.hunters
+    match = explain(replay, seat if seat < hunters else f"prey_{seat - hunters}")
+    if seat >= hunters:
+        if not match.captures:
+            return 0, "It was never caught in this match."
+        capture = min(match.captures, key=lambda one: one.in_play_ms)
+        return capture.judged_ms, capture_sentence(capture, match)
+    lost = {
+        claim.distance_um or 0: contest
+        for contest in match.contests
+        for claim in contest.claims[1:]
+        if claim.seat == seat and not claim.mate and contest.clause != "R9.1"
+    }
+    if match.refusals and sum(match.records[0].refused.values()) > len(lost):
+        run = max(match.refusals, key=lambda one: one.times)
+        return run.first_ms, refusals_sentence(run, match)
+    if lost:
+        contest = lost[max(lost)]
+        return contest.judged_ms, contest_sentence(contest, match.names, match.prey_by_target.get(contest.target))
+    caught = [catch.judged_ms for catch in extract_events(replay).catches if catch.seat == seat]
+    start, end = max(pairwise([0, *caught, replay.duration_ms]), key=lambda gap: gap[1] - gap[0])
+    return start, f"From {seconds(start)} to {seconds(end)} it catches nothing, its longest wait in this match."

@@ -1,0 +1,114 @@
+"""Grading of students' ROS 2 nodes: each is started by the spec's launch command, graded, and ended.
+
+The nodes are not isolated: they run as the teacher, one after the other.
+"""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
+from pathlib import Path
+from threading import Thread
+from typing import IO, Final
+
+from catch_arena import interrupts
+from catch_arena.classroom.grading import LOG_SHOWN, Graded
+from catch_arena.classroom.submissions import Submission
+from catch_arena.errors import BusError, ConfigError
+from catch_arena.ros.node_tests.grading import grade_node
+from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
+from catch_arena.text import one_line, printable_lines
+from catch_arena.tournament.execution.executors import ProcessExecutor
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.grading import TestGrade, unplayed_grade
+from catch_arena.tournament.grading_spec import GradingSpec
+from catch_arena.tournament.isolation.sandbox import Log
+
+Join = Callable[[], AbstractContextManager[NodeUnderTest]]
+_END_S: Final = 3.0
+"""Time for a node to end after Ctrl-C [s]."""
+_LOG_BYTES: Final = 1 << 16
+
+
+def grade_node_of(worker: Worker, spec: GradingSpec, join: Join, submission: Submission) -> Graded:
+    """Grade the node in a student's folder; a test without an answer gives no points.
+
+    Args:
+        worker: begins the process that joins the bus.
+        spec: the grading spec, with its launch command.
+        join: joins the bus with an arena for a node; it can be sent to another process.
+        submission: the submission.
+
+    Raises:
+        BusError: if the bus cannot be joined.
+    """
+    grades: list[TestGrade] = []
+    fault, printed = "must be a folder, in which the spec's launch command starts the node", ""
+    if submission.path.is_dir():
+        # a process of its own for each: what a process has published is seen by its next nodes
+        with _started(spec.launch, submission.path) as (process, log), ProcessExecutor(worker, 1) as fresh:
+            grades, fault = fresh.result(fresh.run(_ask, spec, join))
+            if process.poll() is not None:
+                fault += f"; its launch command ended with code {process.returncode}"
+            printed = log.text()
+    missing = (unplayed_grade(test, one_line(fault), hinted=False) for test in spec.tests[len(grades) :])
+    return Graded(
+        name=submission.name,
+        digest=submission.digest(),
+        grades=(*grades, *missing),
+        log=printable_lines(printed)[-LOG_SHOWN:],
+    )
+
+
+def _ask(spec: GradingSpec, join: Join) -> tuple[list[TestGrade], str]:
+    """Return the grades of the node on the bus, and the reason for which there are no more."""
+    grades: list[TestGrade] = []
+    with join() as node:
+        try:
+            grades.extend(grade_node(spec, node))
+        except (BusError, ConfigError) as error:
+            return grades, str(error)
+    return grades, ""
+
+
+@contextmanager
+def _started(command: str, folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], Log]]:
+    """Start a shell command in a folder, and keep what it prints; at the end, end it and all that it started."""
+    log = Log(_LOG_BYTES)
+    process = subprocess.Popen(  # noqa: S602 - the teacher's own line
+        command,
+        shell=True,
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+    )
+
+    def read(output: IO[bytes]) -> None:
+        while part := os.read(output.fileno(), _LOG_BYTES):
+            log.add(part)
+
+    reader = Thread(target=read, args=[process.stdout], daemon=True)
+    reader.start()
+    try:
+        yield process, log
+    finally:
+        _end(process, signal.SIGINT)
+        deadline = time.monotonic() + _END_S
+        while (process.poll() is None or interrupts.descendants(process.pid)) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        _end(process, signal.SIGKILL)
+        process.wait()
+        reader.join(_END_S)
+
+
+def _end(process: subprocess.Popen[bytes], number: int) -> None:
+    """Send a signal to the processes of a session, and to those that have left it."""
+    for pid in interrupts.descendants(process.pid):
+        with suppress(OSError):
+            os.kill(pid, number)
+    with suppress(OSError):
+        os.killpg(process.pid, number)

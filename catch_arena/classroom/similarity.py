@@ -1,0 +1,98 @@
+"""Submissions that are equal or nearly equal: somebody should look at them; it is never a mark.
+
+Python's syntax trees are compared without names, comments, texts, numbers and layout. What most of the class has, such
+as the code of the exercise, is left out.
+"""
+
+import ast
+import warnings
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from typing import Final, NamedTuple
+
+from catch_arena.classroom.submissions import Submission
+from catch_arena.tournament.agent_spec import content_of
+
+_NODES: Final = 8
+"""Number of nodes in a row that are compared as one piece."""
+_LEAST: Final = 40
+"""Smallest number of pieces that are compared: shorter agents are similar by chance."""
+_ALIKE: Final = 0.5
+"""Smallest share of common pieces, in [0, 1], that is reported."""
+_COMMON: Final = 3
+"""Number of submissions that may have a piece in any class; in a large class, half of it may."""
+_LONGEST: Final = 1 << 20
+"""Largest size of a file that is compared [bytes]."""
+
+Shape = frozenset[tuple[str, ...]]
+"""Pieces of a syntax tree: the kinds of some nodes in a row."""
+
+
+class Pair(NamedTuple):
+    """Two submissions to look at."""
+
+    first: str
+    second: str
+    share: float
+    """Share of the common pieces in all pieces of both, in [0, 1]; 1.0 also for equal files."""
+    equal: bool
+    """True if their files are equal, byte by byte."""
+
+    def __str__(self) -> str:
+        """Return the reason to look at them."""
+        return "equal files" if self.equal else f"{100 * self.share:.0f} % of the code has the same structure"
+
+
+def similar_pairs(submissions: Sequence[Submission]) -> list[Pair]:
+    """Return the pairs of submissions that are equal or nearly equal, the most similar first."""
+    digests = {one.name: one.digest() for one in submissions}
+    shapes = {one.name: _shape(one) for one in submissions}
+    owners = Counter(piece for shape in shapes.values() for piece in shape)
+    most = max(_COMMON, len(submissions) // 2)
+    own = {name: frozenset(piece for piece in shape if owners[piece] <= most) for name, shape in shapes.items()}
+    pairs = []
+    for first, second in combinations(digests, 2):
+        equal = digests[first] == digests[second]
+        either = own[first] | own[second]
+        share = len(own[first] & own[second]) / len(either) if min(len(own[first]), len(own[second])) >= _LEAST else 0.0
+        if equal or share >= _ALIKE:
+            pairs.append(Pair(first, second, 1.0 if equal else share, equal))
+    return sorted(pairs, key=lambda pair: (-pair.equal, -pair.share))
+
+
+def companions(pairs: Sequence[Pair]) -> dict[str, str]:
+    """Return for each submission in a pair the others to look at, in words."""
+    found: dict[str, list[str]] = defaultdict(list)
+    for pair in pairs:
+        found[pair.first].append(f"{pair.second}: {pair}")
+        found[pair.second].append(f"{pair.first}: {pair}")
+    return {name: "; ".join(words) for name, words in found.items()}
+
+
+def _shape(submission: Submission) -> Shape:
+    pieces: set[tuple[str, ...]] = set()
+    for path in submission.files:
+        content = content_of(str(path)) if path.suffix.lower() == ".py" else None
+        if content is None or len(content) > _LONGEST:
+            continue
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # a student's escapes in texts
+                kinds = list(_kinds(ast.parse(content)))
+        except (SyntaxError, ValueError, RecursionError, MemoryError):  # it is no Python, and cannot play either
+            continue
+        pieces.update(zip(*(kinds[offset:] for offset in range(_NODES)), strict=False))
+    return frozenset(pieces)
+
+
+def _kinds(tree: ast.AST) -> Iterator[str]:
+    """Yield the kinds of the nodes in the order of the source, without docstrings and types."""
+    left = [tree]
+    while left:
+        node = left.pop()
+        if isinstance(node, ast.expr_context) or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)):
+            continue
+        yield type(node).__name__
+        types = {id(getattr(node, "annotation", None)), id(getattr(node, "returns", None))}
+        left += [child for child in reversed([*ast.iter_child_nodes(node)]) if id(child) not in types]
