@@ -26,7 +26,7 @@ from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
 
-KEPT: Final = "grades"
+KEPT: Final = "json"
 """Folder of the kept grades, in the folder of results."""
 _MOST_TRIES: Final = 3
 """Number of tries for a submission that fails on our side."""
@@ -74,18 +74,16 @@ def grade_submission(
     Raises:
         MatchFailedError: if a match could not be held.
     """
-    log = ""
     try:
         inspection = inspector(worker.sandbox)(resolve(submission.agent).spec)
         (student,) = enter([submission.agent], lambda _: inspection)
-    except AgentError as error:  # no agent, such as a notebook
+    except (AgentError, OSError) as error:  # no agent, such as a notebook, or a file that cannot be read
         why = str(error).replace(f"{submission.path.parent}/", "")
         grades = tuple(unplayed_grade(test, why, hinted=False) for test in spec.tests)
         return Graded(name=submission.name, digest=submission.digest(), grades=grades)
     if student.fault is not None:
         grades = tuple(unplayed_grade(test, student.fault) for test in spec.tests)
-        log = inspection.log[-LOG_SHOWN:]
-        return Graded(name=submission.name, digest=student.digest, grades=grades, log=log)
+        return Graded(name=submission.name, digest=student.digest, grades=grades, log=inspection.log[-LOG_SHOWN:])
     student = replace(student, name=submission.name)
     found: list[tuple[TestGrade, WorstMatch]] = []
     try:

@@ -15,7 +15,7 @@ from catch_arena.text import spreadsheet_cell, without_folders
 
 MARKS: Final = "marks.csv"
 EXCEL: Final = "marks_excel.csv"
-"""The same file with a byte order mark, by which Excel knows that it is UTF-8."""
+"""Copy of marks.csv with a byte order mark, without which Excel does not read UTF-8."""
 
 
 def write_marks(

@@ -88,8 +88,9 @@ def _started(command: str, folder: Path) -> Iterator[tuple[subprocess.Popen[byte
     )
 
     def read(output: IO[bytes]) -> None:
-        while part := os.read(output.fileno(), _LOG_BYTES):
-            log.add(part)
+        with output:
+            while part := os.read(output.fileno(), _LOG_BYTES):
+                log.add(part)
 
     reader = Thread(target=read, args=[process.stdout], daemon=True)
     reader.start()

@@ -1,4 +1,4 @@
-"""Submissions that are equal or nearly equal: somebody should look at them; it is never a mark.
+"""Submissions that are equal or nearly equal: a reason to look at them, never a mark.
 
 Python's syntax trees are compared without names, comments, texts, numbers and layout. What most of the class has, such
 as the code of the exercise, is left out.

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import pkgutil
 import re
 from collections import Counter
 from dataclasses import dataclass
@@ -9,10 +10,10 @@ from datetime import datetime
 from pathlib import Path
 from typing import Final
 
+from catch_arena import agents
 from catch_arena.errors import ConfigError
 from catch_arena.text import composed, name_fault
 from catch_arena.tournament.agent_spec import IN_FOLDER, content_of
-from catch_arena.tournament.loading import shipped
 
 _SUBMITTED: Final = re.compile(r"\.(py|ipynb)$", re.IGNORECASE)
 _IGNORED: Final = re.compile(r"\.|__")
@@ -41,7 +42,7 @@ class Submission:
     @property
     def changed(self) -> datetime:
         """Time of the last change of its files."""
-        newest = max((path.stat().st_mtime for path in self.files), default=self.path.stat().st_mtime)
+        newest = max((path.stat().st_mtime for path in self.files), default=self.path.lstat().st_mtime)
         return datetime.fromtimestamp(newest).astimezone().replace(microsecond=0)
 
     def digest(self) -> str:
@@ -56,7 +57,8 @@ class Submission:
 def is_class(word: str) -> bool:
     """Return whether a word on the command line names a folder of submissions, and no agent."""
     path = Path(word)
-    return path.is_dir() and not (path / IN_FOLDER).is_file() and word not in shipped()
+    is_shipped = any(module.name == word for module in pkgutil.iter_modules(agents.__path__))
+    return path.is_dir() and not (path / IN_FOLDER).is_file() and not is_shipped
 
 
 def find_submissions(folder: Path) -> tuple[list[Submission], list[str]]:

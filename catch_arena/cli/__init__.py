@@ -5,7 +5,8 @@ the paths of its results.
 - The commands: matches (tournament, match), hand_ins (new-agent, check-agent, grade, new-class), evaluation (compare),
   suite, live (play, watch), replays (verify, diff, explain), videos (render, clip, mosaic, highlights), report,
   exports (export), conformance, listings (agents, scenarios, docs), ros and ros_bags.
-- outputs: files that are not replaced without --force. terminal, tables, progress: output on a terminal.
+- class_grading: the grades of a class. outputs: files that are not replaced without --force. terminal, tables,
+  progress: output on a terminal.
 """
 
 from catch_arena.cli import conformance as _conformance  # noqa: F401

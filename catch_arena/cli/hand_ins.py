@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from datetime import datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,19 +9,13 @@ import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.options import MAX_FORFEITS, Agent, Jobs, SettingOption, Trust, arena, jobs_or_all, print_level
-from catch_arena.cli.outputs import Force, output_file, require_free
+from catch_arena.cli.options import MAX_FORFEITS, Agent, Jobs, SettingOption, Trust, arena, print_level
+from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from catch_arena.classroom.grading import Graded
-    from catch_arena.classroom.submissions import Submission
-    from catch_arena.tournament.entrants import Entrant, Inspection
-    from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.grading import TestGrade
     from catch_arena.tournament.grading_spec import GradingSpec
     from catch_arena.tournament.isolation.quotas import Quotas
@@ -142,8 +135,10 @@ def grade(
             output_file(path, ending, force=force)
     if is_class(agent):
         if junit is not None or json is not None:
-            raise ConfigError("--junit and --json must be left out with a class: DIR/grades has the grades as JSON")
-        done = _grade_class(exercise, Path(agent), spec, students, trust, service, force=force)
+            raise ConfigError("--junit and --json must be left out with a class: DIR/json has the grades")
+        from catch_arena.cli.class_grading import grade_folder
+
+        done = grade_folder(exercise, Path(agent), spec, students, trust, service, force=force)
         if seeds is not None:
             write_whole(seeds, seeds_text(exercise).encode(), private=True)
         if not done:
@@ -186,12 +181,12 @@ def _grade_agent(
     """Play the tests, print each grade and add it to `grades`, and return the agent's name and digest."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
-    from catch_arena.tournament.grading import grade_agent
+    from catch_arena.tournament.grading import enter_opponents, grade_agent
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(quotas) as sandbox:
         inspect = inspector(sandbox)
-        rivals = _enter_opponents(exercise, spec, inspect)
+        rivals = enter_opponents(exercise, spec, inspect)
         (student,) = enter([agent], inspect)
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
@@ -199,122 +194,6 @@ def _grade_agent(
                 grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
             echo(str(grades[-1]))
     return student.name, student.digest
-
-
-def _enter_opponents(
-    exercise: "GradingSpec", spec: Path, inspect: "Callable[[str], Inspection]"
-) -> "list[tuple[Entrant, ...]]":
-    from catch_arena.tournament.grading import enter_opponents
-
-    try:
-        return [enter_opponents(test, inspect) for test in exercise.tests]
-    except ConfigError as error:
-        raise ConfigError(f"{spec}: {error}") from None
-
-
-def _grade_class(
-    exercise: "GradingSpec",
-    folder: Path,
-    spec: Path,
-    students: ClassOptions,
-    trust: Trust,
-    service: NodeUnderTestOptions,
-    *,
-    force: bool,
-) -> bool:
-    """Grade all submissions in a folder, write the results, and return whether all could be graded."""
-    from catch_arena.classroom.grading import KEPT, grade_class
-    from catch_arena.classroom.marks import MARKS, write_marks
-    from catch_arena.classroom.similarity import companions, similar_pairs
-    from catch_arena.classroom.student_page import student_page
-    from catch_arena.classroom.submissions import find_submissions
-    from catch_arena.cli.progress import noting_kept_results, progress_bar
-    from catch_arena.files import prepare_folder, write_whole
-
-    submissions, others = find_submissions(folder)
-    out = students.out or Path(f"{spec.stem}_grades").absolute()
-    if out.resolve().is_relative_to(folder.resolve()):
-        raise ConfigError(f"--out must be outside of the submissions' folder, got {out}")
-    if not (out / KEPT).is_dir():
-        require_free(out / MARKS, force=force)
-    if students.ros:
-        grade_one, key, opened = _node_grading(exercise, spec, students, service)
-    else:
-        service.refuse()
-        grade_one, key, opened = _agent_grading(exercise, spec, students, trust, len(submissions))
-    for other in others:
-        echo(f"warning: {folder / other} is no submission, and is not graded", err=True)
-    deadline = None if students.deadline is None else students.deadline.astimezone()
-    by_name = {one.name: one for one in submissions}
-    pages = prepare_folder(out / "pages")
-    graded: dict[str, Graded] = {}
-    with (
-        noting_kept_results(lambda: f"{len(graded)} of {len(submissions)} are graded; the same command continues"),
-        opened as executor,
-        progress_bar("grading", len(submissions)) as show,
-    ):
-        for one, known in grade_class(submissions, grade_one, executor, out, key):
-            graded[one.name] = one
-            page = student_page(exercise.title, one, by_name[one.name].changed, deadline)
-            write_whole(pages / f"{one.name}.html", page.encode())
-            points = f"not graded: {one.fault}" if one.fault else f"{one.points:g} of {one.possible:g} points"
-            echo(f"{one.name}: {points}{', as graded before' if known else ''}")
-            show(len(graded), len(submissions))
-    pairs = similar_pairs(submissions)
-    for pair in pairs:
-        echo(f"look at these two: {pair.first} and {pair.second}: {pair}")
-    write_marks(out, graded, submissions, [test.name for test in exercise.tests], companions(pairs), deadline)
-    echo(f"marks: {out / MARKS}")
-    echo(f"pages: {pages}")
-    return not any(one.fault for one in graded.values())
-
-
-def _agent_grading(
-    exercise: "GradingSpec", spec: Path, students: ClassOptions, trust: Trust, submissions: int
-) -> "tuple[Callable[[Submission], Graded], str, Executor]":
-    """Return the function that grades an agent, the digest of what it depends on, and the executor for it."""
-    from catch_arena.classroom.grading import grade_submission, spec_key
-    from catch_arena.tournament.execution.executors import local_executor
-    from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.isolation.playing import inspector, sandbox_for
-
-    quotas = trust.quotas()
-    if quotas is None:
-        raise ConfigError("--trusted must be left out with a class: one submission that hangs would stop all others")
-    if not exercise.has_seed:
-        raise ConfigError(f"{spec}: a class needs seed or seed_file, so that all students play the same matches")
-    jobs = min(jobs_or_all(students.jobs), submissions)
-    with sandbox_for(quotas) as sandbox:
-        rivals = _enter_opponents(exercise, spec, inspector(sandbox))
-    print_level(quotas, ["a submission"])
-    worker = Worker(exercise.tests[0].config, (), quotas=quotas)
-    grade_one = partial(grade_submission, worker, exercise, rivals, MAX_FORFEITS)
-    return grade_one, spec_key(exercise, quotas, rivals), local_executor(worker, jobs)
-
-
-def _node_grading(
-    exercise: "GradingSpec", spec: Path, students: ClassOptions, service: NodeUnderTestOptions
-) -> "tuple[Callable[[Submission], Graded], str, Executor]":
-    """Return the same for ROS 2 nodes, which are graded one after the other."""
-    from catch_arena.classroom.grading import spec_key
-    from catch_arena.classroom.nodes import grade_node_of
-    from catch_arena.ros.node_tests.grading import cases_of
-    from catch_arena.tournament.execution.executors import Executor
-    from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.isolation.quotas import Quotas
-
-    if students.jobs is not None:
-        raise ConfigError("--jobs must be left out with --ros: nodes are graded one after the other")
-    if not exercise.launch:
-        raise ConfigError(f'{spec}: launch must be given for --ros, as in launch = "python3 node.py"')
-    try:
-        for test in exercise.tests:
-            cases_of(test)
-    except ConfigError as error:
-        raise ConfigError(f"{spec}: {error}") from None
-    worker = Worker(exercise.tests[0].config, ())
-    grade_one = partial(grade_node_of, worker, exercise, partial(service.node, f"{SERVICE}/catch_turtle"))
-    return grade_one, spec_key(exercise, Quotas(), ()), Executor(worker)
 
 
 @main.command(name="new-agent")

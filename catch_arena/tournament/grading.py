@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import cycle, islice
+from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree as ET
 
@@ -84,19 +85,28 @@ class TestGrade:
         return {name: getattr(self, name) for name in known} | dict(self.figures)
 
 
-def enter_opponents(test: GradingTest, inspect: Callable[[str], Inspection]) -> tuple[Entrant, ...]:
-    """Return the opponents of a test.
+def enter_opponents(spec: GradingSpec, path: Path, inspect: Callable[[str], Inspection]) -> list[tuple[Entrant, ...]]:
+    """Return the opponents in each test of a spec.
+
+    Args:
+        spec: the grading spec.
+        path: its file, for errors.
+        inspect: inspects an agent, as for `enter`.
 
     Raises:
-        ConfigError: for an opponent that cannot play.
+        ConfigError: for an opponent that cannot play, or a test that only a node can play.
     """
-    if test.cases:
-        raise ConfigError(f"{test.name}: only a node can play cases; give its service, such as ros:/catch_turtle")
-    opponents = enter(test.opponents, inspect)
-    for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
-        if opponent.fault is not None:
-            raise ConfigError(f"{test.name}: opponent {opponent_spec} cannot play: {opponent.fault}")
-    return opponents
+    entered = []
+    for test in spec.tests:
+        at = f"{path}: {test.name}"
+        if test.cases:
+            raise ConfigError(f"{at}: only a node can play cases; give its service, such as ros:/catch_turtle")
+        opponents = enter(test.opponents, inspect)
+        for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
+            if opponent.fault is not None:
+                raise ConfigError(f"{at}: opponent {opponent_spec} cannot play: {opponent.fault}")
+        entered.append(opponents)
+    return entered
 
 
 def unplayed_grade(test: GradingTest, fault: str, *, hinted: bool = True) -> TestGrade:

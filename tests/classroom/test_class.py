@@ -126,7 +126,7 @@ def test_marks_are_those_of_grading_one_by_one(graded, tmp_path):
         call(folder / "class" / agent, *words)
         alone = json.loads((tmp_path / f"{name}.json").read_text())
         assert (f"{alone['points']:g}", alone["digest"]) == (marks[name]["points"], marks[name]["digest"])
-        kept = json.loads((folder / "out" / "grades" / f"{name}.json").read_text())
+        kept = json.loads((folder / "out" / "json" / f"{name}.json").read_text())
         assert [test["failures"] for test in kept["grades"]] == [test["failures"] for test in alone["tests"]]
 
 
@@ -251,6 +251,17 @@ def test_a_class_needs_a_seed_that_stays(tmp_path, monkeypatch):
     Path("spec.toml").write_text(re.sub("seed = .*\n", "", SPEC))
     result = call("class", "--spec", "spec.toml")
     assert (result.exit_code, "a class needs seed or seed_file" in result.stderr) == (2, True)
+
+
+def test_a_link_that_leads_nowhere_costs_only_itself(tmp_path, monkeypatch):
+    write_class(tmp_path, {"a.py": GOOD})
+    monkeypatch.chdir(tmp_path)
+    Path("class/b.py").symlink_to("missing.py")
+    result = call("class", "--spec", "spec.toml", "--jobs", "1")
+    assert result.exit_code == 0, result.output
+    marks = marks_in(Path("spec_grades"))
+    assert (marks["a"]["points"], marks["b"]["points"]) == ("3", "0")
+    assert "is a link that leads to no file" in marks["b"]["reason"]
 
 
 def test_two_submissions_with_one_name_are_refused(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -233,3 +234,51 @@ def test_a_spec_that_cannot_be_asked_of_a_node_is_one_line(spec, test, why):
     assert tried.exit_code == 2
     assert why in tried.stderr
     assert tried.stderr.splitlines()[-1].startswith("error: ")
+
+
+REFEREE = f'exec "{sys.executable}" "{Path(__file__).with_name("referee.py")}" $ROS_DOMAIN_ID 120 "$(cat mistake)"'
+
+
+def test_a_class_of_nodes_is_started_graded_and_ended_one_by_one(tmp_path):
+    """Each in its folder, by the spec's launch command; a node that does not start costs only itself."""
+    for name, mistake in (("ann", "floats"), ("ben", "ends"), ("cem", "right")):
+        (tmp_path / "nodes" / name).mkdir(parents=True)
+        (tmp_path / "nodes" / name / "mistake").write_text(mistake)
+    (tmp_path / "nodes" / "dana.py").write_text("")
+    (tmp_path / "spec.toml").write_text(f"launch = '''echo begins; grep -q ends mistake || {REFEREE}'''\n{SPEC}")
+    words = ["grade", tmp_path / "nodes", "--ros", "--spec", tmp_path / "spec.toml", "--out", tmp_path / "out"]
+    code, stdout, stderr = tried(None, *words)
+    assert code == 0, stderr
+    assert re.findall(r"^(\w+): (\d) of 6 points$", stdout, re.MULTILINE) == [
+        ("ann", "2"),
+        ("ben", "0"),
+        ("cem", "6"),
+        ("dana", "0"),
+    ]
+    marks = (tmp_path / "out" / "marks.csv").read_text()
+    assert "no node serves /catch_turtle on this bus" in marks
+    assert "its launch command ended with code 0" in marks
+    assert "must be a folder" in marks
+    page = (tmp_path / "out" / "pages" / "ann.html").read_text()
+    assert "reach is tested in floats" in page
+    assert "<pre>begins\nready\n</pre>" in page
+    assert "<catch-replay" not in page
+    listed = [path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline") if path.exists()]
+    assert not [one for one in listed if b"referee.py" in one and str(tmp_path).encode() in one]
+
+
+@pytest.mark.parametrize(
+    ("change", "words", "message"),
+    [
+        (("launch", "title"), [], "launch must be given for --ros"),
+        (("", ""), ["--jobs", "2"], "--jobs must be left out with --ros"),
+        (("reach.300000", "no-such-case"), [], "spec.toml: within reach: "),
+    ],
+)
+def test_a_class_of_nodes_that_cannot_be_started_is_one_line(tmp_path, change, words, message):
+    (tmp_path / "nodes" / "ann").mkdir(parents=True)
+    text = SPEC.replace('title = "The referee"', 'launch = "true"')
+    (tmp_path / "spec.toml").write_text(text.replace(*change))
+    command = ["grade", tmp_path / "nodes", "--ros", "--spec", tmp_path / "spec.toml", "--out", tmp_path / "out"]
+    result = CliRunner().invoke(main, [*map(str, command), *words])
+    assert (result.exit_code, message in result.stderr, len(result.stderr.splitlines())) == (2, True, 1), result.stderr
