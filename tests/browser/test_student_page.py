@@ -37,7 +37,8 @@ def test_the_worst_moment_is_shown_and_plays(page, pages):
     """It begins two seconds before the crash in step 90, with the student's hunter selected."""
     page.goto((pages / "ann.html").as_uri())
     until(page, "document.getElementById('player').time === 6900")
-    assert page.evaluate("document.getElementById('player').picked") == 0
+    shown = page.evaluate("(({ replay, picked }) => replay.hunters[picked].label)(document.getElementById('player'))")
+    assert shown == "ann"
     page.click("#again")
     until(page, "document.getElementById('player').time > 7200")
     assert page.evaluate("document.getElementById('player').playing")
