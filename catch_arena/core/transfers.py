@@ -196,8 +196,6 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_where(there: Any, columns: Any) -> Any:
-    if not isinstance(columns, types.BaseTuple):
-        return None
     return types.UniTuple(like(there, types.float64), len(columns))(there, columns)
 
 
