@@ -1,0 +1,394 @@
+"""What if: the smallest change of a loser's actions with which it would have won a contest.
+
+docs/reference/replays.md defines the changes that are tried, and their order.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product, starmap
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.state import PART_NAMES
+from catch_arena.engine import Engine
+from catch_arena.engine.saved_state import SavedState
+from catch_arena.errors import ConfigError, require_type
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Claim, Contest
+from catch_arena.explanation.formatting import seconds, short_length
+from catch_arena.explanation.seats import find_subjects, labels, prey_labels
+from catch_arena.explanation.sentences import listed
+from catch_arena.explanation.step_explanation import step_at
+from catch_arena.replay import Replay
+from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.world import World
+
+_WINDOW_MS: Final = 2000
+_PART_MS: Final = 100
+"""Greatest duration of the parts of the window, in which an action is changed as a whole; at least one step."""
+_NEAR_MS: Final = 50
+"""Greatest difference between a time that a user gives and that of the contest."""
+_MOST_TIMES: Final = 3
+_QUARTERS: Final = tuple(quarter / 4.0 for quarter in range(-4, 5))
+_CATCH: Final = PART_NAMES.index("catch")
+_FORMER: Final = -1
+"""Value in place of a target's number: the rank as it was recorded, which meant no target."""
+
+Action = int | tuple[float, float] | dict[str, Any]
+"""Action as an environment takes it: a rank, a command, or a dict of both under full control."""
+
+
+@dataclass(frozen=True, slots=True)
+class WhatIf:
+    """Answer to a lost contest: the smallest change of the loser's actions with which it would have won the target."""
+
+    contest: Contest
+    seat: int
+    """Seat of the loser."""
+    actions: dict[int, Action]
+    """Actions of the loser that replace the recorded ones, by the number of steps played before; empty if no change
+    helps.
+    """
+    margin_um: int | None
+    """Margin of the contest that it would have won, as in `Contest.margin_um`; None without a contest."""
+    sentence: str
+    """The answer in words."""
+    alternative: Replay | None
+    """Match with these actions, which ends with the step of the catch; None if no change helps."""
+
+
+class _Change(NamedTuple):
+    """Action in place of the recorded ones in a run of steps; None keeps a part as it was recorded."""
+
+    goal: int | None = None
+    """Number of the target that is chosen or requested; 0 for none."""
+    linear: float | None = None
+    angular: float | None = None
+
+
+class _Win(NamedTuple):
+    """Change with which the loser catches the target."""
+
+    begin: int
+    """First step of the run, from 0."""
+    stop: int
+    """Step after the run."""
+    change: _Change
+    choices: list[int]
+    """Ranks of the hunter from `begin` to the step of the catch."""
+    commands: list[NDArray[np.float32]]
+    """Commands of the hunter in the same steps: (2,)."""
+
+
+def what_if(
+    replay: Replay,
+    contest: Contest,
+    hunter: int | str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> WhatIf:
+    """Search for the smallest change of a loser's actions with which it would have won the contested target.
+
+    All other agents keep their recorded actions. Actions change at most two seconds before the contest.
+
+    Args:
+        replay: the recorded match.
+        contest: a contest of the match, from `explain(replay).contests`.
+        hunter: the loser, as `explain` takes it; None for the loser that was nearest to the target.
+        progress: called with (lengths of changes tried, number of lengths).
+
+    Raises:
+        ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
+        ReplayError: if the match does not play as recorded.
+    """
+    require_type("contest", contest, Contest, "one of explain(replay).contests")
+    claims = _lost(replay, contest, hunter)
+    if not claims:
+        raise ConfigError(f"hunter must be one that lost the contest: {_losers(replay, contest)}, got {hunter!r}")
+    search = _Search(replay, contest, claims[0].seat)
+    win = search.find(progress)
+    name, target = labels(replay.hunter_names)[search.seat], search.target_label
+    if win is None:
+        by_lot = " Its lot decided (R5.9), which no action changes." if contest.clause == "R5.9" else ""
+        sentence = (
+            f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
+        )
+        return WhatIf(contest, search.seat, {}, None, sentence, None)
+    alternative, world = search.alternative(win)
+    won = next((one for one in contests_of(alternative, world) if one.target == contest.target), None)
+    sentence = f"{search.sentence(win)}, and {name} {_result(won, target, world.time_ms - search.period_ms)}."
+    return WhatIf(
+        contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
+    )
+
+
+def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None) -> Contest:
+    """Return the contest nearest to a time that a hunter lost.
+
+    Args:
+        replay: the recorded match.
+        at_s: the time at which the contest was judged, to 0.05 s [s].
+        hunter: the loser, as `explain` takes it; None for any.
+
+    Raises:
+        ConfigError: for a time outside the match or without such a contest, and a match without one.
+        ReplayError: if the match does not play as recorded.
+    """
+    step_at(replay, at_s)
+    contests = [
+        contest for world in replay.worlds() for contest in contests_of(replay, world) if _lost(replay, contest, hunter)
+    ]
+    whose = "" if hunter is None else f" by {hunter}"
+    if not contests:
+        capstone = ": under the policy capstone every request is granted (R9.1)"
+        why = capstone if replay.config.policy == "capstone" else ""
+        raise ConfigError(f"the match must have a contest that was lost{whose}, and it has none{why}")
+
+    def away_ms(contest: Contest) -> float:
+        return abs(contest.judged_ms - 1000.0 * at_s)
+
+    nearest = sorted(contests, key=away_ms)
+    if away_ms(nearest[0]) > _NEAR_MS:
+        times = sorted({contest.judged_ms for contest in nearest[:_MOST_TIMES]})
+        raise ConfigError(
+            f"at must be the time of a contest that was lost{whose}, got {at_s:g} s; "
+            f"the nearest: {listed(map(seconds, times))}"
+        )
+    return nearest[0]
+
+
+def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Claim]:
+    """Return the claims of hunters with that name that lost a contest, the nearest first."""
+    seats, _ = find_subjects(replay, hunter)
+    return [claim for claim in contest.claims if claim.verdict is Verdict.LOST_CONTEST and claim.seat in seats]
+
+
+def _losers(replay: Replay, contest: Contest) -> str:
+    names = labels(replay.hunter_names)
+    return listed(names[claim.seat] for claim in _lost(replay, contest, None)) or "none did"
+
+
+class _Search:
+    """Search for one hunter in one contest: the recorded steps before it, and a batch of arenas that play changes."""
+
+    def __init__(self, replay: Replay, contest: Contest, seat: int) -> None:
+        config = replay.config
+        self._replay, self._contest, self.seat = replay, contest, seat
+        self.period_ms = config.control_period_ms
+        self._control = config.controls[seat]
+        self._number = int(contest.target.removeprefix(config.name_prefix))
+        self._others = [other for other in range(config.hunters) if other != seat]
+        self._judged = contest.step - 1
+        self._first = max(0, self._judged - _WINDOW_MS // self.period_ms)
+        self._starts: dict[int, SavedState] = {}
+        self._goals: dict[int, int] = {}
+        self._seen: dict[int, list[int]] = {}
+        self._active: dict[int, NDArray[np.int64]] = {}
+        self.target_label = contest.target
+        self.tried = 0
+        rows = config.targets_seen + 2 if self._control == "target" else len(list(self._changes(self._judged)))
+        self._engine = Engine(config, rows)
+        self._batches: dict[int, SavedState] = {}
+        self._play_record()
+
+    def _play_record(self) -> None:
+        """Keep the states before the steps of the window, and the targets that all hunters meant in them."""
+        found: list[Contest] = []
+        for step, engine in enumerate(self._replay.checked_engines()):
+            if step > self._first:
+                self._active[step - 1] = engine.active_targets()[0, self._others]
+            if step > self._judged:
+                found = contests_of(self._replay, engine.world())
+                break
+            if step == self._judged:
+                played = {prey.target: index for index, prey in enumerate(engine.world().prey)}
+                if self._contest.target in played:
+                    self.target_label = prey_labels(self._replay)[played[self._contest.target]]
+            if step >= self._first:
+                self._starts[step] = engine.save_row(0)
+                seen: list[int] = engine.numbers_seen(self.seat)[0].tolist()
+                rank = int(self._replay.choices[step][self.seat])
+                self._seen[step] = [number for number in seen if number]
+                self._goals[step] = 0 if rank == 0 else [*self._seen[step], *[_FORMER] * rank][rank - 1]
+        if self._contest not in found:
+            raise ConfigError(f"contest must be one of explain(replay).contests, got {self._contest}")
+
+    def find(self, progress: Callable[[int, int], None] | None) -> _Win | None:
+        """Return the smallest change with which the hunter catches the target: the shortest, of these the latest, of
+        these the one with the least deviation; None if there is none.
+        """
+        part = max(1, _PART_MS // self.period_ms)
+        edges = [*range(self._judged + 1, self._first, -part), self._first]
+        for length in range(1, len(edges)):
+            for stop, begin in zip(edges, edges[length:], strict=False):
+                changes = list(self._changes(begin))
+                self.tried += len(changes)
+                wins = self._wins(begin, stop, changes)
+                if wins:
+                    return min(wins, key=self._deviation)
+            if progress is not None:
+                progress(length, len(edges) - 1)
+        return None
+
+    def _changes(self, begin: int) -> Iterable[_Change]:
+        """Return the changes that are tried in runs that begin with a step; of equally large ones the first is best."""
+        if self._control == "target":
+            others = [number for number in self._seen[begin] if number != self._number]
+            return map(_Change, (self._number, *others, 0))
+        speeds = [speed for speed in _QUARTERS if speed >= 0.0 or self._replay.config.reverse]
+        goals = (None, self._number) if self._control == "full" else (None,)
+        return list(starmap(_Change, product(goals, (None, *speeds), (None, *_QUARTERS))))[1:]
+
+    def _wins(self, begin: int, stop: int, changes: Sequence[_Change]) -> list[_Win]:
+        """Play every change in the steps from `begin` to before `stop`; return those that count and win the target.
+
+        A change counts if its target is in view in each of these steps, and the ranks of all other hunters mean the
+        same targets as in the recorded match.
+        """
+        engine, seat = self._engine_at(begin), self.seat
+        rows = engine.num_arenas
+        changed = [*changes, *[_Change()] * (rows - len(changes))]
+        counts, found = np.arange(rows) < len(changes), []
+        goals = np.array([np.nan if change.goal is None else change.goal for change in changed])
+        given = np.array([change[1:] for change in changed], dtype=np.float32)  # NaN for None
+        choices_by_step, commands_by_step = [], []
+        for step in range(begin, self._judged + 1):
+            for agent, row in product(self._replay.withdrawn_before(step), range(rows)):
+                engine.withdraw(row, agent)
+            recorded, recorded_commands = _recorded_actions(self._replay, step)
+            choices, commands = np.tile(recorded, (rows, 1)), np.tile(recorded_commands, (rows, 1, 1))
+            wanted = np.where(np.isnan(goals) | (step >= stop), self._goals[step], goals)
+            seen = engine.numbers_seen(seat) == wanted[:, None]
+            in_view = seen.any(axis=1) & (wanted > 0)
+            ranks = np.where(in_view, seen.argmax(axis=1) + 1, 0)
+            choices[:, seat] = np.where(wanted == _FORMER, choices[:, seat], ranks)
+            if step < stop:
+                counts &= in_view | ~(goals > 0)
+                commands[:, seat] = np.where(np.isnan(given), commands[:, seat], given)
+            choices_by_step.append(choices[:, seat])
+            commands_by_step.append(commands[:, seat])
+            engine.step(choices, commands)
+            counts &= (engine.active_targets()[:, self._others] == self._active[step]).all(axis=1)
+            for row in np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist():
+                if any(_is_catch(ruling, seat, self._contest.target) for ruling in engine.rulings(row)):
+                    own_choices = [int(by_row[row]) for by_row in choices_by_step]
+                    own_commands = [by_row[row] for by_row in commands_by_step]
+                    found.append(_Win(begin, stop, changed[row], own_choices, own_commands))
+        return found
+
+    def _engine_at(self, begin: int) -> Engine:
+        """Return the batch of arenas, all in the recorded state before a step."""
+        if begin not in self._batches:
+            for row in range(self._engine.num_arenas):
+                self._engine.restore_row(row, self._starts[begin])
+            self._batches[begin] = self._engine.save()
+        self._engine.restore(self._batches[begin])
+        return self._engine
+
+    def _deviation(self, win: _Win) -> float:
+        """Return the sum of the differences from the recorded actions in a change's steps: of both parts of the
+        command, and 1 for another target.
+        """
+        total = 0.0
+        for step in range(win.begin, min(win.stop, win.begin + len(win.choices))):
+            recorded = self._replay.commands[step][self.seat].tolist()
+            total += sum(abs(new - old) for new, old in zip(win.change[1:], recorded, strict=True) if new is not None)
+            total += win.change.goal not in (None, self._goals[step])
+        return total
+
+    def actions(self, win: _Win) -> dict[int, Action]:
+        """Return the actions of the hunter that differ from the recorded ones, by step."""
+        changed: dict[int, Action] = {}
+        for step, (rank, command) in enumerate(zip(win.choices, win.commands, strict=True), start=win.begin):
+            choices, commands = _recorded_actions(self._replay, step)
+            if rank != choices[self.seat] or (command != commands[self.seat]).any():
+                linear, angular = command.tolist()
+                changed[step] = (
+                    rank
+                    if self._control == "target"
+                    else (linear, angular)
+                    if self._control == "velocity"
+                    else {"cmd_vel": (linear, angular), "catch": rank}
+                )
+        return changed
+
+    def alternative(self, win: _Win) -> tuple[Replay, World]:
+        """Return the match with a change, up to the step of the catch, and the world after it."""
+        old, begin = self._replay, win.begin
+        end = begin + len(win.choices)
+        played = old.copy()
+        for steps in (played.choices, played.commands, played.prey_commands):
+            del steps[begin:]
+        del played.digests[begin + 1 :], played.states[begin + 1 :]
+        played.withdrawals = [leave for leave in old.withdrawals if leave[0] < end]
+        played.named_requests = [request for request in old.named_requests if request.step < begin]
+        engine = Engine(old.config)
+        engine.restore_row(0, self._starts[begin])
+        for step in range(begin, end):
+            for agent in old.withdrawn_before(step):
+                engine.withdraw(0, agent)
+            choices, commands = _recorded_actions(old, step)
+            choices[self.seat], commands[self.seat] = win.choices[step - begin], win.commands[step - begin]
+            engine.step(choices[None], commands[None])
+            played.append(choices, commands, engine)
+        return played, engine.world()
+
+    # in words
+
+    def sentence(self, win: _Win) -> str:
+        """Return a change in words."""
+        change, steps = win.change, range(win.begin, win.stop)
+        begin, end, length = (
+            seconds(steps_played * self.period_ms) for steps_played in (win.begin, win.stop, len(steps))
+        )
+        former = list(dict.fromkeys(self._goals[step] for step in steps))
+        after = {self._goals[step] for step in range(win.stop, self._judged + 1)}
+        if self._control == "target":
+            if change.goal == self._number and after == {change.goal}:
+                return f"{length} earlier: head for {self.target_label} at {begin} instead of {end}"
+            goals = listed(map(self._goal, former))
+            return f"For {length} from {begin}: {self._goal(change.goal or 0)} instead of {goals}"
+        commands = np.array([self._replay.commands[step][self.seat] for step in steps], dtype=np.float64)
+        average = "" if (commands == commands[0]).all() else " on average"
+        linear, angular = commands.mean(axis=0).tolist()
+        parts = []
+        if change.linear is not None:
+            parts.append(f"drive at {100 * change.linear:.0f} % instead of {100 * linear:.0f} %{average}")
+        if change.angular is not None:
+            parts.append(f"turn {_side(change.angular)} instead of {_side(angular)}{average}")
+        if change.goal is not None:
+            parts.append(f"request {self.target_label}")
+        limits = " of its limits" if change[1:] != (None, None) else ""
+        return f"For {length} from {begin}: {listed(parts)}{limits}"
+
+    def _goal(self, number: int) -> str:
+        if number in (0, _FORMER):
+            return "hold"
+        return f"head for {self.target_label if number == self._number else self._replay.config.target_name(number)}"
+
+
+def _recorded_actions(replay: Replay, step: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Return copies of the ranks (H,) and of the commands (H + P, 2) of a step, as `Engine.step` takes them."""
+    return replay.choices[step].copy(), np.concatenate((replay.commands[step], replay.prey_commands[step]))
+
+
+def _is_catch(ruling: Ruling, seat: int, target: str) -> bool:
+    return ruling.success and ruling.hunter == seat and ruling.target == target
+
+
+def _side(angular: float) -> str:
+    """Return a turn rate in words, as a percentage of the limit; positive is to the left."""
+    percent = round(100 * abs(angular))
+    return f"{'left' if angular > 0.0 else 'right'} at {percent} %" if percent else "not at all"
+
+
+def _result(won: Contest | None, target: str, time_ms: int) -> str:
+    """Return in words how a hunter catches a target: in a contest that it wins, or alone."""
+    if won is None:
+        return f"catches {target} at {seconds(time_ms)} without a contest"
+    if won.clause == "R5.9":
+        return f"is first in the queue for {target} at {seconds(time_ms)} (R5.9)"
+    if won.clause == "R5.5":
+        return f"wins the draw for {target} at {seconds(time_ms)} (R5.5)"
+    return f"wins {target} by {short_length(won.margin_um or 0)}"
