@@ -5,7 +5,7 @@ docs/reference/replays.md defines the changes that are tried, and their order.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import product, starmap
+from itertools import pairwise, product, starmap
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -31,6 +31,8 @@ _PART_MS: Final = 100
 _NEAR_MS: Final = 50
 """Greatest difference between a time that a user gives and that of the contest."""
 _MOST_TIMES: Final = 3
+_MOST_DECISIONS: Final = 2
+"""Greatest number of decisions that a change adds: one at its beginning, and one at its end."""
 _QUARTERS: Final = tuple(quarter / 4.0 for quarter in range(-4, 5))
 _CATCH: Final = PART_NAMES.index("catch")
 _FORMER: Final = -1
@@ -71,13 +73,11 @@ class _Change(NamedTuple):
 class _Win(NamedTuple):
     """Change with which the loser catches the target."""
 
-    begin: int
-    """First step of the run, from 0."""
-    stop: int
-    """Step after the run."""
+    run: range
+    """Steps with the change, from 0."""
     change: _Change
     choices: list[int]
-    """Ranks of the hunter from `begin` to the step of the catch."""
+    """Ranks of the hunter from the run's first step to that of the catch."""
     commands: list[NDArray[np.float32]]
     """Commands of the hunter in the same steps: (2,)."""
 
@@ -115,9 +115,10 @@ def what_if(
             f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
         )
         return WhatIf(contest, search.seat, {}, None, sentence, None)
-    alternative, world = search.alternative(win)
-    won = next((one for one in contests_of(alternative, world) if one.target == contest.target), None)
-    sentence = f"{search.sentence(win)}, and {name} {_result(won, target, world.time_ms - search.period_ms)}."
+    alternative, worlds = search.alternative(win)
+    won = next((one for one in contests_of(alternative, worlds[-1]) if one.target == contest.target), None)
+    change = search.sentence(win, [world.hunters[search.seat].linear_velocity for world in worlds])
+    sentence = f"{change}, and {name} {_result(won, target, worlds[-1].time_ms - search.period_ms)}."
     return WhatIf(
         contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
     )
@@ -185,6 +186,7 @@ class _Search:
         self._goals: dict[int, int] = {}
         self._seen: dict[int, list[int]] = {}
         self._active: dict[int, NDArray[np.int64]] = {}
+        self._speeds: dict[int, float] = {}
         self.target_label = contest.target
         self.tried = 0
         rows = config.targets_seen + 2 if self._control == "target" else len(list(self._changes(self._judged)))
@@ -193,43 +195,56 @@ class _Search:
         self._play_record()
 
     def _play_record(self) -> None:
-        """Keep the states before the steps of the window, and the targets that all hunters meant in them."""
+        """Keep the states before the steps of the window, and what all hunters did in them."""
         found: list[Contest] = []
         for step, engine in enumerate(self._replay.checked_engines()):
             if step > self._first:
+                world = engine.world()
                 self._active[step - 1] = engine.active_targets()[0, self._others]
-            if step > self._judged:
-                found = contests_of(self._replay, engine.world())
-                break
-            if step == self._judged:
-                played = {prey.target: index for index, prey in enumerate(engine.world().prey)}
-                if self._contest.target in played:
-                    self.target_label = prey_labels(self._replay)[played[self._contest.target]]
-            if step >= self._first:
+                self._speeds[step - 1] = world.hunters[self.seat].linear_velocity
+                if step > self._judged:
+                    found = contests_of(self._replay, world)
+                    break
+            if step >= self._first - 1:
                 self._starts[step] = engine.save_row(0)
                 seen: list[int] = engine.numbers_seen(self.seat)[0].tolist()
                 rank = int(self._replay.choices[step][self.seat])
                 self._seen[step] = [number for number in seen if number]
                 self._goals[step] = 0 if rank == 0 else [*self._seen[step], *[_FORMER] * rank][rank - 1]
+            if step == self._judged:
+                players = {prey.target: index for index, prey in enumerate(engine.world().prey)}
+                if self._contest.target in players:
+                    self.target_label = prey_labels(self._replay)[players[self._contest.target]]
         if self._contest not in found:
             raise ConfigError(f"contest must be one of explain(replay).contests, got {self._contest}")
 
     def find(self, progress: Callable[[int, int], None] | None) -> _Win | None:
-        """Return the smallest change with which the hunter catches the target: the shortest, of these the latest, of
-        these the one with the least deviation; None if there is none.
+        """Return the smallest change with which the hunter catches the target: that of the fewest decisions, of these
+        the shortest, then the latest, then that of the least deviation; None if there is none.
         """
         part = max(1, _PART_MS // self.period_ms)
         edges = [*range(self._judged + 1, self._first, -part), self._first]
-        for length in range(1, len(edges)):
+        rounds = list(product(range(_MOST_DECISIONS + 1), range(1, len(edges))))
+        for done, (decisions, length) in enumerate(rounds, start=1):
             for stop, begin in zip(edges, edges[length:], strict=False):
-                changes = list(self._changes(begin))
+                run = range(begin, stop)
+                changes = [change for change in self._changes(begin) if self._decisions(run, change) == decisions]
                 self.tried += len(changes)
-                wins = self._wins(begin, stop, changes)
+                wins = self._wins(run, changes) if changes else []
                 if wins:
                     return min(wins, key=self._deviation)
             if progress is not None:
-                progress(length, len(edges) - 1)
+                progress(done, len(rounds))
         return None
+
+    def _decisions(self, run: range, change: _Change) -> int:
+        """Return how many more times the hunter would choose another target than in the steps before, at least 0."""
+        goals = list(self._goals.values())
+        if change.goal is None:
+            return 0
+        changed = [change.goal if step in run else goal for step, goal in self._goals.items()]
+        more, fewer = (sum(one != other for one, other in pairwise(chosen)) for chosen in (changed, goals))
+        return max(0, more - fewer)
 
     def _changes(self, begin: int) -> Iterable[_Change]:
         """Return the changes that are tried in runs that begin with a step; of equally large ones the first is best."""
@@ -240,30 +255,30 @@ class _Search:
         goals = (None, self._number) if self._control == "full" else (None,)
         return list(starmap(_Change, product(goals, (None, *speeds), (None, *_QUARTERS))))[1:]
 
-    def _wins(self, begin: int, stop: int, changes: Sequence[_Change]) -> list[_Win]:
-        """Play every change in the steps from `begin` to before `stop`; return those that count and win the target.
+    def _wins(self, run: range, changes: Sequence[_Change]) -> list[_Win]:
+        """Play every change in a run of steps; return those that count and win the target.
 
         A change counts if its target is in view in each of these steps, and the ranks of all other hunters mean the
         same targets as in the recorded match.
         """
-        engine, seat = self._engine_at(begin), self.seat
+        engine, seat = self._engine_at(run.start), self.seat
         rows = engine.num_arenas
         changed = [*changes, *[_Change()] * (rows - len(changes))]
         counts, found = np.arange(rows) < len(changes), []
         goals = np.array([np.nan if change.goal is None else change.goal for change in changed])
         given = np.array([change[1:] for change in changed], dtype=np.float32)  # NaN for None
         choices_by_step, commands_by_step = [], []
-        for step in range(begin, self._judged + 1):
+        for step in range(run.start, self._judged + 1):
             for agent, row in product(self._replay.withdrawn_before(step), range(rows)):
                 engine.withdraw(row, agent)
             recorded, recorded_commands = _recorded_actions(self._replay, step)
             choices, commands = np.tile(recorded, (rows, 1)), np.tile(recorded_commands, (rows, 1, 1))
-            wanted = np.where(np.isnan(goals) | (step >= stop), self._goals[step], goals)
+            wanted = np.where(np.isnan(goals) | (step not in run), self._goals[step], goals)
             seen = engine.numbers_seen(seat) == wanted[:, None]
             in_view = seen.any(axis=1) & (wanted > 0)
             ranks = np.where(in_view, seen.argmax(axis=1) + 1, 0)
             choices[:, seat] = np.where(wanted == _FORMER, choices[:, seat], ranks)
-            if step < stop:
+            if step in run:
                 counts &= in_view | ~(goals > 0)
                 commands[:, seat] = np.where(np.isnan(given), commands[:, seat], given)
             choices_by_step.append(choices[:, seat])
@@ -274,7 +289,7 @@ class _Search:
                 if any(_is_catch(ruling, seat, self._contest.target) for ruling in engine.rulings(row)):
                     own_choices = [int(by_row[row]) for by_row in choices_by_step]
                     own_commands = [by_row[row] for by_row in commands_by_step]
-                    found.append(_Win(begin, stop, changed[row], own_choices, own_commands))
+                    found.append(_Win(run, changed[row], own_choices, own_commands))
         return found
 
     def _engine_at(self, begin: int) -> Engine:
@@ -291,7 +306,7 @@ class _Search:
         command, and 1 for another target.
         """
         total = 0.0
-        for step in range(win.begin, min(win.stop, win.begin + len(win.choices))):
+        for step in win.run[: len(win.choices)]:
             recorded = self._replay.commands[step][self.seat].tolist()
             total += sum(abs(new - old) for new, old in zip(win.change[1:], recorded, strict=True) if new is not None)
             total += win.change.goal not in (None, self._goals[step])
@@ -300,7 +315,7 @@ class _Search:
     def actions(self, win: _Win) -> dict[int, Action]:
         """Return the actions of the hunter that differ from the recorded ones, by step."""
         changed: dict[int, Action] = {}
-        for step, (rank, command) in enumerate(zip(win.choices, win.commands, strict=True), start=win.begin):
+        for step, (rank, command) in enumerate(zip(win.choices, win.commands, strict=True), start=win.run.start):
             choices, commands = _recorded_actions(self._replay, step)
             if rank != choices[self.seat] or (command != commands[self.seat]).any():
                 linear, angular = command.tolist()
@@ -313,9 +328,11 @@ class _Search:
                 )
         return changed
 
-    def alternative(self, win: _Win) -> tuple[Replay, World]:
-        """Return the match with a change, up to the step of the catch, and the world after it."""
-        old, begin = self._replay, win.begin
+    def alternative(self, win: _Win) -> tuple[Replay, list[World]]:
+        """Return the match with a change, up to the step of the catch, and the worlds after the steps from the run's
+        first on.
+        """
+        old, begin = self._replay, win.run.start
         end = begin + len(win.choices)
         played = old.copy()
         for steps in (played.choices, played.commands, played.prey_commands):
@@ -323,7 +340,7 @@ class _Search:
         del played.digests[begin + 1 :], played.states[begin + 1 :]
         played.withdrawals = [leave for leave in old.withdrawals if leave[0] < end]
         played.named_requests = [request for request in old.named_requests if request.step < begin]
-        engine = Engine(old.config)
+        engine, worlds = Engine(old.config), []
         engine.restore_row(0, self._starts[begin])
         for step in range(begin, end):
             for agent in old.withdrawn_before(step):
@@ -332,40 +349,47 @@ class _Search:
             choices[self.seat], commands[self.seat] = win.choices[step - begin], win.commands[step - begin]
             engine.step(choices[None], commands[None])
             played.append(choices, commands, engine)
-        return played, engine.world()
+            worlds.append(engine.world())
+        return played, worlds
 
     # in words
 
-    def sentence(self, win: _Win) -> str:
-        """Return a change in words."""
-        change, steps = win.change, range(win.begin, win.stop)
-        begin, end, length = (
-            seconds(steps_played * self.period_ms) for steps_played in (win.begin, win.stop, len(steps))
-        )
-        former = list(dict.fromkeys(self._goals[step] for step in steps))
-        after = {self._goals[step] for step in range(win.stop, self._judged + 1)}
+    def sentence(self, win: _Win, speeds: Sequence[float]) -> str:
+        """Return a change in words.
+
+        Args:
+            win: the change.
+            speeds: velocities of the hunter in the steps of the alternative, from the run's first on [m/s].
+        """
+        change, run = win.change, win.run
+        begin, end, length = (seconds(steps * self.period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
-            if change.goal == self._number and after == {change.goal}:
+            if change.goal == self._number and {self._goals[step] for step in range(run.stop, self._judged + 1)} == {
+                change.goal
+            }:
                 return f"{length} earlier: head for {self.target_label} at {begin} instead of {end}"
-            goals = listed(map(self._goal, former))
-            return f"For {length} from {begin}: {self._goal(change.goal or 0)} instead of {goals}"
-        commands = np.array([self._replay.commands[step][self.seat] for step in steps], dtype=np.float64)
+            new = f"head for {self._called(change.goal)}" if change.goal else "hold"
+            former = dict.fromkeys(self._goals[step] for step in run)
+            old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
+            played = run[: len(speeds)]
+            faster, slower = max(speeds[: len(run)]), max(self._speeds[step] for step in played)
+            braking = f", which brakes less ({faster:.1f} m/s instead of {slower:.1f} m/s)"
+            return f"For {length} from {begin}: {new} instead of {old}{braking if faster > slower + 0.05 else ''}"
+        config = self._replay.config
+        limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
+        commands = np.array([self._replay.commands[step][self.seat] for step in run]) * limits
         average = "" if (commands == commands[0]).all() else " on average"
-        linear, angular = commands.mean(axis=0).tolist()
-        parts = []
+        (speed, turn), parts = commands.mean(axis=0).tolist(), []
         if change.linear is not None:
-            parts.append(f"drive at {100 * change.linear:.0f} % instead of {100 * linear:.0f} %{average}")
+            parts.append(f"drive at {change.linear * limits[0]:.2f} m/s instead of {speed:.2f} m/s{average}")
         if change.angular is not None:
-            parts.append(f"turn {_side(change.angular)} instead of {_side(angular)}{average}")
+            parts.append(f"turn {_turn(change.angular * limits[1])} instead of {_turn(turn)}{average}")
         if change.goal is not None:
             parts.append(f"request {self.target_label}")
-        limits = " of its limits" if change[1:] != (None, None) else ""
-        return f"For {length} from {begin}: {listed(parts)}{limits}"
+        return f"For {length} from {begin}: {listed(parts)}"
 
-    def _goal(self, number: int) -> str:
-        if number in (0, _FORMER):
-            return "hold"
-        return f"head for {self.target_label if number == self._number else self._replay.config.target_name(number)}"
+    def _called(self, number: int) -> str:
+        return self.target_label if number == self._number else self._replay.config.target_name(number)
 
 
 def _recorded_actions(replay: Replay, step: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
@@ -377,10 +401,9 @@ def _is_catch(ruling: Ruling, seat: int, target: str) -> bool:
     return ruling.success and ruling.hunter == seat and ruling.target == target
 
 
-def _side(angular: float) -> str:
-    """Return a turn rate in words, as a percentage of the limit; positive is to the left."""
-    percent = round(100 * abs(angular))
-    return f"{'left' if angular > 0.0 else 'right'} at {percent} %" if percent else "not at all"
+def _turn(rate: float) -> str:
+    """Return a turn rate [rad/s] in words; positive is to the left."""
+    return f"{'left ' if rate > 0.0 else 'right '}at {abs(rate):.2f} rad/s" if rate else "at 0 rad/s"
 
 
 def _result(won: Contest | None, target: str, time_ms: int) -> str:
