@@ -403,7 +403,9 @@ def _is_catch(ruling: Ruling, seat: int, target: str) -> bool:
 
 def _turn(rate: float) -> str:
     """Return a turn rate [rad/s] in words; positive is to the left."""
-    return f"{'left ' if rate > 0.0 else 'right '}at {abs(rate):.2f} rad/s" if rate else "at 0 rad/s"
+    shown = f"{abs(rate):.2f}"
+    side = "" if shown == "0.00" else "left " if rate > 0.0 else "right "
+    return f"{side}at {shown} rad/s"
 
 
 def _result(won: Contest | None, target: str, time_ms: int) -> str:
