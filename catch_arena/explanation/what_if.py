@@ -4,8 +4,8 @@ docs/reference/replays.md defines the changes that are tried, and their order.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise, product, starmap
+from dataclasses import dataclass, replace
+from itertools import islice, pairwise, product, starmap
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from catch_arena.explanation.seats import find_subjects, labels, prey_labels
 from catch_arena.explanation.sentences import listed
 from catch_arena.explanation.step_explanation import step_at
 from catch_arena.replay import Replay
-from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
 _WINDOW_MS: Final = 2000
@@ -34,6 +34,8 @@ _MOST_TIMES: Final = 3
 _MOST_DECISIONS: Final = 2
 """Greatest number of decisions that a change adds: one at its beginning, and one at its end."""
 _QUARTERS: Final = tuple(quarter / 4.0 for quarter in range(-4, 5))
+_MOST_OTHERS: Final = 8
+"""Greatest number of other targets that are tried at a step, the nearest first."""
 _CATCH: Final = PART_NAMES.index("catch")
 _FORMER: Final = -1
 """Value in place of a target's number: the rank as it was recorded, which meant no target."""
@@ -105,19 +107,21 @@ def what_if(
     require_type("contest", contest, Contest, "one of explain(replay).contests")
     claims = _lost(replay, contest, hunter)
     if not claims:
-        raise ConfigError(f"hunter must be one that lost the contest: {_losers(replay, contest)}, got {hunter!r}")
+        raise ConfigError(f"hunter must be one that lost the contest for {contest.target}, got {hunter!r}")
     search = _Search(replay, contest, claims[0].seat)
     win = search.find(progress)
     name, target = labels(replay.hunter_names)[search.seat], search.target_label
     if win is None:
-        by_lot = " Its lot decided (R5.9), which no action changes." if contest.clause == "R5.9" else ""
+        by_lot = (
+            " Lots decide under first_come (R5.9), and no action changes a lot." if contest.clause == "R5.9" else ""
+        )
         sentence = (
             f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
         )
         return WhatIf(contest, search.seat, {}, None, sentence, None)
     alternative, worlds = search.alternative(win)
     won = next((one for one in contests_of(alternative, worlds[-1]) if one.target == contest.target), None)
-    change = search.sentence(win, [world.hunters[search.seat].linear_velocity for world in worlds])
+    change = search.sentence(win, worlds[0].hunters[search.seat].linear_velocity)
     sentence = f"{change}, and {name} {_result(won, target, worlds[-1].time_ms - search.period_ms)}."
     return WhatIf(
         contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
@@ -165,11 +169,6 @@ def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Cl
     return [claim for claim in contest.claims if claim.verdict is Verdict.LOST_CONTEST and claim.seat in seats]
 
 
-def _losers(replay: Replay, contest: Contest) -> str:
-    names = labels(replay.hunter_names)
-    return listed(names[claim.seat] for claim in _lost(replay, contest, None)) or "none did"
-
-
 class _Search:
     """Search for one hunter in one contest: the recorded steps before it, and a batch of arenas that play changes."""
 
@@ -178,7 +177,7 @@ class _Search:
         self._replay, self._contest, self.seat = replay, contest, seat
         self.period_ms = config.control_period_ms
         self._control = config.controls[seat]
-        self._number = int(contest.target.removeprefix(config.name_prefix))
+        self._number = 0
         self._others = [other for other in range(config.hunters) if other != seat]
         self._judged = contest.step - 1
         self._first = max(0, self._judged - _WINDOW_MS // self.period_ms)
@@ -189,9 +188,8 @@ class _Search:
         self._speeds: dict[int, float] = {}
         self.target_label = contest.target
         self.tried = 0
-        rows = config.targets_seen + 2 if self._control == "target" else len(list(self._changes(self._judged)))
+        rows = _MOST_OTHERS + 2 if self._control == "target" else len(list(self._changes(self._judged)))
         self._engine = Engine(config, rows)
-        self._batches: dict[int, SavedState] = {}
         self._play_record()
 
     def _play_record(self) -> None:
@@ -212,9 +210,12 @@ class _Search:
                 self._seen[step] = [number for number in seen if number]
                 self._goals[step] = 0 if rank == 0 else [*self._seen[step], *[_FORMER] * rank][rank - 1]
             if step == self._judged:
-                players = {prey.target: index for index, prey in enumerate(engine.world().prey)}
-                if self._contest.target in players:
-                    self.target_label = prey_labels(self._replay)[players[self._contest.target]]
+                for target in engine.world().targets:
+                    if target.name == self._contest.target:
+                        self._number = target.number
+                        if target.prey is not None:
+                            prey = self._replay.config.prey_names.index(target.prey)
+                            self.target_label = prey_labels(self._replay)[prey]
         if self._contest not in found:
             raise ConfigError(f"contest must be one of explain(replay).contests, got {self._contest}")
 
@@ -250,7 +251,7 @@ class _Search:
         """Return the changes that are tried in runs that begin with a step; of equally large ones the first is best."""
         if self._control == "target":
             others = [number for number in self._seen[begin] if number != self._number]
-            return map(_Change, (self._number, *others, 0))
+            return map(_Change, (self._number, *others[:_MOST_OTHERS], 0))
         speeds = [speed for speed in _QUARTERS if speed >= 0.0 or self._replay.config.reverse]
         goals = (None, self._number) if self._control == "full" else (None,)
         return list(starmap(_Change, product(goals, (None, *speeds), (None, *_QUARTERS))))[1:]
@@ -261,8 +262,9 @@ class _Search:
         A change counts if its target is in view in each of these steps, and the ranks of all other hunters mean the
         same targets as in the recorded match.
         """
-        engine, seat = self._engine_at(run.start), self.seat
-        rows = engine.num_arenas
+        engine, seat, rows = self._engine, self.seat, self._engine.num_arenas
+        for row in range(rows):
+            engine.restore_row(row, self._starts[run.start])
         changed = [*changes, *[_Change()] * (rows - len(changes))]
         counts, found = np.arange(rows) < len(changes), []
         goals = np.array([np.nan if change.goal is None else change.goal for change in changed])
@@ -271,8 +273,9 @@ class _Search:
         for step in range(run.start, self._judged + 1):
             for agent, row in product(self._replay.withdrawn_before(step), range(rows)):
                 engine.withdraw(row, agent)
-            recorded, recorded_commands = _recorded_actions(self._replay, step)
-            choices, commands = np.tile(recorded, (rows, 1)), np.tile(recorded_commands, (rows, 1, 1))
+            choices = np.tile(self._replay.choices[step], (rows, 1))
+            commands = np.concatenate((self._replay.commands[step], self._replay.prey_commands[step]))
+            commands = np.tile(commands, (rows, 1, 1))
             wanted = np.where(np.isnan(goals) | (step not in run), self._goals[step], goals)
             seen = engine.numbers_seen(seat) == wanted[:, None]
             in_view = seen.any(axis=1) & (wanted > 0)
@@ -286,20 +289,12 @@ class _Search:
             engine.step(choices, commands)
             counts &= (engine.active_targets()[:, self._others] == self._active[step]).all(axis=1)
             for row in np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist():
-                if any(_is_catch(ruling, seat, self._contest.target) for ruling in engine.rulings(row)):
+                won = {ruling.hunter: ruling.target for ruling in engine.rulings(row) if ruling.success}
+                if won[seat] == self._contest.target:
                     own_choices = [int(by_row[row]) for by_row in choices_by_step]
                     own_commands = [by_row[row] for by_row in commands_by_step]
                     found.append(_Win(run, changed[row], own_choices, own_commands))
         return found
-
-    def _engine_at(self, begin: int) -> Engine:
-        """Return the batch of arenas, all in the recorded state before a step."""
-        if begin not in self._batches:
-            for row in range(self._engine.num_arenas):
-                self._engine.restore_row(row, self._starts[begin])
-            self._batches[begin] = self._engine.save()
-        self._engine.restore(self._batches[begin])
-        return self._engine
 
     def _deviation(self, win: _Win) -> float:
         """Return the sum of the differences from the recorded actions in a change's steps: of both parts of the
@@ -307,7 +302,7 @@ class _Search:
         """
         total = 0.0
         for step in win.run[: len(win.choices)]:
-            recorded = self._replay.commands[step][self.seat].tolist()
+            recorded = self._recorded_command(step).tolist()
             total += sum(abs(new - old) for new, old in zip(win.change[1:], recorded, strict=True) if new is not None)
             total += win.change.goal not in (None, self._goals[step])
         return total
@@ -316,16 +311,12 @@ class _Search:
         """Return the actions of the hunter that differ from the recorded ones, by step."""
         changed: dict[int, Action] = {}
         for step, (rank, command) in enumerate(zip(win.choices, win.commands, strict=True), start=win.run.start):
-            choices, commands = _recorded_actions(self._replay, step)
-            if rank != choices[self.seat] or (command != commands[self.seat]).any():
-                linear, angular = command.tolist()
-                changed[step] = (
-                    rank
-                    if self._control == "target"
-                    else (linear, angular)
-                    if self._control == "velocity"
-                    else {"cmd_vel": (linear, angular), "catch": rank}
-                )
+            if rank == self._replay.choices[step][self.seat] and (command == self._recorded_command(step)).all():
+                continue
+            linear, angular = command.tolist()
+            command_and_rank = {"cmd_vel": (linear, angular), "catch": rank}
+            by_control: dict[str, Action] = {"target": rank, "velocity": (linear, angular), "full": command_and_rank}
+            changed[step] = by_control[self._control]
         return changed
 
     def alternative(self, win: _Win) -> tuple[Replay, list[World]]:
@@ -334,50 +325,47 @@ class _Search:
         """
         old, begin = self._replay, win.run.start
         end = begin + len(win.choices)
-        played = old.copy()
-        for steps in (played.choices, played.commands, played.prey_commands):
-            del steps[begin:]
-        del played.digests[begin + 1 :], played.states[begin + 1 :]
-        played.withdrawals = [leave for leave in old.withdrawals if leave[0] < end]
-        played.named_requests = [request for request in old.named_requests if request.step < begin]
-        engine, worlds = Engine(old.config), []
-        engine.restore_row(0, self._starts[begin])
-        for step in range(begin, end):
-            for agent in old.withdrawn_before(step):
-                engine.withdraw(0, agent)
-            choices, commands = _recorded_actions(old, step)
-            choices[self.seat], commands[self.seat] = win.choices[step - begin], win.commands[step - begin]
-            engine.step(choices[None], commands[None])
-            played.append(choices, commands, engine)
+        played = replace(
+            old,
+            choices=[choices.copy() for choices in old.choices[:end]],
+            commands=[commands.copy() for commands in old.commands[:end]],
+            prey_commands=old.prey_commands[:end],
+            digests=old.digests[: begin + 1],
+            states=old.states[: begin + 1],
+            withdrawals=[departure for departure in old.withdrawals if departure[0] < end],
+            named_requests=[request for request in old.named_requests if request.step < begin],
+        )
+        for step, rank, command in zip(range(begin, end), win.choices, win.commands, strict=True):
+            played.choices[step][self.seat], played.commands[step][self.seat] = rank, command
+        worlds = []
+        for engine in islice(played.engines(), begin + 1, None):
+            played.note(engine)
             worlds.append(engine.world())
         return played, worlds
 
+    def _recorded_command(self, step: int) -> NDArray[np.float32]:
+        own: NDArray[np.float32] = self._replay.commands[step][self.seat]
+        return own
+
     # in words
 
-    def sentence(self, win: _Win, speeds: Sequence[float]) -> str:
-        """Return a change in words.
-
-        Args:
-            win: the change.
-            speeds: velocities of the hunter in the steps of the alternative, from the run's first on [m/s].
-        """
+    def sentence(self, win: _Win, faster: float) -> str:
+        """Return a change in words; `faster` is the hunter's velocity in the first step [m/s]."""
         change, run = win.change, win.run
         begin, end, length = (seconds(steps * self.period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
-            if change.goal == self._number and {self._goals[step] for step in range(run.stop, self._judged + 1)} == {
-                change.goal
-            }:
+            rest = {self._goals[step] for step in range(run.stop, self._judged + 1)}
+            if change.goal == self._number and rest == {self._number}:
                 return f"{length} earlier: head for {self.target_label} at {begin} instead of {end}"
             new = f"head for {self._called(change.goal)}" if change.goal else "hold"
             former = dict.fromkeys(self._goals[step] for step in run)
             old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
-            played = run[: len(speeds)]
-            faster, slower = max(speeds[: len(run)]), max(self._speeds[step] for step in played)
+            slower = self._speeds[run.start]
             braking = f", which brakes less ({faster:.1f} m/s instead of {slower:.1f} m/s)"
             return f"For {length} from {begin}: {new} instead of {old}{braking if faster > slower + 0.05 else ''}"
         config = self._replay.config
         limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
-        commands = np.array([self._replay.commands[step][self.seat] for step in run]) * limits
+        commands = np.array([self._recorded_command(step) for step in run]) * limits
         average = "" if (commands == commands[0]).all() else " on average"
         (speed, turn), parts = commands.mean(axis=0).tolist(), []
         if change.linear is not None:
@@ -390,15 +378,6 @@ class _Search:
 
     def _called(self, number: int) -> str:
         return self.target_label if number == self._number else self._replay.config.target_name(number)
-
-
-def _recorded_actions(replay: Replay, step: int) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return copies of the ranks (H,) and of the commands (H + P, 2) of a step, as `Engine.step` takes them."""
-    return replay.choices[step].copy(), np.concatenate((replay.commands[step], replay.prey_commands[step]))
-
-
-def _is_catch(ruling: Ruling, seat: int, target: str) -> bool:
-    return ruling.success and ruling.hunter == seat and ruling.target == target
 
 
 def _turn(rate: float) -> str:

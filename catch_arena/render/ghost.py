@@ -77,7 +77,7 @@ def ghost_shapes(
 
 def _sentence_shapes(viewport: Viewport, color: Color, sentence: str, *, at_top: bool) -> list[Shape]:
     """Return the shapes of a sentence in as many lines as it needs, in a box at the bottom or top of the arena."""
-    size = hud.font_size(0.024 * min(viewport.width, viewport.height), 10)
+    size = hud.font_size(0.021 * min(viewport.width, viewport.height), 10)
     gap, lines = 0.6 * size, [""]
     for word in sentence.split():
         longer = f"{lines[-1]} {word}".strip()
