@@ -1,4 +1,4 @@
-"""What if: the smallest change of a loser's actions with which it would have won a contest.
+"""Search for the smallest change of a loser's actions with which it would have won a contest ("what if").
 
 docs/reference/replays.md defines the changes that are tried, and their order.
 """
@@ -104,10 +104,13 @@ def what_if(
         ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
         ReplayError: if the match does not play as recorded.
     """
-    require_type("contest", contest, Contest, "one of explain(replay).contests")
+    require_type("replay", replay, Replay, "Replay.load(path)")
+    require_type("contest", contest, Contest, "lost_contest_at(replay, at_s)")
     claims = _lost(replay, contest, hunter)
     if not claims:
-        raise ConfigError(f"hunter must be one that lost the contest for {contest.target}, got {hunter!r}")
+        loser = "a hunter" if hunter is None else hunter
+        got = f"the one for {contest.target} at {seconds(contest.judged_ms)}"
+        raise ConfigError(f"contest must be one that {loser} lost, got {got}")
     search = _Search(replay, contest, claims[0].seat)
     win = search.find(progress)
     name, target = labels(replay.hunter_names)[search.seat], search.target_label
