@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from catch_arena.config import RewardWeights as RewardWeights
     from catch_arena.engine import Engine as Engine
     from catch_arena.envs.aec import env as env
+    from catch_arena.envs.parallel import CatchArenaEnv as CatchArenaEnv
     from catch_arena.envs.parallel import parallel_env as parallel_env
     from catch_arena.envs.vector import VectorArena as VectorArena
     from catch_arena.errors import CatchArenaError as CatchArenaError
@@ -44,6 +45,7 @@ _HOMES = {
     "ArenaConfig": "config",
     "ArenaService": "service",
     "BatchView": "batch_policy",
+    "CatchArenaEnv": "envs.parallel",
     "CatchArenaError": "errors",
     "Engine": "engine",
     "FaultRates": "config",

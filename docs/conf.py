@@ -14,6 +14,7 @@ from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 from typer.testing import CliRunner
 
+import catch_arena
 from catch_arena.cli import main
 from catch_arena.player import bundle_text, element_script
 from catch_arena.replay import Replay
@@ -27,8 +28,12 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphin
 myst_heading_anchors = 4
 myst_enable_extensions = ["attrs_block"]
 default_role = "code"
+smartquotes_action = "qe"  # no dashes, which would change the names of options
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
+toc_object_entries_show_parents = "hide"
+pygments_dark_style = "github-dark"
+highlight_language = "text"
 
 DOCS = Path(__file__).parent
 html_theme = "furo"
@@ -83,15 +88,49 @@ def link_clauses(_app: Any, page: str, source: list[str]) -> None:
             for clause in re.findall(r"\b[RA]\d*\.\d+", path.read_text(encoding="utf-8")):
                 cited.setdefault(clause, {})[path.relative_to(DOCS.parent).as_posix()] = None
 
-    def with_places(heading: re.Match[str]) -> str:
-        places = ", ".join(f"[{path}]({REPOSITORY}blob/main/{path})" for path in cited.get(heading[1], ()))
-        return f"{heading[0]}\n\n{{.cited}}\nCited in {places}.\n" if places else heading[0]
+    def with_places(clause: re.Match[str]) -> str:
+        places = [f'<a href="{REPOSITORY}blob/main/{path}">{path}</a>' for path in cited.get(clause[1], ())]
+        if not places:
+            return clause[0]
+        files = "1 file" if len(places) == 1 else f"{len(places)} files"
+        details = f"<summary>cited in {files}</summary>{', '.join(places)}"
+        return f'{clause[0].rstrip()}\n\n<details class="cited">{details}</details>\n\n'
 
-    source[0] = re.sub(r"^#+ ([RA]\d*\.\d+)\b.*$", with_places, source[0], flags=re.MULTILINE)
+    source[0] = re.sub(r"^#+ ([RA]\d*\.\d+)\b.*\n(?:(?!#).*\n)*", with_places, source[0], flags=re.MULTILINE)
+
+
+def adapt_docstring(_app: Any, kind: str, _name: str, _object: Any, _options: Any, lines: list[str]) -> None:
+    """Let the pages that a docstring names be links, and keep napoleon from reading `name: text` as a type."""
+    if kind in {"attribute", "data", "property"}:
+        lines[:1] = [re.sub(r"^([^`:]+): ", r"\1 – ", line) for line in lines[:1]]
+    for number, line in enumerate(lines):
+        lines[number] = re.sub(r"docs/([a-z0-9_/]+)\.md", r":doc:`docs/\1.md </\1>`", line)
+
+
+def shorten_types(
+    _app: Any, _kind: str, _name: str, _object: Any, _options: Any, arguments: str, result: str
+) -> tuple[str, ...]:
+    """Write NumPy's types as the sources do: `ArrayLike`, `NDArray[float32]`."""
+    array_like = re.compile(r"[~\w.]*_Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]")
+    array = re.compile(r"[~\w.]*ndarray\[[~\w.]*tuple\[[~\w.]*Any, \.\.\.\], [~\w.]*dtype\[([~\w.]*)\]\]")
+    short = [text and array.sub(r"NDArray[\1]", array_like.sub("ArrayLike", text)) for text in (arguments, result)]
+    return tuple(short)
+
+
+def link_public_names(app: Any, env: Any, node: Any, content: Any) -> Any:
+    """Let types in signatures lead to the names that `catch_arena` exports."""
+    name = node["reftarget"].rpartition(".")[2]
+    if name not in catch_arena.__all__:
+        return None
+    domain = env.domains["py"]
+    return domain.resolve_xref(env, node["refdoc"], app.builder, "obj", f"catch_arena.{name}", node, content)
 
 
 def setup(app: Any) -> None:
-    """Add the directives, and the links."""
+    """Add the directives, the links, and the forms of types."""
+    app.connect("autodoc-process-docstring", adapt_docstring, priority=400)  # before napoleon
+    app.connect("autodoc-process-signature", shorten_types)
+    app.connect("missing-reference", link_public_names)
     app.connect("source-read", link_clauses)
     app.add_directive("replay", PlayedMatch)
     app.add_directive("commands", CommandList)

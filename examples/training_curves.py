@@ -1,8 +1,9 @@
-"""Print several runs of train_ppo.py as one learning curve: `python examples/training_curves.py runs/seed*`.
+"""Print and draw runs of train_ppo.py as one learning curve: `python examples/training_curves.py runs/seed*`.
 
 One run says little about a recipe, because another seed learns faster or slower. So give three or more runs that differ
 in their seed alone. A row is a tournament that all runs have played: the decisions and seconds before it, the share of
-wins (mean of the runs, least and most), and the learner's rating above that of the best of the others.
+wins (mean of the runs, least and most), and the learner's rating above that of the best of the others. With
+`--out curve.svg` the shares of wins are a picture too.
 """
 
 import argparse
@@ -15,7 +16,39 @@ from catch_arena.errors import reason
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("runs", nargs="+", type=Path, help="folders that train_ppo.py has written (--out)")
+parser.add_argument("--out", type=Path, help="picture of the curve, a file .svg")
 given = parser.parse_args()
+
+PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 330" font-family="sans-serif" font-size="13">
+<rect width="640" height="330" rx="6" fill="#ffffff"/>
+<text x="20" y="24" font-weight="bold">share of matches won</text>
+{grid}
+<path d="M{band}Z" fill="#3a49d6" fill-opacity="0.18"/>
+<path d="M{line}" fill="none" stroke="#3a49d6" stroke-width="2.5" stroke-linejoin="round"/>
+<text x="620" y="318" text-anchor="end">decisions, in millions</text>
+</svg>
+"""
+
+
+def picture(points: list[tuple[int, list[float]]]) -> str:
+    """Return an SVG of the shares of wins of all runs by decisions: their mean, and a band from least to most."""
+    last = points[-1][0]
+
+    def at(decisions: float, percent: float) -> str:
+        return f"{60 + 560 * decisions / last:.1f} {280 - 2.4 * percent:.1f}"
+
+    grid = []
+    for percent in range(0, 101, 25):
+        grid.append(f'<path d="M{at(0, percent)}H620" stroke="#c8ccda"/>')
+        grid.append(f'<text x="50" y="{284 - 2.4 * percent:.1f}" text-anchor="end">{percent} %</text>')
+    for part in range(5):
+        x, _ = at(last * part / 4, 0).split()
+        grid.append(f'<text x="{x}" y="300" text-anchor="middle">{last * part / 4e6:.2f}</text>')
+    most = [at(decisions, max(wins)) for decisions, wins in points]
+    least = [at(decisions, min(wins)) for decisions, wins in reversed(points)]
+    line = "L".join(at(decisions, mean(wins)) for decisions, wins in points)
+    return PICTURE.format(grid="\n".join(grid), band="L".join(most + least), line=line)
+
 
 curves = []
 """Seconds, share of wins [%] and lead in rating of each run, by the number of decisions."""
@@ -44,3 +77,7 @@ for decisions in played:
         f"| {decisions / 1e6:.1f} million | {mean(seconds):.0f} | {mean(wins):.0f} % "
         f"| {min(wins):.0f} to {max(wins):.0f} % | {mean(leads):+.0f} ({min(leads):+.0f} to {max(leads):+.0f}) |"
     )
+if given.out:
+    shares = [(decisions, [curve[decisions][1] for curve in curves]) for decisions in played]
+    given.out.write_text(picture(shares), encoding="utf-8")
+    print(f"curve: {given.out}")

@@ -250,7 +250,8 @@ def spawner(
 def doctor(*, bus: Bus) -> None:
     """Check packages, nodes and topics, and print a command for each problem that keeps your node from playing.
 
-    The exit code is 1 if there is a problem, else 0. Start your node first, but not `ros serve`.
+    The exit code is 1 if there is a problem, else 0. Start your node first, but not `ros serve`. Nodes are listed
+    over rclpy only; over cyclonedds those that drive a hunter are counted.
     """
     from catch_arena.ros.doctor import examine
 

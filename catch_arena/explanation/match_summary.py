@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.captures import PreyRecord
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
@@ -39,7 +40,7 @@ class Explanation:
     """The contests and refusals of a match, and a summary of each hunter and each prey that it is about."""
 
     title: str
-    policy: str
+    policy: ArbitrationPolicy
     reaches_um: tuple[int, ...]
     """Reach of each hunter in micrometres, by seat (R2.7)."""
     steps: int

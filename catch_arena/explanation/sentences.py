@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Final
 
+from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.facts import (
     Capture,
     Claim,
@@ -24,19 +25,30 @@ if TYPE_CHECKING:
     from catch_arena.explanation.step_explanation import StepExplanation
 
 _EMPTY_RANK: Final = "a rank without a target in its view"
+_CONTEST_RULES: Final[dict[ArbitrationPolicy, str]] = {
+    "nearest": "Contests go to the nearest hunter (R5.4)",
+    "first_come": "Contests go to the hunter with the lowest lot of the step (R5.9)",
+    "capstone": "The capstone's service grants every request (R9.1)",
+}
+_DECISIONS: Final = {
+    "R5.4": "The smaller distance decides",
+    "R5.5": "The distances are equal, so the lowest lot decides",
+    "R5.9": "The lowest lot of the step decides",
+}
+"""Reason for the winner of a contest, by clause."""
 _LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
 _MOST_UNSEEN: Final = 3
 
 
 def opening_sentence(match: "Explanation") -> str:
-    """Return the length of a match, and the number of catches of each team and hunter, in words."""
+    """Return the length of a match, its rule for contests, and the catches of each team and hunter, in words."""
     heading = f"{match.title}: " if match.title else ""
     sums = [f"{team.name} {team.score}" for team in sorted(match.teams, key=lambda team: team.rank)]
     of_teams = f"Teams (R11.1): {listed(sums)}. " if sums else ""
     length = f"{_counted(match.steps, 'step')}, {seconds(match.duration_ms)}"
     caught = zip(match.names, match.scores, strict=True)
     catches = listed(f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(caught))
-    return f"{heading}{length}, policy {match.policy}. {of_teams}Catches: {catches}."
+    return f"{heading}{length}. {_CONTEST_RULES[match.policy]}. {of_teams}Catches: {catches}."
 
 
 def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -> str:
@@ -54,15 +66,14 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
     )
     if contest.clause == "R9.1":
         return f"{intro}: the capstone's service grants each of them, GRANTED (R9.1)."
-    places = [f"{names[winner.seat]} was {metres(winner.distance_um)} away"]
-    places += [f"{names[claim.seat]} {metres(claim.distance_um)}, {_compared(claim, winner)}" for claim in losers]
+    places = [f"{names[claim.seat]} was {_place(claim, winner)}" for claim in contest.claims]
     outcome = (
-        f"{names[winner.seat]} is granted it"
+        f"{names[winner.seat]} catches it"
         if winner.verdict is Verdict.GRANTED
-        else f"{names[winner.seat]} gets KILL_FAILED, as the simulator refuses the kill (R5.7)"
+        else f"{names[winner.seat]} gets KILL_FAILED, because the simulator refuses the kill (R5.7)"
     )
     lost = f"{listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
-    sentence = f"{intro}. {'; '.join(places)}. {_decision(contest, names)}: {outcome}, {lost}"
+    sentence = f"{intro}. {'; '.join(places)}. {_DECISIONS[contest.clause]} ({contest.clause}): {outcome}, and {lost}"
     return f"{sentence}{_lost_to_mate(losers, names)}."
 
 
@@ -77,25 +88,21 @@ def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
 def no_contest_sentence(match: "Explanation") -> str:
     """Return the sentence for no contest: in the match, or of the hunters and prey that the explanation is about."""
     if len(match.records) == len(match.names):
-        return "No contest: in no step could two hunters have caught the same target."
-    sides = (("of", [summary.name for summary in match.records]), ("over", [summary.name for summary in match.prey]))
+        return "No contest: no target was requested by two hunters within reach in the same step."
+    sides = (("with", [summary.name for summary in match.records]), ("for", [summary.name for summary in match.prey]))
     return f"No contest {' or '.join(f'{side} {listed(called)}' for side, called in sides if called)}."
 
 
-def _decision(contest: Contest, names: Sequence[str]) -> str:
-    if contest.clause == "R5.4":
-        return "The smaller distance decides (R5.4)"
-    lots = listed(f"{names[claim.seat]} {claim.lot:016x}" for claim in contest.claims if claim.lot is not None)
-    if contest.clause == "R5.5":
-        return f"An exact tie is drawn by lot, and the lowest lot wins (R5.5): {lots}"
-    return f"The step's lots decide, and the lowest is served first (R5.9): {lots}"
-
-
-def _compared(claim: Claim, winner: Claim) -> str:
-    more = (claim.distance_um or 0) - (winner.distance_um or 0)
-    if more == 0:
-        return "the same distance"
-    return f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
+def _place(claim: Claim, winner: Claim) -> str:
+    """Return the distance of a hunter of a contest in words, compared with the winner's, and its lot if it has one."""
+    parts = [f"{metres(claim.distance_um)} away"]
+    if claim.seat != winner.seat:
+        more = (claim.distance_um or 0) - (winner.distance_um or 0)
+        compared = f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
+        parts.append(compared if more else "the same distance")
+    if claim.lot is not None:
+        parts.append(f"lot {claim.lot:016x}")
+    return ", ".join(parts)
 
 
 def refusals_sentence(run: Refusals, match: "Explanation") -> str:
@@ -112,11 +119,12 @@ def refusals_sentence(run: Refusals, match: "Explanation") -> str:
         target = describe_name(run.target)
     else:
         target = _EMPTY_RANK if run.target is None else _target_label(run.target, prey)
+        target += "," if prey is not None and place else ""
     return f"{when} {name} {request_phrase} for {_verdict_phrase(target, place, run.verdict, reach_um)}."
 
 
 def _target_label(target: str, prey: str | None) -> str:
-    return target if prey is None else f"{prey}, {target}"
+    return target if prey is None else f"{target}, played by {prey}"
 
 
 def _from(distance_um: int | None) -> str:
@@ -135,9 +143,10 @@ def capture_sentence(capture: Capture, match: "Explanation") -> str:
     if capture.returned_ms is not None:
         after = f"; it returned at {seconds(capture.returned_ms)} as {capture.returned_as}"
     hunter, prey = match.names[capture.seat], match.prey_names[capture.prey]
-    event = f"{hunter} caught {prey}, {capture.target},{_from(capture.distance_um)}"
+    place = "" if capture.distance_um is None else f",{_from(capture.distance_um)}"
+    event = f"{hunter} caught {_target_label(capture.target, prey)}{place}"
     when = f"At {seconds(capture.judged_ms)} (step {capture.step})"
-    return f"{when} {event} after {seconds(capture.in_play_ms)} in play{after} (R12.3)."
+    return f"{when} {event}, after {seconds(capture.in_play_ms)} in play{after} (R12.3)."
 
 
 def prey_sentence(summary: PreySummary) -> str:
@@ -154,7 +163,7 @@ def prey_sentence(summary: PreySummary) -> str:
     return f"{summary.name}: {'; '.join(parts)}."
 
 
-def summary_sentence(summary: HunterSummary, policy: str) -> str:
+def summary_sentence(summary: HunterSummary, policy: ArbitrationPolicy) -> str:
     """Return the summary of one hunter in words."""
     parts = [_counted(summary.catches, "catch", "catches")]
     if policy != "capstone":  # under capstone no hunter loses
@@ -165,14 +174,14 @@ def summary_sentence(summary: HunterSummary, policy: str) -> str:
             average = "" if margin_um is None or policy != "nearest" else f", by {exact_length(margin_um)} on average"
             parts.append(f"{_counted(count, 'contest')} {outcome}{average}")
         if summary.contests_lost_to_mates:
-            parts[-1] += f", {summary.contests_lost_to_mates} of them to its own team-mates (R11.3)"
+            parts[-1] += f", {summary.contests_lost_to_mates} to its own team-mates (R11.3)"
     if summary.refused:
         reasons = ", ".join(f"{count} {verdict}" for verdict, count in summary.refused.items())
         parts.append(f"{_counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
     if summary.forestalled:
-        parts.append(f"{_counted(summary.forestalled, 'target')} that it was heading for caught by others first")
+        parts.append(f"others caught {_counted(summary.forestalled, 'target')} that it was driving to")
     if summary.never_seen:
-        parts.append(f"{_counted(summary.never_seen, 'target')} that it never had in sight caught by others (R7.5)")
+        parts.append(f"others caught {_counted(summary.never_seen, 'target')} that it never saw (R7.5)")
     if summary.withdrawn_ms is not None:
         departure = "dropped out at {} (R1.7)" if summary.dropped_out else "withdrawn at {} (R1.6)"
         parts.append(departure.format(seconds(summary.withdrawn_ms)))

@@ -149,7 +149,9 @@ class MatchWindow:
 
     def show_result(self, result: MatchResult) -> None:
         """Show the podium until the user quits or restarts, unless the user has quit."""
-        heading = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
+        heading = ""
+        if self._seat is not None:
+            heading = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
         keys = overlays.note_overlay(self._area, "R: restart    Ctrl-S: save    Esc: quit")
         with suppress(MatchStopped):
             while not self._stopped:

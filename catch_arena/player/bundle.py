@@ -20,9 +20,9 @@ from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.seats import labels, prey_labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.render.annotations import annotations_of
-from catch_arena.render.captions import Caption, Commentary
+from catch_arena.render.captions import Commentary
 from catch_arena.render.cards import result
-from catch_arena.render.lens import result_text
+from catch_arena.render.lens import Lens, lens_of, result_text
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
 from catch_arena.replay import Replay
@@ -65,6 +65,7 @@ def encode_bundle(replay: Replay) -> bytes:
     targets: dict[int, tuple[int, Track]] = {}
     rulings: list[list[Any]] = []
     contests: list[dict[str, Any]] = []
+    lenses: list[Lens | None] = []
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
     commentary = Commentary(info)
@@ -80,12 +81,26 @@ def encode_bundle(replay: Replay) -> bytes:
         rulings += [
             [state - 1, ruling.hunter, ruling.verdict.name, numbers.get(ruling.target)] for ruling in world.rulings
         ]
-        contests += [_contest(contest, names, played.get(contest.target)) for contest in contests_of(replay, world)]
         if last is not None:
+            for contest in contests_of(replay, world):
+                lens = _lens(contest, last, config.side_m)
+                lenses.append(lens)
+                contests.append(
+                    _contest(contest, info, lens, contest_sentence(contest, names, played.get(contest.target)))
+                )
             shown = commentary.caption
             commentary.record(last.time_ms, annotations_of(last, world, by_lot=info.by_lot), world.team_scores)
-            if commentary.caption is not None and commentary.caption is not shown:
-                moments.append(_moment(commentary.caption, info))
+            caption = commentary.caption
+            if caption is not None and caption is not shown:
+                moments.append(
+                    {
+                        "time": caption.time_ms,
+                        "agent": caption.agent,
+                        "text": caption.text,
+                        "atTop": caption.at_top,
+                        "contest": caption.lens and lenses.index(caption.lens),
+                    }
+                )
         last = world
         _update_tracks(state, world, targets, numbers)
         for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):
@@ -103,17 +118,21 @@ def encode_bundle(replay: Replay) -> bytes:
         "view": {"radius": config.view_radius_m, "angle": config.view_angle_deg} if config.partial_view else None,
         "hunters": [
             {
-                "name": name,
+                "name": info.names[seat],
+                "label": info.label(seat),
                 "color": css(info.color(seat)),
                 "reach": config.reaches[seat],
                 "pieces": info.rings[seat],
             }
-            for seat, name in enumerate(names)
+            for seat in range(config.hunters)
         ],
         "teams": [{"name": team.name, "color": css(team.color), "seats": team.seats} for team in info.contenders]
         if info.has_teams
         else None,
-        "prey": [{"name": name, "targets": numbers_of} for name, numbers_of in zip(prey_names, lives, strict=True)],
+        "prey": [
+            {"name": info.names[agent], "label": info.label(agent), "targets": numbers_of}
+            for agent, numbers_of in enumerate(lives, start=config.hunters)
+        ],
         "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
         "withdrawals": [[before, agent] for agent, before in left.items()],
         "rulings": rulings,
@@ -131,33 +150,27 @@ def css(color: Color) -> str:
     return "#{:02x}{:02x}{:02x}".format(*color)
 
 
-def _contest(contest: Contest, names: tuple[str, ...], prey: str | None) -> dict[str, Any]:
+def _contest(contest: Contest, info: MatchInfo, lens: Lens | None, sentence: str) -> dict[str, Any]:
     return {
         "state": contest.step - 1,
         "target": contest.target,
         "clause": contest.clause,
         "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
-        "sentence": contest_sentence(contest, names, prey),
-    }
-
-
-def _moment(caption: Caption, info: MatchInfo) -> dict[str, Any]:
-    """Return a caption, and its contest as the lens shows it, if it has one."""
-    lens = caption.lens
-    return {
-        "time": caption.time_ms,
-        "agent": caption.agent,
-        "text": caption.text,
-        "atTop": caption.at_top,
+        "sentence": sentence,
         "lens": lens
         and {
             "corner": lens.corner,
-            "claimants": [
-                [one.seat, one.distance_um, round(one.direction, 3), round(one.theta, 3)] for one in lens.claimants
-            ],
+            "directions": [round(claimant.direction, 3) for claimant in lens.claimants],
             "result": result_text(info, lens),
         },
     }
+
+
+def _lens(contest: Contest, before: World, side_m: float) -> Lens | None:
+    """Return the lens of a contest; None under the policy `capstone`, which measures no distances (R9.1)."""
+    place = next((target.x, target.y) for target in before.targets if target.name == contest.target)
+    claims = [(claim.seat, claim.distance_um) for claim in contest.claims if claim.distance_um is not None]
+    return lens_of(place, claims, [(one.x, one.y, one.theta) for one in before.hunters], side_m) if claims else None
 
 
 def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:

@@ -7,10 +7,10 @@ from importlib.resources import files
 from typing import Any, Final
 
 from catch_arena.player.bundle import bundle_text, css
-from catch_arena.render import scene, shapes, viewport
+from catch_arena.render import annotations, cards, hud, lens, scene, shapes, viewport
 from catch_arena.replay import Replay
 
-_SCRIPTS: Final = ("replay.js", "arena.js", "player.js")
+_SCRIPTS: Final = ("replay.js", "shapes.js", "overlays.js", "arena.js", "player.js")
 _MODULE: Final = re.compile(r"^(import [^;]*;\n|export )", re.MULTILINE)
 """Pattern of the statements that make a file a module, as checkers and tests need; in a page all are one script."""
 _EVERY: Final = 2
@@ -51,7 +51,7 @@ def script_json(value: object) -> str:
 
 
 def player_look() -> dict[str, Any]:
-    """Return the colours and shapes of render/ for the player."""
+    """Return the colours, shapes and sizes of render/ for the player."""
     return {
         "ground": css(viewport.GROUND),
         "outside": css(viewport.OUTSIDE),
@@ -60,6 +60,9 @@ def player_look() -> dict[str, Any]:
         "target": css(viewport.TARGET),
         "targetTrail": css(viewport.TARGET_TRAIL),
         "ink": css(shapes.INK),
+        "panel": css(hud.PANEL),
+        "bright": css(hud.BRIGHT),
+        "gold": css(cards.GOLD),
         "gridSteps": scene.GRID_STEPS_M,
         "gridGap": scene.GRID_GAP,
         "hunterLength": viewport.HUNTER_LENGTH_M,
@@ -67,5 +70,16 @@ def player_look() -> dict[str, Any]:
         "preyLength": viewport.PREY_LENGTH_M,
         "preyPieces": scene.PREY_PIECES,
         "margin": viewport.MARGIN,
+        "lens": lens.SIZE,
+        "caption": hud.CAPTION,
+        "captionMs": lens.LENS_MS,
+        "leastArena": lens.LEAST_ARENA,
+        "lensGrowsMs": lens.GROWS_MS,
+        "mostNames": annotations.MOST_NAMES,
+        "leastNamed": annotations.LEAST_NAMED,
+        "longestName": annotations.LONGEST_NAME,
+        "podiumHeights": cards.HEIGHTS,
+        "podiumPlaces": cards.PLACES,
+        "dimmed": cards.DIMMED,
         "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
     }

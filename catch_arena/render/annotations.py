@@ -18,11 +18,11 @@ from catch_arena.replay.motion import Pose2D
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
-_MOST_NAMES: Final = 8
+MOST_NAMES: Final = 8
 """Greatest number of agents that have their names next to them."""
-_LEAST_NAMED: Final = 440
+LEAST_NAMED: Final = 440
 """Shorter side of the smallest arena with names [pixels]."""
-_LONGEST_NAME: Final = 9.0
+LONGEST_NAME: Final = 9.0
 """Greatest width of a name next to a turtle, in sizes of its text."""
 NEAR_UM: Final = 1_000_000
 """Distance [micrometres] within which a hunter is near a target that another catches."""
@@ -190,23 +190,26 @@ def annotation_shapes(
 
 
 def _names(viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], taken: Sequence[_TextBox]) -> list[Label]:
-    """Return the agents' names below their turtles: of each agent whose name covers no turtle and no other text."""
+    """Return the agents' names below their turtles, or else above: those that cover no other turtle and no text."""
     length = viewport.hunter_length
-    if len(poses) > _MOST_NAMES or min(viewport.width, viewport.height) < _LEAST_NAMED:
+    if len(poses) > MOST_NAMES or min(viewport.width, viewport.height) < LEAST_NAMED:
         return []
     size = max(11, round(0.3 * length))
     turtles = {agent: viewport.to_pixels(*pose[:2]) for agent, pose in poses.items()}
     boxes, names = list(taken[len(poses) :]), []
     for agent, (x, y) in turtles.items():
-        name = truncated(info.names[agent], size, 600, _LONGEST_NAME * size)
+        name = truncated(info.names[agent], size, 600, LONGEST_NAME * size)
         half_width = 0.5 * text_width(name, size, 600)
         down = max(info.config.reaches[agent] * viewport.scale if agent < info.config.hunters else 0.0, 0.5 * length)
-        room = _TextBox(x, y + down + 0.85 * size, half_width, 0.5 * size)
         others = [_TextBox(*place, 0.45 * length, 0.45 * length) for other, place in turtles.items() if other != agent]
-        inside = half_width < x < viewport.width - half_width and room.y < viewport.height - size
-        if inside and not any(_overlap(room, other) for other in (*others, *boxes)):
-            boxes.append(room)
-            names.append(Label(x, room.y, name, size, mix(info.color(agent), WHITE, 0.5), 600, "center", outline=INK))
+        for middle in (y + down + 0.85 * size, y - down - 0.85 * size):
+            room = _TextBox(x, middle, half_width, 0.5 * size)
+            inside = half_width < x < viewport.width - half_width and size < middle < viewport.height - size
+            if inside and not any(_overlap(room, other) for other in (*others, *boxes)):
+                boxes.append(room)
+                color = mix(info.color(agent), WHITE, 0.5)
+                names.append(Label(x, middle, name, size, color, 600, "center", outline=INK))
+                break
     return names
 
 
@@ -287,7 +290,7 @@ def _text_shapes(
         room = _moved_clear(_TextBox(x, y + side * away, half_width, 0.5 * size), side, taken)
         room = room._replace(y=min(max(room.y, 0.6 * size), viewport.height - 0.6 * size))
         taken.append(room)
-        color = WHITE if annotation.kind == "catch" else mix(info.color(annotation.seat), WHITE, 0.35)
+        color = mix(info.color(annotation.seat), WHITE, 0.35)
         opacity = min(1.0, 3.0 * (1.0 - part))
         shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
     return shapes

@@ -15,14 +15,14 @@ PODIUM_MS: Final = 4000
 """Time for which the podium is shown [ms of the video]."""
 FADE_MS: Final = 300
 """Time in which a card appears or disappears [ms of the video]."""
-DIMMED: Final = 0.14
+DIMMED: Final = 0.1
 """Brightness of the arena under a card."""
 GOLD: Final[Color] = (255, 206, 84)
 """Colour of headings."""
 _MOST_ROWS: Final = 8
-_HEIGHTS: Final = (1.0, 0.72, 0.5)
+HEIGHTS: Final = (1.0, 0.72, 0.5)
 """Heights of the podium's steps, the first place's first, relative to that."""
-_PLACES: Final = ((0.0,), (-0.5, 0.5), (0.0, -1.0, 1.0))
+PLACES: Final = ((0.0,), (-0.5, 0.5), (0.0, -1.0, 1.0))
 """Places of one, two or three contenders, the best first, in steps to the right of the middle."""
 
 
@@ -38,13 +38,26 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     rows += [(info.label(agent), info.color(agent), True) for agent in range(info.config.hunters, len(info.names))]
     left_out = len(rows) - _MOST_ROWS if len(rows) > _MOST_ROWS + 1 else 0
     rows = rows[: len(rows) - left_out]
-    line, left_out_room = 1.75 * size, 1.75 * size * bool(left_out)
-    top = height / 2.0 - 0.5 * (len(rows) * line + left_out_room + 2.6 * big)
+    line, left_out_room = 1.6 * size, 1.6 * size * bool(left_out)
+    top = height / 2.0 - 0.5 * (len(rows) * line + left_out_room + 2.6 * big + 2.8 * small)
     shapes: list[Shape] = [
         Label(middle, top, info.event or "CATCH ARENA", big, GOLD, 800, "center", max_width=room),
         Label(middle, top + 0.95 * big, info.title, small, WHITE, 600, "center", max_width=room),
+        *(
+            Label(
+                middle,
+                top + 0.95 * big + (1.5 + 1.3 * line) * small,
+                text,
+                small,
+                hud.DIM,
+                600,
+                "center",
+                max_width=room,
+            )
+            for line, text in enumerate(goal(info))
+        ),
     ]
-    y, texts = top + 2.3 * big, [f"{name}, prey" if hunted else name for name, _, hunted in rows]
+    y, texts = top + 2.3 * big + 2.8 * small, [f"{name}, prey" if hunted else name for name, _, hunted in rows]
     widest = min(room - 1.4 * size, max(text_width(text, size, 700) for text in texts))
     start = middle - 0.5 * (widest + 1.4 * size) + 0.6 * size
     for text, (_, color, _) in zip(texts, rows, strict=True):
@@ -56,6 +69,17 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     if left_out:
         shapes.append(Label(start + 1.4 * size, y, f"and {left_out} more", small, hud.DIM, 600))
     return shapes
+
+
+def goal(info: MatchInfo) -> list[str]:
+    """Return the goal of a match, and the rule for contests, in two lines."""
+    what = "prey" if info.config.prey and not info.config.spawning else "white turtles"
+    seconds = f"{info.duration_ms / 1000:g} s"
+    if len(info.contenders) == 1:
+        return [f"Catch as many {what} as possible in {seconds}."]
+    whose = "team" if info.has_teams else "hunter"
+    rule = "the first in the queue" if info.by_lot else "the nearest hunter"
+    return [f"The {whose} that catches the most {what} in {seconds} wins.", f"Of two at the same time, {rule} gets it."]
 
 
 def _members(info: MatchInfo, team: Contender) -> str:
@@ -91,12 +115,12 @@ def podium_shapes(
             max_width=0.94 * width,
         )
     ]
-    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(_HEIGHTS)]
+    order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(HEIGHTS)]
     foot, wide = 0.5 * height + 215 * unit, 190 * unit
     for place, contender in enumerate(order):
         rank = 1 + sum(score > scores[contender] for score in scores)
-        tall = _HEIGHTS[rank - 1] * 200 * unit
-        x, color = middle + _PLACES[len(order) - 1][place] * 210 * unit, info.contenders[contender].color
+        tall = HEIGHTS[rank - 1] * 200 * unit
+        x, color = middle + PLACES[len(order) - 1][place] * 210 * unit, info.contenders[contender].color
         top = foot - tall
         shapes += [
             Box(x - wide / 2.0, top, wide, tall, mix(color, hud.PANEL, 0.35), 10 * unit),

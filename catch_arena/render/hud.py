@@ -29,6 +29,8 @@ ROW: Final = 50.0
 """Greatest height of a line of the standings, in units."""
 CLOSE_ROW: Final = 36.0
 """Height to which a line may shrink to leave room for the event feed, in units."""
+_LONGEST_SEED: Final = 10**6
+"""Least seed that is too long for a header; seeds of tournaments are."""
 FEED_ROW: Final = 26.0
 """Height of a line of the event feed, in units."""
 MOST_FEED_LINES: Final = 4
@@ -222,7 +224,9 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
     """Return the shapes of the title, the match's title and seed, and the clock."""
     big, small = font_size(34 * unit, 15), font_size(15 * unit, 10)
     right = area.left + area.width
-    subtitle = "   ".join(part for part in (info.title, "" if seed is None else f"seed {seed}") if part)
+    short_seed = f"seed {seed}" if seed is not None and seed < _LONGEST_SEED else ""
+    subtitle = "   ".join(part for part in (info.title, short_seed) if part)
+    whole = f"of {info.duration_ms / 1000:g} s"
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
     middle = area.top + area.height * (0.36 if subtitle else 0.5)
     shapes: list[Shape] = [
@@ -237,6 +241,7 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
         ),
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
+        Label(right, area.top + area.height * 0.86, whole, small, DIM, 500, "right", max_width=clock_room),
     ]
     if subtitle:
         shapes.append(

@@ -24,7 +24,8 @@ LEAST_ARENA: Final = 320
 """Shorter side of the smallest arena with a lens [pixels]; in a smaller one its texts could not be read."""
 _APART_RAD: Final = math.radians(70.0)
 """Least angle between two hunters in a lens; their distances stay to scale."""
-_GROWS_MS: Final = 160.0
+GROWS_MS: Final = 160.0
+"""Time in which a lens grows at first, and shrinks at last [ms]."""
 
 
 class Claimant(NamedTuple):
@@ -105,7 +106,7 @@ def lens_shapes(viewport: Viewport, info: MatchInfo, lens: Lens, age_ms: float) 
         age_ms: time since the contest [ms]; a lens grows at first and shrinks at last.
     """
     room = min(viewport.width, viewport.height)
-    part = min(1.0, (age_ms + 20.0) / _GROWS_MS, (LENS_MS - age_ms) / _GROWS_MS)
+    part = min(1.0, (age_ms + 20.0) / GROWS_MS, (LENS_MS - age_ms) / GROWS_MS)
     size = SIZE * room * part * (2.0 - part)
     gap, right, top = 0.025 * room, *lens.corner
     left = viewport.width - gap - size if right else gap

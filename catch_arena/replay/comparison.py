@@ -17,7 +17,7 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
     scores; [] for equal replays. The recorded data are compared; `verification.verify` checks them.
     """
     found = [
-        f"{name}: {first_values} in A, {second_values} in B"
+        f"{name}: {first_values} in A; {second_values} in B"
         for name, first_values, second_values in _headers(first, second)
     ]
     for kind in ("hunters", "prey"):
@@ -30,7 +30,7 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
     else:
         found.append(f"targets move in {'A' if first.config.targets_move else 'B'} only, so states are not compared")
     if first.steps != second.steps:
-        found.append(f"steps: {first.steps} in A, {second.steps} in B")
+        found.append(f"steps: {first.steps} in A; {second.steps} in B")
     if found:
         first_values, second_values = (scores(match.states[-1], match.config) for match in (first, second))
         for kind, *results in zip(
@@ -38,7 +38,7 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
         ):
             if results[0]:
                 shown = [", ".join(map(str, result)) for result in results]
-                same = "the same in both" if shown[0] == shown[1] else f"in A, {shown[1]} in B"
+                same = "the same in both" if shown[0] == shown[1] else f"in A; {shown[1]} in B"
                 found.append(f"{kind}: {shown[0]} {same}")
     return found
 
@@ -54,12 +54,12 @@ def _headers(first: Replay, second: Replay) -> Iterator[tuple[str, Any, Any]]:
     ):
         for place, names in enumerate(zip_longest(first_values, second_values)):
             if names[0] != names[1]:
-                yield f"the agent of {side}_{place}", repr(names[0]), repr(names[1])
+                yield f"the agent of {side}_{place}", *("none" if name is None else repr(name) for name in names)
     settings, second_settings = ({**flat_settings(match.config), "control": None} for match in (first, second))
     for name in sorted(settings.keys() | second_settings.keys()):
         if settings.get(name) != second_settings.get(name):
             yield name, settings.get(name), second_settings.get(name)
-    for seat, controls in enumerate(zip_longest(first.config.controls, second.config.controls)):
+    for seat, controls in enumerate(zip_longest(first.config.controls, second.config.controls, fillvalue="none")):
         if controls[0] != controls[1]:
             yield f"control of hunter_{seat}", *controls
 
@@ -86,7 +86,7 @@ def _first_actions(first: Replay, second: Replay, steps: int) -> list[str]:
             agents, *(_actions(match, step) for match in (first, second)), strict=False
         ):
             if first_action != second_action:
-                found.append(f"step {step + 1}: {agent} acts differently: {first_action} in A, {second_action} in B")
+                found.append(f"step {step + 1}: {agent} acts differently: {first_action} in A; {second_action} in B")
         if found:
             return found
     return []
@@ -113,5 +113,5 @@ def _first_state(first: Replay, second: Replay, steps: int) -> list[str]:
                 for name, twin, seat in zip(first.names, second.names, agents, strict=True)
             ]
             lines = state_differences(first.config, names, first_state, second_state, ("in A", "in B"))
-            return [f"{state_name(step)} is the first difference", *first_lines(step, lines)]
+            return [f"the states first differ in {state_name(step)}", *first_lines(step, lines)]
     return []

@@ -161,7 +161,7 @@ class Replay:
                 played = quantise(engine.state(), self.config)
                 found = state_differences(self.config, self.names, self.states[step], played)
                 raise ReplayError(
-                    f"the replay does not play as it was recorded: {state_name(step)} is the first difference: "
+                    f"the replay does not play as it was recorded: the first difference is in {state_name(step)}: "
                     f"{on_one_line(found)}"
                 )
             yield engine
@@ -235,4 +235,4 @@ class Replay:
 
 def _describe(command: NDArray[np.float32]) -> str:
     linear, angular = command.tolist()
-    return f"linear {linear:+.9g}, angular {angular:+.9g} of the limits"
+    return f"linear {linear:+.9g} and angular {angular:+.9g} of the limits"

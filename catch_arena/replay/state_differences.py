@@ -28,7 +28,7 @@ def first_lines(step: int, differences: Sequence[str]) -> list[str]:
     """Return a line for each of the first differences, with the step, and one with the number of further ones."""
     shown = [f"{state_name(step)}: {line}" for line in differences[:_MOST_LINES]]
     more = len(differences) - _MOST_LINES
-    return [*shown, f"{state_name(step)}: and {more} more"] if more > 0 else shown
+    return [*shown, f"{state_name(step)}: {more} more difference{'s' * (more > 1)}"] if more > 0 else shown
 
 
 def state_differences(

@@ -68,7 +68,7 @@ def _faults(replay: Replay, other_digests: Sequence[int], other_numbers: Mapping
     for stretch in differs:
         first, last = stretch[0], stretch[-1]
         again = "" if last == replay.steps else f"; from {state_name(last + 1)} on it plays as recorded"
-        found.append(f"{state_name(first)} is the first difference{again}")
+        found.append(f"the first difference is in {state_name(first)}{again}")
         found += first_lines(first, _differences(replay, first, other_numbers))
     return found
 

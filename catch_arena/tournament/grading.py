@@ -9,7 +9,7 @@ from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.policy import PreyView, Side, player_limits
+from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import printable, printable_lines
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
@@ -32,7 +32,12 @@ _HINTS: Final[Mapping[str, str]] = {
     "SERVICE_DOWN": "R5.7: the kill service fails at times in this arena: ask again in the next step",
     "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",
     "no request": "R4.1, R4.4: it never asked for a target: drive closer than view.limits.reach_m to one",
-    "empty view": "R7.2: view.targets and view.rivals may be empty, and were",
+    "no targets": "R7.2: view.targets was empty in that step: act must return an action without a target too",
+    "no rivals": "R7.2: view.rivals was empty in that step: act must return an action without a rival too",
+    "no hunters": "R12.4: view.hunters was empty in that step, as it is while prey is out: act must return an action",
+    "no others": "R12.4: view.others was empty in that step: act must return an action without other prey too",
+    "FORFEIT_CRASH": "`catch-arena docs agents`: an exception in act ends its match: catch-arena check-agent shows its "
+    "last lines, and the view that it failed on",
     "FORFEIT_TIMEOUT": "`catch-arena docs isolation`, Limits: an action has step_ms, and all actions of a match "
     "together have bank_s more: catch-arena check-agent shows how long its steps take",
     "FORFEIT_ILLEGAL": "R4.1, R4.4: `catch-arena docs agents` has the actions of each control; catch-arena check-agent "
@@ -185,21 +190,29 @@ def _missed_bounds(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[st
 def _hints(forfeits: Iterable[Forfeit], verdicts: Counter[str], config: ArenaConfig) -> tuple[str, ...]:
     """Return the hints after a failure: for each forfeit, and for frequent verdicts on the agent's requests."""
     often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
-    causes = [*(_cause_of(one, config) for one in forfeits), *(name for name in often if name != "GRANTED")]
+    causes = [cause for one in forfeits for cause in _causes_of(one, config)]
+    causes += [name for name in often if name != "GRANTED"]
     return tuple(_HINTS[cause] for cause in causes or often or ["no request"] if cause in _HINTS)
 
 
-def _cause_of(forfeit: Forfeit, config: ArenaConfig) -> str:
-    """Return the key of the hint for a forfeit."""
+def _causes_of(forfeit: Forfeit, config: ArenaConfig) -> list[str]:
+    """Return the keys of the hints for a forfeit."""
     if NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason:
-        return "not installed"
+        return ["not installed"]
     if forfeit.late and forfeit.code == "FORFEIT_INIT":
-        return "late start"
+        return ["late start"]
     if forfeit.code == "FORFEIT_CRASH" and forfeit.observation is not None:
-        view = player_limits(config, forfeit.seat).view(*forfeit.observation)
-        seen = (view.hunters, view.others) if isinstance(view, PreyView) else (view.targets, view.rivals)
-        return forfeit.code if all(seen) else "empty view"
-    return forfeit.code
+        return _empty_lists(player_limits(config, forfeit.seat).view(*forfeit.observation)) or [forfeit.code]
+    return [forfeit.code]
+
+
+def _empty_lists(view: View | PreyView) -> list[str]:
+    """Return the keys of the hints for lists of a view that were empty, although the arena has something for them."""
+    if isinstance(view, PreyView):
+        lists = {"hunters": view.hunters, "others": view.others if view.limits.prey_seen else True}
+    else:
+        lists = {"targets": view.targets, "rivals": view.rivals if view.limits.hunters_seen else True}
+    return [f"no {name}" for name, seen in lists.items() if not seen]
 
 
 def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:

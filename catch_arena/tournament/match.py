@@ -26,6 +26,15 @@ class Match:
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
     """Seed of the player, by party; if empty, these seeds follow from the match's own."""
 
+    @property
+    def title(self) -> str:
+        """Text that names the match for people, such as "round 1, group 2, match 3"."""
+        words = {"r": "round", "g": "group", "s": "match"}
+        parts = [part for part in self.id.split("-") if part[0] in words and part[1:].isdecimal()]
+        if not parts:
+            return f"match {self.id}"
+        return ", ".join(f"{words[part[0]]} {int(part[1:]) + (part[0] == 's')}" for part in parts)
+
 
 Block = tuple[Match, ...]
 """Matches with one seed, in every rotation of their players through the parties (docs/howto/tournaments.md)."""

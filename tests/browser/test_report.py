@@ -13,7 +13,9 @@ from report.synthetic import tournament
 import catch_arena
 from catch_arena.explanation import explain
 from catch_arena.player import bundle_text, player_html
-from catch_arena.render import viewport
+from catch_arena.render import hud, viewport
+from catch_arena.render.cards import GOLD, result
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.report import REPORT, watch, write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
@@ -155,10 +157,68 @@ def test_the_next_contest_says_who_won_by_what_and_how_far_away_each_was(player,
             assert f"agent {claim.seat}" in text
             assert f"{claim.distance_um / 1e6:.6f} m" in text
         assert f"({contest.clause})" in text
-        assert f"agent {contest.claims[0].seat} is granted it" in text
+        assert f"agent {contest.claims[0].seat} catches it" in text
         assert player.locator(".claims li").first.inner_text().startswith(f"{contest.claims[0].seat}\n")
     player.get_by_role("button", name="Previous contest").click()
     assert clock(player) == pytest.approx((contests[1].step - 1) / 10)
+    assert share_of(picture(player, "canvas.close-up"), viewport.GROUND) > 0.2
+
+
+def test_a_contest_has_its_caption_and_lens_over_the_arena_for_two_and_a_half_seconds(quiet, crowd, tmp_path):
+    page = opened(quiet, tmp_path, player_html(crowd))
+    first = page.evaluate("document.querySelector('catch-replay').replay.moments.find((one) => one.contest)")
+    show = "time => document.querySelector('catch-replay').seek(time)"
+    shares = []
+    for time_ms in (first["time"] - 1, first["time"], first["time"] + 1300):
+        page.evaluate(show, time_ms)
+        shares.append(share_of(picture(page, "canvas.arena"), hud.PANEL))
+        described = page.locator("canvas.arena").get_attribute("aria-label")
+        assert (first["text"] in described) == (time_ms == first["time"])
+    before, during, _ = shares
+    assert before < 0.005
+    assert during > 0.02  # the caption, and the texts of the lens
+
+
+def test_the_podium_stands_at_the_end_and_is_announced_once(player, crowd):
+    ended = result(MatchInfo.of_replay(crowd), list(crowd.worlds())[-1].team_scores)
+    bright = share_of(picture(player, "canvas.arena"), viewport.GROUND)
+    player.evaluate("document.querySelector('catch-replay').seek(7800)")
+    player.get_by_role("button", name="Play", exact=True).click()
+    until(player, "!document.querySelector('catch-replay').playing")
+    assert player.locator("[aria-live]").inner_text() == f"{ended}."
+    assert ended in player.locator("canvas.arena").get_attribute("aria-label")
+    podium = picture(player, "canvas.arena")
+    assert share_of(podium, viewport.GROUND) < 0.01
+    assert share_of(podium, GOLD) > 0.001
+    player.locator("canvas.arena").press("ArrowLeft")
+    assert share_of(picture(player, "canvas.arena"), viewport.GROUND) > 0.5 * bright
+    assert ended not in player.locator("canvas.arena").get_attribute("aria-label")
+
+
+def test_a_lens_grows_while_the_match_plays_unless_motion_is_unwanted(chromium, crowd, tmp_path):
+    path = tmp_path / "player.html"
+    path.write_text(f'<!doctype html><html lang="en"><meta charset="utf-8"><body>{player_html(crowd)}')
+    shares = {}
+    for motion in ("no-preference", "reduce"):
+        page = chromium.new_page(reduced_motion=motion)
+        page.goto(path.as_uri())
+        until(page, "document.querySelector('catch-replay').replay")
+        page.evaluate(
+            """() => {
+                const player = document.querySelector("catch-replay");
+                player.playing = true;
+                player.seek(player.replay.moments.find((one) => one.contest).time);
+            }"""
+        )
+        shares[motion] = share_of(picture(page, "canvas.arena"), hud.PANEL)
+        page.close()
+    assert shares["reduce"] > 1.3 * shares["no-preference"]
+
+
+def test_a_close_up_is_drawn_again_after_the_page_changes_its_size(player):
+    player.get_by_role("button", name="Next contest").click()
+    player.set_viewport_size({"width": 900, "height": 700})
+    player.wait_for_timeout(200)
     assert share_of(picture(player, "canvas.close-up"), viewport.GROUND) > 0.2
 
 

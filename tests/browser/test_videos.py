@@ -47,7 +47,7 @@ def open_movie(page, address: str) -> None:
 
 @pytest.mark.parametrize("ending", MOVIES)
 def test_a_match_plays(page, serve, tmp_path, match, ending):
-    report = render_replay(match, tmp_path / f"match{ending}", size=(640, 360))
+    report = render_replay(match, tmp_path / f"match{ending}", size=(640, 360), start_s=0.0)  # without a title
     (tmp_path / "index.html").write_text(f'<video muted src="match{ending}"></video>')
     open_movie(page, serve(tmp_path))
     before = page.eval_on_selector("video", "video => video.currentTime")
@@ -65,7 +65,7 @@ def test_a_match_plays(page, serve, tmp_path, match, ending):
 
 @pytest.mark.parametrize("ending", PICTURES)
 def test_a_match_moves_as_a_picture(page, serve, tmp_path, match, ending):
-    report = render_replay(match, tmp_path / f"match{ending}", fps=20)
+    report = render_replay(match, tmp_path / f"match{ending}", fps=20, start_s=0.0)  # without a title
     (tmp_path / "index.html").write_text(f'<img src="match{ending}">')
     page.goto(f"{serve(tmp_path)}/index.html")
     page.wait_for_function("document.querySelector('img').complete")

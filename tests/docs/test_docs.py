@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import catch_arena
 from catch_arena.cli import main
 from catch_arena.files import tomllib
 from catch_arena.policy import Limits, PreyLimits
+from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.loading import shipped
 from catch_arena.training import LearnerBatch, Mlp
 
 ROOT = Path(__file__).parent.parent.parent
@@ -78,6 +81,18 @@ def test_whatever_is_said_to_be_installed_is_an_extra():
     assert {"ros", "video", "parquet"} <= in_pages <= extras.keys()
     assert {"ros", "video", "train"} <= in_errors <= extras.keys()
     assert "catch-arena[" not in pages + code  # it is on no index
+
+
+def test_every_scenario_and_every_shipped_agent_has_a_row():
+    """The first table of each page names them all, in any order, and nothing else."""
+    for page, names in (("scenarios.md", SCENARIOS), ("shipped_agents.md", shipped())):
+        first_table = (ROOT / "docs" / "reference" / page).read_text().partition("\n## ")[0]
+        assert sorted(re.findall(r"^\| `(\w+)` \|", first_table, re.MULTILINE)) == sorted(names)
+
+
+def test_every_public_name_has_an_entry_in_the_reference():
+    page = (ROOT / "docs" / "reference" / "api.rst").read_text()
+    assert set(re.findall(r":: catch_arena\.(\w+)$", page, re.MULTILINE)) == set(catch_arena.__all__)
 
 
 def test_the_made_pages_are_up_to_date():

@@ -53,6 +53,13 @@ def test_every_contest_is_what_the_arbiter_decides(crowded):
         assert (contest.clause, contest.judged_ms) == ("R5.4", before.time_ms)
 
 
+def test_targets_lost_without_a_contest_are_in_the_summary(play):
+    told = explain(play("duel", chase=True, max_cycles=300))
+    first = max(told.records, key=lambda record: record.forestalled)
+    assert first.forestalled > 1
+    assert any(f"others caught {first.forestalled} targets that it was driving to" in line for line in told.lines())
+
+
 def test_the_summary_adds_up(crowded):
     """Every request of the match stands in it once."""
     rulings = [ruling for world in crowded.worlds() for ruling in world.rulings]
@@ -78,9 +85,9 @@ def test_a_contest_is_told_with_clause_distances_and_winner(play):
     paragraphs = explain(play(chase=True, names=("ann", "bob", "cid"), **CLOSE), "bob").lines()
 
     assert (
-        "At 0.0 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann 1.053799 m, "
-        "199.466 mm farther; cid 1.053799 m, 199.466 mm farther. The smaller distance decides (R5.4): bob is granted "
-        "it, ann and cid get LOST_CONTEST (R5.6)."
+        "At 0.0 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann was 1.053799 m "
+        "away, 199.466 mm farther; cid was 1.053799 m away, 199.466 mm farther. The smaller distance decides (R5.4): "
+        "bob catches it, and ann and cid get LOST_CONTEST (R5.6)."
     ) in paragraphs
 
 
@@ -95,28 +102,29 @@ def test_an_exact_tie_tells_the_lots_of_the_tied(play):
         assert claim.lot == draw(draw(draw(key(match.seed, TIE_LOT), tie.step - 1), number), claim.seat)
     assert tied[0].lot < tied[1].lot
     assert tied[0].verdict is Verdict.GRANTED
-    (line,) = [line for line in explain(match).lines() if "lowest lot wins (R5.5)" in line]
-    assert all(f"hunter_{claim.seat} {claim.lot:016x}" in line for claim in tied)
+    (line,) = [line for line in explain(match).lines() if "so the lowest lot decides (R5.5): " in line]
+    assert all(f" away, lot {claim.lot:016x}" in line.replace("the same distance, ", "") for claim in tied)
     assert "the same distance" in line
 
 
 def test_first_come_tells_the_lots_of_the_step(play):
     """R5.9."""
     match = play(chase=True, policy="first_come", **CLOSE)
-    contests = explain(match).contests
+    told = explain(match)
+    assert "Contests go to the hunter with the lowest lot of the step (R5.9). Catches: " in told.lines()[0]
+    contests = told.contests
     assert contests
     for contest in contests:
         lots = [draw(draw(key(match.seed, SERVICE_LOT), contest.step - 1), claim.seat) for claim in contest.claims]
         assert [claim.lot for claim in contest.claims] == lots
         assert lots[0] == min(lots)
-    assert any(
-        "The step's lots decide, and the lowest is served first (R5.9)" in line for line in explain(match).lines()
-    )
+    assert any("The lowest lot of the step decides (R5.9): " in line for line in told.lines())
 
 
 def test_the_capstones_service_is_said_to_refuse_nobody(play):
     """R9.1: nobody won, and nobody lost."""
     explanation = explain(play(chase=True, policy="capstone", **CLOSE))
+    assert "The capstone's service grants every request (R9.1). Catches: " in explanation.lines()[0]
     assert {contest.clause for contest in explanation.contests} == {"R9.1"}
     assert any("grants each of them, GRANTED (R9.1)" in line for line in explanation.lines())
     assert {(record.contests_won, record.contests_lost) for record in explanation.records} == {(0, 0)}
@@ -131,7 +139,7 @@ def test_repeated_refusals_are_one_line_with_a_count(play):
     times = sum(ruling.verdict is Verdict.OUT_OF_REACH for world in match.worlds() for ruling in world.rulings)
     assert f" hunter_0 asked {times} times for target_turtle_1 from " in refused
     assert refused.endswith("the target is out of reach (R5.3); within reach is less than 0.000001 m.")
-    assert "No contest: in no step could two hunters have caught the same target." in lines
+    assert "No contest: no target was requested by two hunters within reach in the same step." in lines
 
 
 def test_requests_by_name_are_one_line_for_each_name():
@@ -246,7 +254,8 @@ def test_a_step_is_found_by_the_time_at_which_it_was_judged(crowded, play):
 def test_the_seat_of_every_hunter_is_told_where_there_are_copies(play):
     """nearest#2 is not hunter_2."""
     paragraphs = explain(play("duel", max_cycles=20, names=("nearest#2", "nearest"))).lines()
-    assert re.search(r"Catches: nearest#2 \(hunter_0\) \d+ and nearest \(hunter_1\) \d+\.$", paragraphs[0])
+    rule = r"Contests go to the nearest hunter \(R5\.4\)\."
+    assert re.search(rule + r" Catches: nearest#2 \(hunter_0\) \d+ and nearest \(hunter_1\) \d+\.$", paragraphs[0])
     assert [line.split(":")[0] for line in paragraphs[-2:]] == ["nearest#2 (hunter_0)", "nearest (hunter_1)"]
 
 
@@ -359,7 +368,7 @@ def test_targets_that_a_hunter_never_saw_are_counted(play):
     """Other hunters caught them, and they were never in a view of its own."""
     explanation = explain(play("fog", control="target", chase=True, max_cycles=300, reach_m=0.6, dropout_rate=0.002))
     assert 0 < sum(record.never_seen for record in explanation.records) <= 3 * sum(explanation.scores)
-    assert any("that it never had in sight caught by others (R7.5)" in line for line in explanation.lines())
+    assert any("others caught " in line and " that it never saw (R7.5)" in line for line in explanation.lines())
 
 
 def test_a_dropout_is_told_apart_from_a_withdrawal(play):

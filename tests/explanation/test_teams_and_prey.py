@@ -28,7 +28,7 @@ def test_the_words_name_the_team_mate_and_the_clause(mates):
     seat = lost[0].seat
     assert f"LOST_CONTEST (R5.6): ann (hunter_{seat}) lost to its own team-mate (R11.3)." in "\n".join(lines)
     summary = next(line for line in explanation.lines() if line.startswith(f"ann (hunter_{seat}): "))
-    assert ", 1 of them to its own team-mates (R11.3)" in summary
+    assert ", 1 to its own team-mates (R11.3)" in summary
     own = explain_step(mates, 1, seat).lines()[1]
     assert f"; the winner is ann (hunter_{1 - seat}), its own team-mate (R11.3)." in own
     rival = explain_step(mates, 1, 2).lines()[1]
@@ -41,10 +41,10 @@ def test_contests_and_refusals_name_the_prey_that_was_asked_for(play):
     match = play("tag", **settings, control="target", chase=True)
     explanation = explain(match)
     assert explanation.prey_by_target == {"target_turtle_1": "prey_0"}
-    assert any(" asked for prey_0, target_turtle_1. " in line for line in explanation.lines())
-    assert any(" asked for prey_0, target_turtle_1. " in line for line in explain_step(match, 1).lines())
+    assert any(" asked for target_turtle_1, played by prey_0. " in line for line in explanation.lines())
+    assert any(" asked for target_turtle_1, played by prey_0. " in line for line in explain_step(match, 1).lines())
     refused = explain(play("tag", **settings, control=("target", "target", "full"))).lines()
-    assert any(" hunter_2 asked for prey_0, target_turtle_1 from " in line for line in refused)
+    assert any(" hunter_2 asked for target_turtle_1, played by prey_0, from " in line for line in refused)
 
 
 def test_the_teams_are_told_with_their_scores_and_ranks(hunted):
@@ -97,8 +97,8 @@ def test_catches_of_prey_in_words(hunted):
     explanation = explain(hunted)
     text = "\n".join(explanation.lines())
     assert re.search(
-        r"^At \S+ s \(step \d+\) (a \(hunter_[02]\)|b|c) caught [pq] \(prey_\d\), target_turtle_\d+, "
-        r"from 0\.\d{6} m after \S+ s in play; it returned at \S+ s as target_turtle_\d+ \(R12\.3\)\.$",
+        r"^At \S+ s \(step \d+\) (a \(hunter_[02]\)|b|c) caught target_turtle_\d+, played by [pq] \(prey_\d\), "
+        r"from 0\.\d{6} m, after \S+ s in play; it returned at \S+ s as target_turtle_\d+ \(R12\.3\)\.$",
         text,
         re.MULTILINE,
     )
@@ -154,8 +154,8 @@ def test_a_view_is_that_of_one_hunter(hunted):
 
 def test_who_had_no_contest_is_named(play):
     match = play("tag", max_cycles=1, names=("ann", "bob", "cid", "eve"))
-    assert "No contest over eve (prey_0)." in explain(match, "eve").lines()
-    assert "No contest of ann." in explain(match, "ann").lines()
+    assert "No contest for eve (prey_0)." in explain(match, "eve").lines()
+    assert "No contest with ann." in explain(match, "ann").lines()
 
 
 def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
@@ -183,7 +183,7 @@ def test_the_command_prints_teams_and_prey_as_words_and_as_facts(hunted, tmp_pat
     hunted.save(path)
     words = CliRunner().invoke(main, ["explain", str(path)])
     assert words.exit_code == 0, words.output
-    assert "Teams (R11.1)" in words.output
+    assert "(R11.1): a 9 and b + c 2. Catches: " in " ".join(words.output.split())
     facts = explain(hunted).to_dict()
     assert {"teams", "captures", "prey"} <= facts.keys()
     step = explain_step(hunted, 1).to_dict()

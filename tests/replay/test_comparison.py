@@ -26,14 +26,14 @@ def test_headers_are_compared_setting_by_setting(play):
     found = replay_differences(one, other)
 
     assert found[:6] == [
-        "seed: 1 in A, 2 in B",
-        "title: 'final' in A, '' in B",
-        "the agent of hunter_1: 'bob' in A, 'cid' in B",
-        "gains.ki_v: 1.0 in A, 0.5 in B",
-        "reach_m: 0.3 in A, 0.5 in B",
-        "control of hunter_1: target in A, full in B",
+        "seed: 1 in A; 2 in B",
+        "title: 'final' in A; '' in B",
+        "the agent of hunter_1: 'bob' in A; 'cid' in B",
+        "gains.ki_v: 1.0 in A; 0.5 in B",
+        "reach_m: 0.3 in A; 0.5 in B",
+        "control of hunter_1: target in A; full in B",
     ]
-    assert "the initial state is the first difference" in found
+    assert "the states first differ in the initial state" in found
     assert any(re.match(r"the initial state: hunter_1: x is \d\.\d{6} m in A and ", line) for line in found)
 
 
@@ -47,12 +47,12 @@ def test_the_first_actions_that_differ_are_told_with_who_and_what(pair):
     one, other = pair
     other.choices[30][3] = (one.choices[30][3] + 1) % 9
     assert replay_differences(one, other)[0] == (
-        f"step 31: hunter_3 acts differently: {one.action(30, 3)} in A, {other.action(30, 3)} in B"
+        f"step 31: hunter_3 acts differently: {one.action(30, 3)} in A; {other.action(30, 3)} in B"
     )
     other.commands[20][1, 0] = np.nextafter(one.commands[20][1, 0], np.float32(0))
     first = replay_differences(one, other)[0]
     assert re.fullmatch(
-        r"step 21: hunter_1 acts differently: linear \S+, angular \S+ of the limits in A, linear .* in B",
+        r"step 21: hunter_1 acts differently: linear \S+ and angular \S+ of the limits in A; linear .* in B",
         first,
     )
     assert f"{one.commands[20][1, 0]:+.9g}" in first
@@ -67,7 +67,7 @@ def test_the_first_state_that_differs_is_told_with_its_numbers(play):
     )
     found = replay_differences(one, other)
 
-    assert found[:2] == ["max_speed_mps: 2.0 in A, 1.5 in B", "step 1 is the first difference"]
+    assert found[:2] == ["max_speed_mps: 2.0 in A; 1.5 in B", "the states first differ in step 1"]
     assert (
         "step 1: hunter_0 (ann): linear velocity is 2.000000 m/s in A and 1.500000 m/s in B, 0.500000 m/s apart"
         in found
@@ -81,12 +81,12 @@ def test_a_digest_alone_and_a_length_are_differences(pair):
     other.digests[80] = b"12345678"
     found = replay_differences(one, other)
     assert found[:2] == [
-        "step 80 is the first difference",
+        "the states first differ in step 80",
         "step 80: every number differs by less than a millionth of its unit",
     ]
     for part in (other.choices, other.commands, other.digests, other.states):
         part.pop()
-    assert replay_differences(one, other)[0] == "steps: 80 in A, 79 in B"
+    assert replay_differences(one, other)[0] == "steps: 80 in A; 79 in B"
 
 
 def test_diff_exits_with_0_1_or_2(play, mixed, tmp_path, monkeypatch):
@@ -106,7 +106,7 @@ def test_diff_exits_with_0_1_or_2(play, mixed, tmp_path, monkeypatch):
     assert (equal.exit_code, equal.stdout) == (0, "the replays are equal\n")
     assert different.exit_code == 1
     assert different.stdout.startswith("A: a.replay\nB: b.replay\n")
-    assert "hunters: 4 in A, 2 in B" in different.stdout
+    assert "hunters: 4 in A; 2 in B" in different.stdout
     assert "with different numbers of hunters" in different.stdout
     assert (unreadable.exit_code, unreadable.stderr[:27]) == (2, "error: c.replay: cannot be ")
 
@@ -118,10 +118,10 @@ def test_actions_names_and_captures_of_prey_are_compared(hunted):
     other.withdrawals.remove((90, 5))
     found = replay_differences(hunted, other)
 
-    assert found[0] == "the agent of prey_2: 'p' in A, 'r' in B"
+    assert found[0] == "the agent of prey_2: 'p' in A; 'r' in B"
     assert re.match(
-        r"step 13: prey_2 acts differently: linear \S+, angular \S+ of the limits in A, "
-        r"linear \+0.5, angular -0.25 of the limits in B$",
+        r"step 13: prey_2 acts differently: linear \S+ and angular \S+ of the limits in A; "
+        r"linear \+0.5 and angular -0.25 of the limits in B$",
         found[1],
     )
     assert found[-1].startswith("number of catches of each prey: ")
@@ -131,7 +131,7 @@ def test_actions_names_and_captures_of_prey_are_compared(hunted):
 def test_matches_with_different_prey_have_only_their_headers_compared(play):
     one, other = (play("duel", max_cycles=3, prey=prey) for prey in (1, 2))
     assert replay_differences(one, other) == [
-        "the agent of prey_1: None in A, 'prey_1' in B",
-        "prey: 1 in A, 2 in B",
+        "the agent of prey_1: none in A; 'prey_1' in B",
+        "prey: 1 in A; 2 in B",
         "with different numbers of prey, actions and states cannot be compared",
     ]

@@ -39,7 +39,7 @@ def test_an_edited_action_is_named_by_what_it_moves(mixed):
     """The hunter, each number, as recorded and as replayed; no other hunter."""
     found = verify(altered(mixed, alter_action))
 
-    assert found[0] == "step 23 is the first difference"
+    assert found[0] == "the first difference is in step 23"
     assert all(line.startswith("step 23: hunter_1 (b): ") for line in found[1:])
     rate = number_of(mixed, 23, 1, 4) / 1e6
     assert (
@@ -69,7 +69,7 @@ def test_an_edited_header_is_named_by_what_it_changes(mixed, change, first, line
     """Seed, withdrawals, settings."""
     found = verify(altered(mixed, change))
 
-    assert found[0] == f"{first} is the first difference"
+    assert found[0] == f"the first difference is in {first}"
     assert any(re.match(f"{first}: {line}", one) for one in found), found
 
 
@@ -104,7 +104,7 @@ def test_dropouts_follow_from_the_seed(fleeing):
     first = next(world for world in fleeing.worlds() if any(hunter.withdrawn for hunter in world.hunters))
     found = verify(altered(fleeing, lambda match: setattr(match, "config", match.config.replace(dropout_rate=0.0))))
 
-    assert found[0] == f"step {first.step} is the first difference"
+    assert found[0] == f"the first difference is in step {first.step}"
     for seat, hunter in enumerate(first.hunters):
         line = f"step {first.step}: hunter_{seat} ({'abcd'[seat]}): withdrawn is yes as recorded and no as replayed"
         assert (line in found) == hunter.withdrawn
@@ -116,14 +116,16 @@ def test_an_edited_digest_is_told_from_an_edited_action(mixed):
     assert found == ["step 12: its digest was altered: the match itself plays as recorded"]
     found = verify(altered(mixed, lambda match: match.digests.__setitem__(80, b"12345678")))
     assert found == [
-        "step 80 is the first difference",
+        "the first difference is in step 80",
         "step 80: every number differs by less than a millionth of its unit",
     ]
 
 
 def test_worlds_stop_at_the_first_step_that_differs_and_say_in_what(mixed):
     """In one line, for those who watch."""
-    with pytest.raises(ReplayError, match=r"step 23 is the first difference: hunter_1 \(b\): x is .* \(and \d more\)"):
+    with pytest.raises(
+        ReplayError, match=r"the first difference is in step 23: hunter_1 \(b\): x is .* \(and \d more\)"
+    ):
         list(altered(mixed, alter_action).worlds())
 
 
@@ -138,7 +140,7 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
     assert result.exit_code == 2
     assert result.stdout == "good.replay: all 80 steps play as recorded\n"
     lines = result.stderr.splitlines()
-    assert lines[0] == "played.replay: step 23 is the first difference"
+    assert lines[0] == "played.replay: the first difference is in step 23"
     assert {line.split(":")[0] for line in lines[:-1]} == {"played.replay", "error"}
     assert [line.split(":")[1] for line in lines if line.startswith("error")] == [" cut.replay", " none.replay"]
     assert lines[-1] == "3 of 4 replays failed"
@@ -147,7 +149,7 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
 def test_an_edited_action_of_prey_is_named_by_the_target_that_it_moves(hunted):
     found = verify(altered(hunted, lambda match: match.prey_commands[0].__setitem__(0, (0.1, 0.9))))
 
-    assert found[0] == "step 1 is the first difference"
+    assert found[0] == "the first difference is in step 1"
     assert all(line.startswith("step 1: target_turtle_1: ") for line in found[1:])
     assert any("linear velocity is " in line and "as recorded and 0.100000 m/s as replayed" in line for line in found)
 
@@ -164,7 +166,7 @@ def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
     found = verify(altered(match, lambda match: match.prey_commands[4].__setitem__(0, (1.0, 0.25))))
 
     assert verify(match) == []
-    assert found[0] == "step 5 is the first difference; from step 10 on it plays as recorded"
+    assert found[0] == "the first difference is in step 5; from step 10 on it plays as recorded"
     assert any(line.startswith("step 5: target_turtle_1: x is ") for line in found)
     (line,) = verify(altered(match, lambda match: match.digests.__setitem__(5, b"12345678")))
     assert line == "step 5: its digest was altered: the match itself plays as recorded"

@@ -1,11 +1,12 @@
-import { Painter, readableOn } from "../../catch_arena/player/page/arena.js";
+import { Painter } from "../../catch_arena/player/page/arena.js";
+import { readableOn } from "../../catch_arena/player/page/shapes.js";
 
 // What the player's page has of a browser, without a page.
 Object.assign(globalThis, { Path2D: class {} });
 
 /**
- * How many lines are drawn before the walls, of an empty arena, and of a contest in its upper right corner.
- * @param {import("../../catch_arena/player/page/arena.js").Look} look
+ * How many lines are drawn before the walls of an empty arena.
+ * @param {import("../../catch_arena/player/page/shapes.js").Look} look
  * @param {number} side of the arena
  * @param {number} pixels of the canvas
  */
@@ -25,22 +26,15 @@ function gridLines(look, side, pixels) {
     hunters: [],
     rulings: [],
     alive: () => [],
-    pose: () => ({ x: side, y: side, theta: 0 }),
-  }));
-  const contest = /** @type {import("../../catch_arena/player/page/replay.js").Contest} */ (/** @type {unknown} */ ({
-    parties: [],
-    time: 0,
+    captionAt: () => null,
   }));
   const painter = new Painter({ ...look, turtle: [] });
-  painter.paint(canvas, replay, 0, null, true, false);
-  const whole = lines;
-  lines = 0;
-  painter.closeUp(canvas, replay, contest);
-  return { whole, closeUp: lines };
+  painter.paint(canvas, replay, 0, { picked: null, viewed: false, calm: true, grows: 0, over: false });
+  return lines;
 }
 
 const { look, colors, arenas } = await new Response(Deno.stdin.readable).json();
 console.log(JSON.stringify({
-  dark: colors.map((/** @type {string} */ color) => readableOn(color, look.ink) === look.ink),
+  dark: colors.map((/** @type {string} */ color) => readableOn(color, look) === look.panel),
   lines: arenas.map((/** @type {[number, number]} */ [side, pixels]) => gridLines(look, side, pixels)),
 }));

@@ -15,12 +15,16 @@ async function read(text) {
     const bodies = [...replay.hunters, ...replay.targets];
     return {
       ...replay,
-      hunters: replay.hunters.map(({ name, color, reach, pieces }) => ({ name, color, reach, pieces })),
-      prey: replay.prey.map(({ name, lives }) => ({ name, targets: lives.map(({ number }) => number) })),
+      hunters: replay.hunters.map(({ name, label, color, reach, pieces }) => ({ name, label, color, reach, pieces })),
+      prey: replay.prey.map(({ lives, ...one }) => ({ ...one, targets: lives.map(({ number }) => number) })),
       targets: replay.targets.map(({ number, first, last }) => [number, first, last - first + 1]),
       moving: replay.targets.filter(({ moves }) => moves).map(({ number }) => number),
       rulings: replay.rulings.map((ruling) => ({ ...ruling, target: ruling.target?.number ?? null })),
       contests: replay.contests.map((contest) => ({ ...contest, place: contest.place.number })),
+      moments: replay.moments.map((moment) => ({
+        ...moment,
+        contest: moment.contest && replay.contests.indexOf(moment.contest),
+      })),
       tracks: bodies.map(tracks),
       states: Array.from({ length: replay.steps + 1 }, (_, state) => {
         const time = state * replay.period;

@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import itertools
 import json
 import math
 from pathlib import Path
@@ -15,6 +16,9 @@ from catch_arena.explanation import explain
 from catch_arena.player import bundle_text, packed_text
 from catch_arena.player.bundle import GRID, TURN, css, encode_bundle
 from catch_arena.player.element import element_script
+from catch_arena.render.annotations import annotations_of
+from catch_arena.render.captions import Commentary
+from catch_arena.render.cards import result
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 
@@ -91,8 +95,9 @@ def test_everything_stands_where_it_stood_in_the_match(bundles, scenario):
 def test_names_colours_and_rulings_are_those_of_the_match(bundles, scenario):
     shown, replay = bundles[scenario]
     info = MatchInfo.of_replay(replay)
-    hunters = [(name, css(info.color(seat))) for seat, name in enumerate(info.names[: replay.config.hunters])]
-    assert [(one["name"], one["color"]) for one in shown["hunters"]] == hunters
+    agents = [(name, info.label(agent)) for agent, name in enumerate(info.names)]
+    assert [(one["name"], one["label"]) for one in (*shown["hunters"], *shown["prey"])] == agents
+    assert [one["color"] for one in shown["hunters"]] == [css(color) for color in info.colors[: replay.config.hunters]]
     rulings = [(state - 1, ruling) for state, world in enumerate(replay.worlds()) for ruling in world.rulings]
     for one, (state, ruling) in zip(shown["rulings"], rulings, strict=True):
         assert (one["time"], one["seat"], one["verdict"]) == (
@@ -166,6 +171,44 @@ def test_contests_are_those_that_explain_tells_and_lie_at_their_targets(bundles)
     assert count > 5
 
 
+def test_captions_and_the_result_are_those_of_videos(bundles):
+    contests = 0
+    for shown, replay in bundles.values():
+        info, worlds = MatchInfo.of_replay(replay), list(replay.worlds())
+        commentary, captions = Commentary(info), []
+        for before, after in itertools.pairwise(worlds):
+            commentary.record(before.time_ms, annotations_of(before, after, by_lot=info.by_lot), after.team_scores)
+            captions += [commentary.caption] if commentary.caption not in {None, *captions[-1:]} else []
+        for one, caption in zip(shown["moments"], captions, strict=True):
+            assert (one["time"], one["agent"], one["text"], one["atTop"]) == (
+                caption.time_ms,
+                caption.agent,
+                caption.text,
+                caption.at_top,
+            )
+            assert (one["contest"] is None) == (caption.lens is None)
+            if caption.lens is not None:
+                contests += 1
+                contest = shown["contests"][one["contest"]]
+                claimants = [(claimant.seat, claimant.distance_um) for claimant in caption.lens.claimants]
+                assert [(seat, distance) for seat, _, distance in contest["claims"]][: len(claimants)] == claimants
+                assert contest["time"] == caption.time_ms
+        assert shown["result"] == result(info, worlds[-1].team_scores)
+    assert contests > 5
+
+
+def test_a_contest_without_measured_distances_has_no_lens():
+    """R9.1: the policy `capstone` grants each request for a target."""
+    env = catch_arena.parallel_env("capstone", time_limit_s=20.0, hunters=4, control="target", side_m=4.0)
+    env.record()
+    _, infos = env.reset(seed=1)
+    while env.agents:
+        _, _, _, _, infos = env.step(chase(env, infos))
+    (shown,) = read([bundle_text(env.replay())])
+    assert shown["contests"]
+    assert all(contest["lens"] is None for contest in shown["contests"])
+
+
 @pytest.fixture(scope="module")
 def small():
     """(facts, tracks) of a short bundle with something in each list."""
@@ -195,11 +238,14 @@ def packed(facts, tracks):
         ({"hunters": {}}, "hunters must be a list, got {}"),
         (
             {"hunters": [{"name": "a"}]},
-            'hunters[0] must be a name, a colour, a reach and the number of a ring\'s arcs, got {"name":"a"}',
+            'hunters[0] must be a name, a label, a colour, a reach and the number of a ring\'s arcs, got {"name":"a"}',
         ),
         ({"teams": [{"name": "a", "color": "red"}]}, "teams must be names, colours and seats, or null, got [{"),
-        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name and the numbers of its targets, got {"name":"a"}'),
-        ({"prey": [{"name": "a", "targets": [1, 999]}]}, "prey[0] plays target 999, which is not in the replay"),
+        ({"prey": [{"name": "a"}]}, 'prey[0] must be a name, a label and the numbers of its targets, got {"name":"a"}'),
+        (
+            {"prey": [{"name": "a", "label": "a", "targets": [1, 999]}]},
+            "prey[0] plays target 999, which is not in the replay",
+        ),
         ({"view": {"radius": 2}}, 'view must be a radius and an angle, or null, got {"radius":2}'),
         (
             {"targets": [[1, 0]]},
@@ -207,6 +253,14 @@ def packed(facts, tracks):
         ),
         ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, got [0,99]"),
         ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which is not in the replay"),
+        (
+            {"moments": [{"time": 0, "agent": 99, "text": "", "contest": None}]},
+            "moments[0] must be a time, a seat, a text, and a contest's index or null, got {",
+        ),
+        (
+            {"moments": [{"time": 0, "agent": 0, "text": "", "contest": 999}]},
+            "moments[0] is about contest 999, which is not in the replay",
+        ),
         ({"steps": 10**6}, "its tracks must have "),
     ],
 )

@@ -119,4 +119,22 @@ def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypat
     arena = Endpoint("/catch_arena", "publisher", "/turtle1/pose", POSE)
     assert examine(Bus([*PLAYER, arena]), TYPES, 0.0)[1] == []
     assert examine(Bus([arena]), TYPES, 0.0)[1][0].startswith("no other node was found: ")
-    assert examine(Bus(None), TYPES, 0.0)[1][0].startswith("rclpy does not report other nodes: ")
+
+
+@pytest.mark.parametrize("backend", ["cyclonedds", "rosbridge"])
+def test_the_doctor_says_what_works_over_a_bus_that_does_not_list_nodes(backend, monkeypatch):
+    bus = Bus(None)
+    monkeypatch.setattr(bus, "backend", backend)
+    if backend == "rosbridge":
+        monkeypatch.setattr(bus, "publishers_of", lambda _: None)
+    facts, problems = examine(bus, TYPES, 0.0)
+    works, missing = facts[-2:]
+    assert works.startswith(f"works over {backend}: matches with nodes ")
+    assert missing.startswith(f"does not work over {backend}: a list of the nodes, ")
+    if backend == "rosbridge":
+        assert problems == []
+        return
+    assert [line.startswith("no node publishes /turtle1/cmd_vel, or ") for line in problems] == [True]
+    bus.publisher("/hunter_1/cmd_vel", TWIST)
+    facts, problems = examine(bus, TYPES, 0.0)
+    assert (facts[-1], problems) == ("publishers of /hunter_1/cmd_vel: 1", [])

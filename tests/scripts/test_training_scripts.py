@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -113,6 +114,9 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
     assert "no tournament after the same number" in run(
         "examples/training_curves.py", tmp_path / "b", tmp_path / "c", fails=True
     )
+    run("examples/training_curves.py", tmp_path / "a", tmp_path / "b", "--out", tmp_path / "curve.svg")
+    paths = ET.parse(tmp_path / "curve.svg").findall("{*}path")  # noqa: S314 - ours
+    assert paths[-1].get("d") == "M620.0 172.0"  # the mean of 50 and 40 %
     (tmp_path / "c" / "curve.csv").write_text("decisions,agent\n1,ppo\n")
     output = run("examples/training_curves.py", tmp_path / "c", fails=True)
     assert "is not a curve of train_ppo.py" in output

@@ -143,11 +143,12 @@ class Agent:
             ["init_s=3"],
             ["before the first step: ", "init_s (3 s)", LIMITS + "its import and reset together have init_s"],
         ),
+        (source("return 1 / 0"), [], ["hint: `catch-arena docs agents`: an exception in act ends its match"]),
         ("class Agent\n", [], ["FORFEIT_INIT before the first step: ", "importing it raised SyntaxError"]),
         (source(), [], ["hint: R4.1, R4.4: it never asked"]),
         (CIRCLES, [], ["mean_refused must be at most 3, got ", "hint: R5.3: a catch needs less than reach_m"]),
     ],
-    ids=["import", "late import", "slow", "late start", "no Python", "never asks", "out of reach"],
+    ids=["import", "late import", "slow", "late start", "crash", "no Python", "never asks", "out of reach"],
 )
 def test_a_failure_is_told_with_the_hint_that_fits(grade, source, limits, words):
     Path("mine.py").write_text(source)
@@ -156,6 +157,31 @@ def test_a_failure_is_told_with_the_hint_that_fits(grade, source, limits, words)
     assert result.exit_code == 1
     for word in words:
         assert word in result.output, result.output
+
+
+@pytest.mark.parametrize(
+    ("settings", "empty"),
+    [
+        ("{ initial_targets = 0 }", {"targets"}),
+        ("{ view_radius_m = 0.001 }", {"targets", "rivals"}),
+        ("{ initial_targets = 8 }", set()),
+        ("{ initial_targets = 8, hunters = 1 }", set()),  # rivals that the arena does not have are no cause
+    ],
+)
+def test_a_crash_is_explained_by_the_lists_of_the_view_that_were_empty(grade, settings, empty):
+    write_agent(Path("fails.py"), "return [][0]")
+    spec = f"""
+{SEED}
+matches = 1
+[[test]]
+name = "fails"
+scenario = "duel"
+settings = {settings}
+opponents = ["idle"]
+"""
+    result = grade("fails.py", spec=spec)
+    assert set(re.findall(r"hint: R7\.2: view\.(\w+) was empty", result.output)) == empty
+    assert ("check-agent shows" in result.output) == (not empty)
 
 
 def test_it_is_prey_in_one_match_and_what_catches_it_counts(grade):

@@ -15,6 +15,7 @@ from catch_arena import (
     ArenaConfig,
     ArenaService,
     BatchView,
+    CatchArenaEnv,
     CatchArenaError,
     Engine,
     FaultRates,
@@ -40,7 +41,6 @@ from catch_arena import (
     what_if,
 )
 from catch_arena.envs.aec import CatchArenaAecEnv, SavedTurn
-from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray, Twist

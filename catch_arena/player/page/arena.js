@@ -1,3 +1,7 @@
+import { drawCaption, drawLens, drawNames, drawNumbers, drawPodium } from "./overlays.js";
+import { mixed, Pen, Turtle } from "./shapes.js";
+
+/** @typedef {import("./shapes.js").Look} Look */
 /** @typedef {import("./replay.js").Replay} Replay */
 /** @typedef {import("./replay.js").Body} Body */
 /** @typedef {import("./replay.js").Hunter} Hunter */
@@ -8,40 +12,29 @@
 /** @typedef {ReturnType<Replay["pose"]>} Pose */
 
 /**
- * The colours and shapes of render/, as element.py writes them.
- * @typedef {object} Look
- * @property {string} ground
- * @property {string} outside
- * @property {string} grid
- * @property {string} wall
- * @property {string} target
- * @property {string} targetTrail
- * @property {string} ink
- * @property {number[]} gridSteps in metres
- * @property {number} gridGap least distance of two lines, in the page's pixels
- * @property {number} hunterLength in metres
- * @property {number} targetLength in metres
- * @property {number} preyLength in metres
- * @property {number} preyPieces number of arcs of its ring
- * @property {number} margin part of the side
- * @property {[own: number, white: number, points: [number, number][]][]} turtle
+ * What is painted besides the match.
+ * @typedef {object} Manner
+ * @property {number | null} picked the seat of the selected hunter
+ * @property {boolean} viewed true to show the view of the selected hunter
+ * @property {boolean} calm true to paint nothing that pulses
+ * @property {number} grows match time in which a lens grows, in milliseconds; 0 to show it in full
+ * @property {boolean} over true to show the podium
  */
 
 /**
- * The instant of a replay that is painted, and the scale from metres to dots of the canvas.
+ * The instant of a replay that is painted, and the scale from metres to pixels of the page.
  * @typedef {object} Scene
+ * @property {Pen} pen
  * @property {CanvasRenderingContext2D} context
  * @property {Replay} replay
  * @property {number} time in milliseconds
- * @property {number} size of the canvas, in dots
- * @property {number} scale dots per metre
- * @property {number} dots of the canvas per pixel of the page
+ * @property {number} side of the picture
+ * @property {number} scale pixels per metre
  * @property {(point: Point) => [number, number]} place
- * @property {number} length of a hunter, in dots
+ * @property {number} length of a hunter
  * @property {number | null} picked
  */
 
-const CLOSE_UP_M = 1.1;
 const LASTS_MS = 900;
 const TRAIL_MS = 1800;
 /** Number of layers, each smaller than the one before, that make a view's edge soft. */
@@ -52,14 +45,7 @@ export class Painter {
   /** @param {Look} look */
   constructor(look) {
     this.look = look;
-    this.turtle = look.turtle.map(([own, white, points]) => {
-      const path = new Path2D();
-      points.forEach(([x, y]) => path.lineTo(x, y));
-      path.closePath();
-      return { own, white, path };
-    });
-    /** @type {Map<string, string[]>} */
-    this.dyes = new Map();
+    this.turtle = new Turtle(look);
   }
 
   /**
@@ -67,14 +53,18 @@ export class Painter {
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {number} time
-   * @param {number | null} picked the seat of the selected hunter
-   * @param {boolean} calm true to paint nothing that pulses
-   * @param {boolean} viewed true to show the view of the selected hunter
+   * @param {Manner} manner
    */
-  paint(canvas, replay, time, picked, calm, viewed) {
-    const margin = this.look.margin * replay.side;
-    const view = { x: -margin, y: -margin, side: replay.side + 2 * margin };
-    const scene = this.#scene(canvas, replay, time, view, picked);
+  paint(canvas, replay, time, { picked, viewed, calm, grows, over }) {
+    const pen = new Pen(canvas, this.turtle);
+    const side = canvas.clientWidth;
+    const scale = side / (replay.side * (1 + 2 * this.look.margin));
+    const margin = this.look.margin * replay.side * scale;
+    /** @type {Scene["place"]} */
+    const place = ({ x, y }) => [margin + x * scale, side - margin - y * scale];
+    const length = Math.max(this.look.hunterLength * scale, 18, side / 26);
+    /** @type {Scene} */
+    const scene = { pen, context: pen.context, replay, time, side, scale, place, length, picked };
     this.#ground(scene);
     if (viewed && picked !== null && !replay.withdrawn(picked, time)) this.#view(scene, picked);
     for (const target of replay.alive(time)) {
@@ -88,195 +78,118 @@ export class Painter {
     replay.hunters.forEach((_, seat) => this.#hunter(scene, seat));
     const recent = replay.rulings.filter((ruling) => ruling.time < time && time - ruling.time < LASTS_MS);
     for (const ruling of recent) this.#ruling(scene, ruling, calm);
-    this.#preyNumbers(scene);
-    replay.hunters.forEach((hunter, seat) => this.#number(scene, String(seat), replay.pose(hunter, time), false));
+    const agents = this.#agents(scene);
+    drawNames(pen, this.look, agents, side, length);
+    drawNumbers(pen, this.look, agents, length);
+    const caption = replay.captionAt(time, this.look.captionMs);
+    if (over) drawPodium(pen, this.look, replay, side);
+    else if (caption) drawCaption(pen, this.look, replay, caption, side, time - caption.time, grows);
   }
 
   /**
-   * Paint a close-up of a contest: each claimant's distance from the target, and the circles of reach.
+   * Paint the lens of a contest on a canvas of its own.
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {Contest} contest
    */
   closeUp(canvas, replay, contest) {
-    const middle = replay.pose(contest.place, contest.time);
-    const view = { x: middle.x - CLOSE_UP_M / 2, y: middle.y - CLOSE_UP_M / 2, side: CLOSE_UP_M };
-    const scene = this.#scene(canvas, replay, contest.time, view, null);
-    const { context, scale, dots, place, length } = scene;
-    this.#ground(scene);
-    this.#targets(scene, true);
-    context.globalAlpha = 0.35;
-    for (const seat of contest.parties) {
-      const { color } = replay.hunters[seat];
-      this.#turtle(scene, replay.pose(replay.hunters[seat], contest.time), length, color, 1);
-    }
-    context.globalAlpha = 1;
-    const [x, y] = place(middle);
-    context.lineWidth = 1.5 * dots;
-    context.strokeStyle = "#ffffff";
-    context.setLineDash([4 * dots, 4 * dots]);
-    for (const reach of new Set(contest.parties.map((seat) => replay.hunters[seat].reach))) {
-      context.beginPath();
-      context.arc(x, y, reach * scale, 0, 2 * Math.PI);
-      context.stroke();
-    }
-    context.setLineDash([]);
-    context.fillStyle = "#ffffff";
-    context.beginPath();
-    context.arc(x, y, 4 * dots, 0, 2 * Math.PI);
-    context.fill();
-    for (const seat of [...contest.parties].reverse()) this.#distance(scene, seat, [x, y]);
+    const pen = new Pen(canvas, this.turtle);
+    const side = canvas.clientWidth;
+    pen.context.clearRect(0, 0, side, side);
+    drawLens(pen, this.look, replay, contest, 0, 0, side);
   }
 
   /**
-   * @param {HTMLCanvasElement} canvas
-   * @param {Replay} replay
-   * @param {number} time
-   * @param {Point & { side: number }} view the lower left corner and the side of the visible square
-   * @param {number | null} picked
-   * @returns {Scene}
-   */
-  #scene(canvas, replay, time, view, picked) {
-    const context = brush(canvas);
-    const size = canvas.width;
-    const scale = size / view.side;
-    const dots = size / canvas.clientWidth || 1;
-    /** @type {Scene["place"]} */
-    const place = ({ x, y }) => [(x - view.x) * scale, size - (y - view.y) * scale];
-    const smallest = dots * Math.max(18, canvas.clientWidth / 26);
-    const length = Math.max(this.look.hunterLength * scale, smallest);
-    return { context, replay, time, size, scale, dots, place, length, picked };
-  }
-
-  /**
+   * Return the hunters and the prey that are alive, with their places in the picture.
    * @param {Scene} scene
-   * @param {boolean} [bare] true to paint prey without its ring
    */
-  #targets(scene, bare = false) {
-    const { replay, time, length } = scene;
+  #agents({ replay, time, scale, place }) {
+    const hunters = replay.hunters.map((hunter, seat) => ({
+      ...hunter,
+      reach: hunter.reach * scale,
+      number: String(seat),
+      hunted: false,
+      body: hunter,
+    }));
+    const prey = replay.alive(time).flatMap((body) =>
+      body.prey === null ? [] : {
+        name: replay.prey[body.prey].name,
+        color: this.look.target,
+        reach: 0,
+        number: `P${body.prey}`,
+        hunted: true,
+        body,
+      }
+    );
+    return [...hunters, ...prey].map(({ body, ...agent }) => {
+      const [x, y] = place(replay.pose(body, time));
+      return { ...agent, x, y };
+    });
+  }
+
+  /** @param {Scene} scene */
+  #targets(scene) {
+    const { pen, replay, time, place, length } = scene;
     const small = (length * this.look.targetLength) / this.look.hunterLength;
     for (const target of replay.alive(time)) {
-      if (target.prey === null) this.#turtle(scene, replay.pose(target, time), small, this.look.target, 0.6);
-      else this.#prey(scene, target, target.prey, bare);
+      const pose = replay.pose(target, time);
+      if (target.prey === null) pen.turtle(...place(pose), pose.theta, small, this.look.target, 0.6);
+      else this.#prey(scene, pose, target.prey);
     }
   }
 
   /**
    * Paint a target that an agent plays: larger and darker than others, in a ring that is not a reach.
    * @param {Scene} scene
-   * @param {Target} target
+   * @param {Pose} pose
    * @param {number} index
-   * @param {boolean} bare true to paint it without its ring
    */
-  #prey(scene, target, index, bare) {
-    const { context, replay, time, place } = scene;
+  #prey(scene, pose, index) {
+    const { replay, time, pen, place } = scene;
     const length = (scene.length * this.look.preyLength) / this.look.hunterLength;
-    const pose = replay.pose(target, time);
     const gone = replay.withdrawn(replay.hunters.length + index, time);
-    if (!gone && !bare) {
-      const [x, y] = place(pose);
-      context.strokeStyle = mixed("#ffffff", "#ffffff", 0, 0.9);
-      context.lineWidth = Math.max(1.5 * scene.dots, 0.05 * length);
-      this.#ring(scene, x, y, 0.62 * length, this.look.preyPieces);
+    if (!gone) {
+      const color = mixed("#ffffff", "#ffffff", 0, 0.9);
+      pen.ring(...place(pose), 0.62 * length, Math.max(1.5, 0.05 * length), color, this.look.preyPieces);
     }
+    this.#body(scene, pose, length, this.look.target, gone);
+  }
+
+  /**
+   * Paint the turtle of a hunter or prey.
+   * @param {Scene} scene
+   * @param {Pose} pose
+   * @param {number} length
+   * @param {string} color
+   * @param {boolean} gone true if it is withdrawn
+   */
+  #body({ pen, context, place }, pose, length, color, gone) {
     context.globalAlpha = gone ? 0.55 : 1;
-    this.#turtle(scene, pose, length, gone ? mixed(this.look.target, this.look.ink, 0.5) : this.look.target, 1);
+    pen.turtle(...place(pose), pose.theta, length, gone ? mixed(color, this.look.ink, 0.5) : color);
     context.globalAlpha = 1;
   }
 
   /** @param {Scene} scene */
-  #preyNumbers(scene) {
-    const { replay, time } = scene;
-    for (const target of replay.alive(time)) {
-      if (target.prey !== null) this.#number(scene, `P${target.prey}`, replay.pose(target, time), true);
-    }
-  }
-
-  /**
-   * Paint a circle as a number of arcs.
-   * @param {Scene} scene
-   * @param {number} x
-   * @param {number} y
-   * @param {number} radius in dots
-   * @param {number} pieces
-   */
-  #ring({ context }, x, y, radius, pieces) {
-    const piece = (2 * Math.PI * radius) / pieces;
-    const gap = Math.max(3, Math.min(0.3 * piece, 6 * context.lineWidth));
-    if (pieces > 1) {
-      context.lineCap = "butt";
-      context.setLineDash([piece - gap, gap]);
-      context.lineDashOffset = (piece - gap) / 2;
-    }
-    context.beginPath();
-    context.arc(x, y, radius, 0, 2 * Math.PI);
-    context.stroke();
-    context.setLineDash([]);
-    context.lineDashOffset = 0;
-  }
-
-  /**
-   * Paint a claimant's number at its place, and a line to the target.
-   * @param {Scene} scene
-   * @param {number} seat
-   * @param {[number, number]} target in dots
-   */
-  #distance(scene, seat, target) {
-    const { context, replay, time, dots, place } = scene;
-    const hunter = replay.hunters[seat];
-    const [x, y] = place(replay.pose(hunter, time));
-    /** @type {[string, number][]} */
-    const strokes = [[this.look.ink, 6], [hunter.color, 3]];
-    for (const [color, width] of strokes) {
-      context.strokeStyle = color;
-      context.lineWidth = width * dots;
-      context.lineCap = "round";
-      context.beginPath();
-      context.moveTo(x, y);
-      context.lineTo(...target);
-      context.stroke();
-    }
-    context.fillStyle = hunter.color;
-    context.lineWidth = 1.5 * dots;
-    context.strokeStyle = this.look.ink;
-    context.beginPath();
-    context.arc(x, y, 10 * dots, 0, 2 * Math.PI);
-    context.fill();
-    context.stroke();
-    context.font = `750 ${12 * dots}px system-ui, sans-serif`;
-    context.textAlign = "center";
-    context.textBaseline = "middle";
-    context.fillStyle = readableOn(hunter.color, this.look.ink);
-    context.fillText(String(seat), x, y + dots);
-  }
-
-  /** @param {Scene} scene */
-  #ground({ context, replay, size, scale, dots, place }) {
+  #ground({ pen, context, replay, side, scale, place }) {
     const { gridSteps, gridGap } = this.look;
-    context.fillStyle = this.look.outside;
-    context.fillRect(0, 0, size, size);
     const [left, bottom] = place({ x: 0, y: 0 });
-    const side = replay.side * scale;
-    context.fillStyle = this.look.ground;
-    context.fillRect(left, bottom - side, side, side);
+    const [right, top] = place({ x: replay.side, y: replay.side });
+    pen.box(0, 0, side, side, this.look.outside);
+    pen.box(left, top, right - left, bottom - top, this.look.ground);
     context.strokeStyle = this.look.grid;
-    context.lineWidth = dots;
+    context.lineWidth = 1;
     context.beginPath();
-    const spacing = gridSteps.find((step) => step * scale >= gridGap * dots) ?? replay.side;
+    const spacing = gridSteps.find((step) => step * scale >= gridGap) ?? replay.side;
     for (let line = spacing; line < replay.side; line += spacing) {
       const [x, y] = place({ x: line, y: line });
-      if (x >= 0 && x <= size) {
-        context.moveTo(x, bottom);
-        context.lineTo(x, bottom - side);
-      }
-      if (y >= 0 && y <= size) {
-        context.moveTo(left, y);
-        context.lineTo(left + side, y);
-      }
+      context.moveTo(x, bottom);
+      context.lineTo(x, top);
+      context.moveTo(left, y);
+      context.lineTo(right, y);
     }
     context.stroke();
     context.strokeStyle = this.look.wall;
-    context.strokeRect(left, bottom - side, side, side);
+    context.strokeRect(left, top, right - left, bottom - top);
   }
 
   /**
@@ -284,7 +197,7 @@ export class Painter {
    * @param {Scene} scene
    * @param {Body} body
    * @param {string} color
-   * @param {number} width in dots
+   * @param {number} width
    * @param {number} fainter the divisor of the opacity
    */
   #trail({ context, replay, time, place }, body, color, width, fainter) {
@@ -337,7 +250,7 @@ export class Painter {
    * @param {number} seat
    */
   #hunter(scene, seat) {
-    const { context, replay, time, scale, dots, place, length, picked } = scene;
+    const { pen, context, replay, time, scale, place, length, picked } = scene;
     const hunter = replay.hunters[seat];
     const pose = replay.pose(hunter, time);
     const [x, y] = place(pose);
@@ -347,14 +260,11 @@ export class Painter {
       context.arc(x, y, hunter.reach * scale, 0, 2 * Math.PI);
       context.fillStyle = mixed(hunter.color, "#ffffff", 0.55, 0.14);
       context.fill();
-      context.lineWidth = (picked === seat ? 3 : hunter.pieces > 1 ? 2 : 1.3) * dots;
-      context.strokeStyle = picked === seat ? "#ffffff" : mixed(hunter.color, "#ffffff", 0.55, 0.85);
-      this.#ring(scene, x, y, hunter.reach * scale, hunter.pieces);
+      const color = picked === seat ? "#ffffff" : mixed(hunter.color, "#ffffff", 0.55, 0.85);
+      pen.ring(x, y, hunter.reach * scale, picked === seat ? 3 : hunter.pieces > 1 ? 2 : 1.3, color, hunter.pieces);
       this.#heading(scene, hunter, pose);
     }
-    context.globalAlpha = gone ? 0.55 : 1;
-    this.#turtle(scene, pose, length, gone ? mixed(hunter.color, this.look.ink, 0.5) : hunter.color, 1);
-    context.globalAlpha = 1;
+    this.#body(scene, pose, length, hunter.color, gone);
   }
 
   /**
@@ -376,51 +286,6 @@ export class Painter {
     context.lineTo(base, -0.62 * size);
     context.fill();
     context.restore();
-  }
-
-  /**
-   * @param {Scene} scene
-   * @param {Pose} pose
-   * @param {number} length in dots
-   * @param {string} color
-   * @param {number} contrast from 0 to 1
-   */
-  #turtle({ context, place }, pose, length, color, contrast) {
-    const [x, y] = place(pose);
-    context.save();
-    context.translate(x, y);
-    context.fillStyle = mixed(this.look.ink, this.look.ink, 0, 0.33);
-    context.beginPath();
-    context.ellipse(0.05 * length, 0.07 * length, 0.36 * length, 0.3 * length, 0, 0, 2 * Math.PI);
-    context.fill();
-    context.rotate(-pose.theta);
-    context.scale(length, length);
-    const inks = this.#dyed(color, contrast);
-    for (const [index, { path }] of this.turtle.entries()) {
-      context.fillStyle = inks[index];
-      context.fill(path);
-    }
-    context.restore();
-  }
-
-  /**
-   * Return the colour of each part of a turtle: a mix of its own colour and white; less contrast makes it lighter.
-   * @param {string} color
-   * @param {number} contrast from 0 to 1
-   */
-  #dyed(color, contrast) {
-    const key = color + contrast;
-    let inks = this.dyes.get(key);
-    if (!inks) {
-      /** @type {(own: number, white: number, channel: number) => number} */
-      const part = (own, white, channel) => {
-        const lit = channel * (1 - contrast);
-        return Math.round(own * channel * contrast + white * (255 - lit) + lit);
-      };
-      inks = this.turtle.map(({ own, white }) => `rgb(${rgb(color).map((channel) => part(own, white, channel))})`);
-      this.dyes.set(key, inks);
-    }
-    return inks;
   }
 
   /**
@@ -455,49 +320,28 @@ export class Painter {
   }
 
   /**
-   * Paint an agent's number: bright with a dark outline on a hunter, the reverse on prey.
-   * @param {Scene} scene
-   * @param {string} text
-   * @param {Pose} pose
-   * @param {boolean} hunted
-   */
-  #number({ context, place, length, dots }, text, pose, hunted) {
-    const [x, y] = place(pose);
-    context.font = `800 ${Math.max(10 * dots, 0.36 * length)}px system-ui, sans-serif`;
-    context.textAlign = "center";
-    context.textBaseline = "middle";
-    context.lineJoin = "round";
-    context.lineWidth = 0.11 * length;
-    context.strokeStyle = hunted ? "#ffffff" : this.look.ink;
-    context.strokeText(text, x, y);
-    context.fillStyle = hunted ? this.look.ink : "#ffffff";
-    context.fillText(text, x, y);
-  }
-
-  /**
    * Paint the timeline: the catches in a lane for each hunter, and the contests as diamonds above.
    * @param {HTMLCanvasElement} canvas
    * @param {Replay} replay
    * @param {number | null} picked
    */
   strip(canvas, replay, picked) {
-    const context = brush(canvas);
-    const { width, height } = canvas;
-    const dots = width / canvas.clientWidth || 1;
+    const { context } = new Pen(canvas, this.turtle);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     /** @type {(time: number) => number} */
     const across = (time) => (time / replay.duration) * width;
-    const top = 12 * dots;
-    const lane = (height - top - 3 * dots) / replay.hunters.length;
+    const top = 12;
+    const lane = (height - top - 3) / replay.hunters.length;
     context.fillStyle = this.look.ground;
     context.fillRect(0, 0, width, height);
     for (const { time, seat } of replay.catches) {
       context.globalAlpha = picked === null || picked === seat ? 1 : 0.25;
       context.fillStyle = replay.hunters[seat].color;
-      context.fillRect(across(time) - 1.5 * dots, top + seat * lane, 3 * dots, Math.max(2 * dots, lane - 2 * dots));
+      context.fillRect(across(time) - 1.5, top + seat * lane, 3, Math.max(2, lane - 2));
     }
     context.globalAlpha = 1;
     for (const contest of replay.contests) {
-      const [x, y, half] = [across(contest.time), 6 * dots, 4 * dots];
+      const [x, y, half] = [across(contest.time), 6, 4];
       const involved = picked === null || contest.parties.includes(picked);
       context.beginPath();
       [[0, -half], [half, 0], [0, half], [-half, 0]].forEach(([right, down]) => context.lineTo(x + right, y + down));
@@ -506,36 +350,4 @@ export class Painter {
       context.fill();
     }
   }
-}
-
-/** @param {HTMLCanvasElement} canvas */
-function brush(canvas) {
-  const context = canvas.getContext("2d");
-  if (!context) throw new Error("This browser does not support canvas.");
-  return context;
-}
-
-/** @param {string} color #rrggbb */
-const rgb = (color) => [1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16));
-
-/**
- * Mix a colour with a part of another one.
- * @param {string} color
- * @param {string} added
- * @param {number} part
- */
-function mixed(color, added, part, opacity = 1) {
-  const [from, to] = [rgb(color), rgb(added)];
-  const channels = from.map((channel, index) => Math.round(channel + (to[index] - channel) * part));
-  return `rgb(${channels.join(" ")} / ${opacity})`;
-}
-
-/**
- * Return the dark or the bright text colour, whichever stands out from a colour, as render/hud.py does.
- * @param {string} color
- * @param {string} dark
- */
-export function readableOn(color, dark) {
-  const [red, green, blue] = rgb(color);
-  return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 120 ? dark : "#ffffff";
 }

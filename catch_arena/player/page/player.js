@@ -1,7 +1,8 @@
-import { Painter, readableOn } from "./arena.js";
+import { Painter } from "./arena.js";
 import { Replay, unpacked } from "./replay.js";
+import { readableOn } from "./shapes.js";
 
-/** @typedef {import("./arena.js").Look} Look */
+/** @typedef {import("./shapes.js").Look} Look */
 /** @typedef {import("./replay.js").Claim} Claim */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
@@ -136,6 +137,7 @@ export class CatchReplay extends HTMLElement {
     this.playing = false;
     cancelAnimationFrame(this.frame);
     this.#button();
+    this.#draw();
     this.#describe();
   }
 
@@ -256,24 +258,24 @@ export class CatchReplay extends HTMLElement {
       }),
     );
     this.hunted.replaceChildren(
-      ...prey.map(({ name }, index) =>
+      ...prey.map(({ label }, index) =>
         make(
           "li",
           { className: "prey" },
           chip(`P${index}`, CatchReplay.look.target),
-          make("span", { className: "name", textContent: name }),
+          make("span", { className: "name", textContent: label }),
           make("span", { className: "score" }),
         )
       ),
     );
     this.cast.replaceChildren(
-      ...hunters.map(({ name, color }, seat) => {
+      ...hunters.map(({ label, color }, seat) => {
         const score = make("span", { className: "score" });
         const line = make(
           "button",
           { type: "button", onclick: () => this.pick(this.picked === seat ? null : seat) },
           chip(String(seat), color),
-          make("span", { className: "name", textContent: name }),
+          make("span", { className: "name", textContent: label }),
           score,
         );
         return make("li", {}, line);
@@ -286,6 +288,14 @@ export class CatchReplay extends HTMLElement {
     this.previous.disabled = this.next.disabled = !contests.length;
     this.whole.ariaLabel = `Replay: ${title || "match"}, seed ${seed}`;
     this.strip.style.height = `${Math.min(96, 16 + 9 * hunters.length)}px`;
+  }
+
+  /**
+   * Return true if the replay has come to its end, and there was something to play.
+   * @param {Replay} replay
+   */
+  #over({ duration }) {
+    return !this.playing && duration > 0 && this.time === duration;
   }
 
   #button() {
@@ -304,23 +314,29 @@ export class CatchReplay extends HTMLElement {
     this.last = now;
     this.time = Math.min(this.time + passed * this.speed, this.replay.duration);
     this.#draw();
-    if (this.time >= this.replay.duration) this.pause();
-    else this.frame = requestAnimationFrame((later) => this.#advance(later));
+    if (this.time >= this.replay.duration) {
+      this.pause();
+      this.spoken.textContent = `${this.replay.result}.`;
+    } else this.frame = requestAnimationFrame((later) => this.#advance(later));
   }
 
   /** Give the canvases the resolution of the screen. */
   #fit() {
-    for (const canvas of [this.arena, this.closeUp, this.strip]) {
+    for (const canvas of [this.arena, this.strip]) {
       canvas.width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
       canvas.height = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio));
     }
+    this.explained = null; // its lens has to be drawn again
     this.#draw();
   }
 
   #draw() {
-    const { replay, time, picked } = this;
+    const { replay, time, picked, viewed, playing, speed } = this;
     if (!replay || !this.arena.clientWidth) return;
-    this.painter.paint(this.arena, replay, time, picked, this.calm.matches, this.viewed);
+    const calm = this.calm.matches;
+    const grows = playing && !calm ? CatchReplay.look.lensGrowsMs * speed : 0;
+    const over = this.#over(replay);
+    this.painter.paint(this.arena, replay, time, { picked, viewed, calm, grows, over });
     this.painter.strip(this.strip, replay, picked);
     const scores = replay.scores(time);
     this.cast.querySelectorAll(".score").forEach((node, seat) => (node.textContent = String(scores[seat])));
@@ -343,9 +359,10 @@ export class CatchReplay extends HTMLElement {
     const contests = replay.contestsOf(picked);
     const contest = contests.findLast(({ time: judged }) => judged <= time);
     this.contest.hidden = !contest;
-    const owner = picked === null ? "" : ` of ${replay.hunters[picked].name}`;
+    const owner = picked === null ? "" : ` of ${replay.hunters[picked].label}`;
     if (!contests.length) {
-      this.note.textContent = `No contest${owner}: in no step could two hunters catch the same target.`;
+      this.note.textContent =
+        `No contest${owner}: no target was requested by two hunters within reach in the same step.`;
     } else if (contest) {
       const which = `Contest ${contests.indexOf(contest) + 1} of ${contests.length}${owner}`;
       const { prey } = contest.place;
@@ -359,7 +376,9 @@ export class CatchReplay extends HTMLElement {
     this.explained = contest;
     this.reason.textContent = contest.sentence;
     this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(replay, claim)));
-    this.closeUp.ariaLabel = `Close-up of ${contest.target} in step ${contest.state + 1}`;
+    this.closeUp.hidden = !contest.lens;
+    if (!contest.lens) return;
+    this.closeUp.ariaLabel = `Close-up of ${contest.target} in step ${contest.state + 1}: ${contest.lens.result}`;
     this.closeUp.width = this.closeUp.height = Math.round(this.closeUp.clientWidth * devicePixelRatio);
     this.painter.closeUp(this.closeUp, replay, contest);
   }
@@ -369,7 +388,7 @@ export class CatchReplay extends HTMLElement {
    * @param {Claim} claim
    */
   #claim({ hunters }, [seat, verdict, distance]) {
-    const { name, color, reach } = hunters[seat];
+    const { label, color, reach } = hunters[seat];
     const bar = make("span", { className: "bar" });
     bar.style.width = `${Math.min(100, (100 * (distance ?? 0)) / (1e6 * reach))}%`;
     bar.style.background = color;
@@ -380,7 +399,7 @@ export class CatchReplay extends HTMLElement {
         "span",
         { className: "who" },
         chip(String(seat), color),
-        make("span", { className: "name", textContent: name }),
+        make("span", { className: "name", textContent: label }),
         make("span", { className: "verdict", textContent: words(verdict) }),
       ),
       make("span", { className: "rule" }, bar),
@@ -391,19 +410,23 @@ export class CatchReplay extends HTMLElement {
   /** Update the description of the arena for screen readers. */
   #describe() {
     if (!this.replay) return;
-    const scores = this.replay.scores(this.time);
+    const { replay, time } = this;
+    const scores = replay.scores(time);
     const sentences = [
-      `Catches: ${this.replay.hunters.map(({ name }, seat) => `${name} ${scores[seat]}`).join(", ")}.`,
+      `Catches: ${replay.hunters.map(({ label }, seat) => `${label} has ${scores[seat]}`).join(", ")}.`,
     ];
-    const { teams, prey } = this.replay;
+    const { teams, prey } = replay;
     if (teams) {
-      const sums = this.replay.teamScores(this.time);
+      const sums = replay.teamScores(time);
       sentences.unshift(`Teams: ${teams.map(({ name }, team) => `${name} ${sums[team]}`).join(", ")}.`);
     }
     if (prey.length) {
-      const hunted = this.replay.hunted(this.time);
-      sentences.push(`Prey: ${prey.map(({ name }, index) => `${name} ${preyStatus(hunted[index])}`).join(", ")}.`);
+      const hunted = replay.hunted(time);
+      sentences.push(`Prey: ${prey.map(({ label }, index) => `${label} ${preyStatus(hunted[index])}`).join(", ")}.`);
     }
+    const caption = replay.captionAt(time, CatchReplay.look.captionMs);
+    if (this.#over(replay)) sentences.unshift(`${replay.result}.`);
+    else if (caption) sentences.unshift(`${caption.text}.`);
     this.arena.ariaLabel = `The arena at ${seconds(this.time)}. ${sentences.join(" ")}`;
   }
 
@@ -465,6 +488,6 @@ export class CatchReplay extends HTMLElement {
 function chip(number, color) {
   const node = make("span", { className: "chip", textContent: number, ariaHidden: "true" });
   node.style.background = color;
-  node.style.color = readableOn(color, CatchReplay.look.ink);
+  node.style.color = readableOn(color, CatchReplay.look);
   return node;
 }

@@ -11,11 +11,14 @@
  * @property {ViewLimits | null} view limits of the hunters' views; null if they see the whole arena
  * @property {Cast[]} hunters by seat
  * @property {Team[] | null} teams null if there are no teams
- * @property {{ name: string, targets: number[] }[]} prey by index: name, and numbers of the targets that it played
+ * @property {{ name: string, label: string, targets: number[] }[]} prey by index: names, and numbers of the targets that it played
  * @property {[number: number, first: number, length: number][]} targets number, first state and number of states of each
  * @property {[step: number, agent: number][]} withdrawals agents are the hunters by seat, then the prey by index
  * @property {[state: number, seat: number, verdict: string, number: number | null][]} rulings
  * @property {Judged[]} contests
+ * @property {{ time: number, agent: number, text: string, atTop: boolean, contest: number | null }[]} moments captions,
+ *   and the index of the contest that each is about
+ * @property {string} result the winner and its margin in words
  */
 
 /**
@@ -26,9 +29,18 @@
  * @property {string} clause
  * @property {Claim[]} claims
  * @property {string} sentence
+ * @property {Lens | null} lens null if no distances were measured
  */
 
-/** @typedef {{ name: string, color: string, reach: number, pieces: number }} Cast reach in metres, pieces: number of arcs of the ring */
+/**
+ * The picture of a contest: directions from the target in which its first claimants are drawn, in radians.
+ * @typedef {{ corner: [right: number, top: number], directions: number[], result: string }} Lens
+ */
+
+/**
+ * A hunter: its name, a label that no other agent has, its reach in metres, and the number of arcs of its ring.
+ * @typedef {{ name: string, label: string, color: string, reach: number, pieces: number }} Cast
+ */
 /** @typedef {{ name: string, color: string, seats: number[] }} Team */
 
 /** @typedef {[seat: number, verdict: string, micrometres: number | null]} Claim */
@@ -42,9 +54,10 @@
 
 /** @typedef {Body & Cast} Hunter */
 /** @typedef {Body & { number: number, moves: boolean, prey: number | null }} Target prey: index of the prey that plays it */
-/** @typedef {{ name: string, lives: Target[] }} Prey */
+/** @typedef {{ name: string, label: string, lives: Target[] }} Prey */
 /** @typedef {{ time: number, seat: number, verdict: string, target: Target | null }} Ruling */
 /** @typedef {Judged & { time: number, parties: number[], place: Target }} Contest */
+/** @typedef {{ time: number, agent: number, text: string, atTop: boolean, contest: Contest | null }} Moment */
 
 /** Largest size of an unpacked replay, in bytes. */
 const LARGEST = 256 << 20;
@@ -145,14 +158,14 @@ export class Replay {
     const numbered = new Map(this.targets.map((target) => [target.number, target]));
     this.teams = facts.teams;
     /** @type {Prey[]} */
-    this.prey = facts.prey.map(({ name, targets }, index) => {
+    this.prey = facts.prey.map(({ name, label, targets }, index) => {
       const lives = targets.map((number) => {
         const target = numbered.get(number);
         if (!target) throw damaged(`prey[${index}] plays target ${number}, which is not in the replay`);
         target.prey = index;
         return target;
       });
-      return { name, lives };
+      return { name, label, lives };
     });
     /** @type {Ruling[]} */
     this.rulings = facts.rulings.map(([state, seat, verdict, number], index) => {
@@ -171,6 +184,15 @@ export class Replay {
       if (!place) throw damaged(`contests[${index}] belongs to no ruling in the replay`);
       return { ...contest, time, parties, place };
     });
+    /** @type {Moment[]} */
+    this.moments = facts.moments.map((moment, index) => {
+      const contest = moment.contest === null ? null : this.contests[moment.contest];
+      if (contest === undefined) {
+        throw damaged(`moments[${index}] is about contest ${moment.contest}, which is not in the replay`);
+      }
+      return { ...moment, contest };
+    });
+    this.result = facts.result;
   }
 
   /**
@@ -249,6 +271,16 @@ export class Replay {
   }
 
   /**
+   * Return the latest caption, if it is not older than a number of milliseconds.
+   * @param {number} time
+   * @param {number} lasts
+   */
+  captionAt(time, lasts) {
+    const latest = this.moments.findLast((moment) => moment.time <= time);
+    return latest && time - latest.time < lasts ? latest : null;
+  }
+
+  /**
    * Return the contests of a hunter; all contests if no hunter is selected.
    * @param {number | null} seat
    */
@@ -291,9 +323,13 @@ function check(facts) {
   /** @type {(...fits: Fits[]) => Fits} */
   const isRow = (...fits) => (row) => Array.isArray(row) && fits.every((fit, index) => fit(row[index]));
   const isClaim = isRow(isSeat, isText, isNumberOrNull);
+  /** @type {Fits} */
+  const isLens = (lens) =>
+    isListOf(isCount)(lens?.corner) && isListOf(Number.isFinite)(lens.directions) && lens.directions.length > 1 &&
+    isText(lens.result);
 
   must(facts !== null && typeof facts === "object", "the first line", facts, "an object");
-  for (const field of ["title", "seed"]) must(isText(facts[field]), field, facts[field], "text");
+  for (const field of ["title", "seed", "result"]) must(isText(facts[field]), field, facts[field], "text");
   for (const [field, [low, high]] of Object.entries(RANGES)) {
     const value = facts[field];
     must(Number.isFinite(value) && low <= value && value <= high, field, value, `a number from ${low} to ${high}`);
@@ -308,11 +344,16 @@ function check(facts) {
     [
       "hunters",
       (one) =>
-        isText(one?.name) && isColor(one.color) && isWithin(one.reach, FARTHEST) && isCount(one.pieces) &&
+        isText(one?.name) && isText(one.label) && isColor(one.color) && isWithin(one.reach, FARTHEST) &&
+        isCount(one.pieces) &&
         one.pieces > 0,
-      "a name, a colour, a reach and the number of a ring's arcs",
+      "a name, a label, a colour, a reach and the number of a ring's arcs",
     ],
-    ["prey", (one) => isText(one?.name) && isListOf(isCount)(one.targets), "a name and the numbers of its targets"],
+    [
+      "prey",
+      (one) => isText(one?.name) && isText(one.label) && isListOf(isCount)(one.targets),
+      "a name, a label and the numbers of its targets",
+    ],
     [
       "targets",
       (row) => isRow(isCount, isState, isCount)(row) && row[2] > 0 && row[1] + row[2] <= facts.steps + 1,
@@ -327,8 +368,14 @@ function check(facts) {
     [
       "contests",
       (one) =>
-        isState(one?.state) && [one.target, one.clause, one.sentence].every(isText) && isListOf(isClaim)(one.claims),
-      "a state, a target, a clause, claims and a sentence",
+        isState(one?.state) && [one.target, one.clause, one.sentence].every(isText) && isListOf(isClaim)(one.claims) &&
+        (one.lens === null || isLens(one.lens) && one.lens.directions.length <= one.claims.length),
+      "a state, a target, a clause, claims, a sentence, and a lens or null",
+    ],
+    [
+      "moments",
+      (one) => isCount(one?.time) && isSeat(one.agent) && isText(one.text) && isNumberOrNull(one.contest),
+      "a time, a seat, a text, and a contest's index or null",
     ],
   ];
   for (const [field, fits, requirement] of lists) {

@@ -67,7 +67,7 @@ class Worker:
             self.sandbox,
             absent={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
             agent_seeds=match.agent_seeds,
-            title=f"match {match.id}",
+            title=match.title,
             record=replay,
             colors=[match.seating[party] for party in Parties.of(self.config).by_seat[: self.config.hunters]],
         )

@@ -1,0 +1,50 @@
+import { drawCaption, drawNames, drawNumbers, drawPodium } from "../../catch_arena/player/page/overlays.js";
+import { Replay } from "../../catch_arena/player/page/replay.js";
+import { Pen } from "../../catch_arena/player/page/shapes.js";
+
+/** @typedef {import("../../catch_arena/player/page/overlays.js").Agent} Agent */
+/** @typedef {import("../../catch_arena/player/page/shapes.js").Look} Look */
+
+/**
+ * The shapes that are drawn, as rows: name and arguments. Each letter is half as wide as the text's size.
+ * @param {(pen: Pen) => void} draw
+ */
+function shapes(draw) {
+  /** @type {unknown[][]} */
+  const rows = [];
+  const recorder = Object.create(Pen.prototype);
+  for (const name of ["stroke", "ring"]) {
+    recorder[name] = (/** @type {unknown[]} */ ...row) => rows.push([name, ...row]);
+  }
+  /** @type {Pen["box"]} */
+  recorder.box = (left, top, width, height, color, radius = 0) => {
+    rows.push(["box", left, top, width, height, color, radius]);
+  };
+  /** @type {Pen["turtle"]} */
+  recorder.turtle = (x, y, theta, length, color, contrast = 1) => {
+    rows.push(["turtle", x, y, theta, length, color, contrast]);
+  };
+  recorder.width = (/** @type {string} */ text, /** @type {number} */ size) => 0.5 * size * text.length;
+  /** @type {Pen["label"]} */
+  recorder.label = (x, y, text, size, { color, weight = 600, align = "left", outline = "", most = Infinity }) => {
+    rows.push(["label", x, y, recorder.truncated(text, size, weight, most), size, color, weight, align, outline]);
+  };
+  draw(recorder);
+  return rows;
+}
+
+/** @type {{ look: Look, side: number, matches: { bundle: string, age: number, agents: Agent[], length: number }[] }} */
+const { look, side, matches } = await new Response(Deno.stdin.readable).json();
+const found = [];
+for (const { bundle, age, agents, length } of matches) {
+  const replay = await Replay.of(bundle);
+  found.push({
+    captions: replay.moments.map((moment) => shapes((pen) => drawCaption(pen, look, replay, moment, side, age, 160))),
+    podium: shapes((pen) => drawPodium(pen, look, replay, side)),
+    agents: shapes((pen) => {
+      drawNames(pen, look, agents, side, length);
+      drawNumbers(pen, look, agents, length);
+    }),
+  });
+}
+console.log(JSON.stringify(found));

@@ -1,0 +1,189 @@
+"""The player draws captions, lenses, podiums, names and numbers from the same shapes as videos."""
+
+import itertools
+import json
+import math
+from pathlib import Path
+
+import pytest
+from report.javascript import deno
+
+import catch_arena
+from catch_arena.player import bundle_text
+from catch_arena.player.bundle import css
+from catch_arena.player.element import player_look
+from catch_arena.render import annotations, captions, hud, lens, text
+from catch_arena.render.cards import podium_shapes
+from catch_arena.render.match_info import MatchInfo
+from catch_arena.render.shapes import Box, Label, Ring, Stroke, Turtle
+from catch_arena.render.viewport import Viewport
+
+DRAWER = Path(__file__).with_name("draw_overlays.js")
+SIDE = 610
+MATCHES = {
+    # more than four claimants, too many agents for names
+    "crowd": {"side_m": 8.0, "reach_m": 0.6},
+    "squads": {"side_m": 7.0},
+    "herd": {"side_m": 5.0},
+    "duel": {"side_m": 4.0, "initial_targets": 4, "policy": "first_come"},
+}
+AGES = {"crowd": 70.0, "squads": 1000.0, "herd": 2450.0, "duel": 160.0}
+"""Age of the captions by match [ms]: growing, full, shrinking."""
+NAMES = ("ann", "a name that does not fit", "ann", "b")
+
+
+@pytest.fixture(scope="module")
+def matches():
+    """A replay of each scenario, in which hunters go for the nearest target."""
+    replays = {}
+    for scenario, changes in MATCHES.items():
+        env = catch_arena.parallel_env(scenario, time_limit_s=12.0, control="target", **changes)
+        agents = len(env.possible_agents)
+        env.record([NAMES[agent % len(NAMES)] for agent in range(agents)])
+        _, infos = env.reset(seed=7)
+        while env.agents:
+            actions = {
+                agent: [0.5, 0.3] if "prey" in agent else int(infos[agent]["action_mask"][1]) for agent in env.agents
+            }
+            _, _, _, _, infos = env.step(actions)
+        replays[scenario] = env.replay()
+    return replays
+
+
+@pytest.fixture(scope="module", autouse=True)
+def widths():
+    """Each letter is half as wide as the text's size, as in the JavaScript under test."""
+
+    def text_width(shown, size, _):
+        return 0.5 * size * len(shown)
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (text, lens, captions, annotations):
+            patch.setattr(module, "text_width", text_width)
+        patch.setattr(annotations, "truncated", text.truncated.__wrapped__)
+        yield
+
+
+def places(replay):
+    """Return the poses at a match's end, by agent, as videos have them."""
+    world = list(replay.worlds())[-1]
+    hunters = {seat: (hunter.x, hunter.y, hunter.theta) for seat, hunter in enumerate(world.hunters)}
+    info = MatchInfo.of_replay(replay)
+    prey = {info.prey(target.prey): (target.x, target.y, target.theta) for target in world.targets if target.prey}
+    return {**hunters, **prey}
+
+
+@pytest.fixture(scope="module")
+def drawn(matches):
+    """By scenario: the shapes that the player draws."""
+    given = []
+    for scenario, replay in matches.items():
+        info, viewport = MatchInfo.of_replay(replay), Viewport(SIDE, SIDE, replay.config.side_m)
+        agents = []
+        for agent, pose in places(replay).items():
+            hunted = agent >= replay.config.hunters
+            x, y = viewport.to_pixels(*pose[:2])
+            agents.append(
+                {
+                    "name": info.names[agent],
+                    "number": info.number(agent),
+                    "hunted": hunted,
+                    "color": css(info.color(agent)),
+                    "reach": 0.0 if hunted else replay.config.reaches[agent] * viewport.scale,
+                    "x": x,
+                    "y": y,
+                }
+            )
+        given.append(
+            {
+                "bundle": bundle_text(replay),
+                "age": AGES[scenario],
+                "agents": agents,
+                "length": viewport.hunter_length,
+            }
+        )
+    found = deno(
+        "run", "--no-remote", DRAWER, given=json.dumps({"look": player_look(), "side": SIDE, "matches": given})
+    )
+    return dict(zip(matches, json.loads(found), strict=True))
+
+
+def row(shape):
+    """Return a shape of render/ as the player's drawing calls have it."""
+    match shape:
+        case Box():
+            return ["box", shape.left, shape.top, shape.width, shape.height, css(shape.color), shape.radius]
+        case Stroke():
+            return ["stroke", shape.x0, shape.y0, shape.x1, shape.y1, shape.width, css(shape.color)]
+        case Ring():
+            color = f"{css(shape.color)}{round(255 * shape.opacity):02x}"
+            return ["ring", shape.x, shape.y, shape.radius, shape.width, color, shape.pieces]
+        case Turtle():
+            return ["turtle", shape.x, shape.y, shape.theta, shape.length, css(shape.color), shape.contrast]
+        case Label():
+            shown = text.truncated.__wrapped__(shape.text, shape.size, shape.weight, shape.max_width)
+            outline = "" if shape.outline is None else css(shape.outline)
+            color, weight = css(shape.color), shape.weight
+            return ["label", shape.x, shape.y, shown, shape.size, color, weight, shape.align, outline]
+    raise AssertionError(shape)
+
+
+def parts_of(values):
+    """Return the words, the numbers and the colours' channels of a drawing call; angles are within one turn."""
+    words, numbers, channels = [], [], []
+    for value in values:
+        if isinstance(value, str) and value.startswith("#"):
+            given = bytes.fromhex(value[1:])
+            channels += [*given, *[255] * (4 - len(given))]
+        else:
+            (words if isinstance(value, str) else numbers).append(value)
+    if words == ["turtle"]:
+        numbers[2:3] = [math.cos(numbers[2]), math.sin(numbers[2])]
+    return words, numbers, channels
+
+
+def assert_same(found, shapes):
+    for one, other in zip(found, map(row, shapes), strict=True):
+        words, numbers, channels = parts_of(other)
+        drawn_words, drawn_numbers, drawn_channels = parts_of(one)
+        assert drawn_words == words
+        assert drawn_numbers == pytest.approx(numbers, abs=0.05), (one, other)  # bundles have rounded directions
+        assert drawn_channels == pytest.approx(channels, abs=1.0), (one, other)
+
+
+@pytest.mark.parametrize("scenario", MATCHES)
+def test_captions_and_lenses_are_those_of_videos(matches, drawn, scenario):
+    replay = matches[scenario]
+    info, viewport = MatchInfo.of_replay(replay), Viewport(SIDE, SIDE, replay.config.side_m)
+    commentary, expected = captions.Commentary(info), []
+    for before, after in itertools.pairwise(replay.worlds()):
+        last = commentary.caption
+        found = annotations.annotations_of(before, after, by_lot=info.by_lot)
+        commentary.record(before.time_ms, found, after.team_scores)
+        if commentary.caption is not last:
+            expected.append(commentary.caption)
+    assert any(caption.lens for caption in expected)
+    for one, caption in zip(drawn[scenario]["captions"], expected, strict=True):
+        now = caption.time_ms + AGES[scenario]
+        assert_same(one, captions.caption_shapes(viewport, info, caption, "plain", now))
+
+
+@pytest.mark.parametrize("scenario", MATCHES)
+def test_the_podium_is_that_of_videos(matches, drawn, scenario):
+    replay = matches[scenario]
+    world = list(replay.worlds())[-1]
+    prey = [score for score in hud.standings_of(world) if score.hunted]
+    shapes = podium_shapes((SIDE, SIDE), MatchInfo.of_replay(replay), world.team_scores, prey)
+    darkening, *podium = drawn[scenario]["podium"]
+    assert darkening == ["box", 0, 0, SIDE, SIDE, "rgb(0 0 0 / 0.9)", 0]
+    assert_same(podium, shapes)
+
+
+@pytest.mark.parametrize("scenario", MATCHES)
+def test_names_and_numbers_are_where_videos_have_them(matches, drawn, scenario):
+    replay = matches[scenario]
+    info, viewport = MatchInfo.of_replay(replay), Viewport(SIDE, SIDE, replay.config.side_m)
+    shapes = annotations.annotation_shapes(viewport, info, places(replay), [], 0.0)
+    assert_same(drawn[scenario]["agents"], shapes)
+    names = [one for one in drawn[scenario]["agents"] if one[3] in NAMES or one[3].endswith("…")]
+    assert bool(names) == (scenario != "crowd")
