@@ -45,12 +45,18 @@ class Picture:
     ] = None
     shape: Annotated[
         Literal["landscape", "portrait", "square"] | None,
-        typer.Option(help="Shape of the frames: portrait is 1080x1920.", show_default="that of the size, or landscape"),
+        typer.Option(
+            metavar="SHAPE",
+            help="Shape of the frames: landscape, portrait (1080x1920) or square.",
+            show_default="that of the size, or landscape",
+        ),
     ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
     captions: Annotated[
         Literal["plain", "clauses", "none"],
-        typer.Option(help="Say what happens in plain words, with the clauses of the rulebook too, or not at all."),
+        typer.Option(
+            metavar="KIND", help="Captions in plain words (plain), with clauses of the rulebook (clauses), or none."
+        ),
     ] = "plain"
 
     def arguments(self) -> dict[str, Any]:
