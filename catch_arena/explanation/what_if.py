@@ -125,7 +125,8 @@ def what_if(
     alternative, worlds = search.alternative(win)
     won = next((one for one in contests_of(alternative, worlds[-1]) if one.target == contest.target), None)
     change = search.sentence(win, worlds[0].hunters[search.seat].linear_velocity)
-    sentence = f"{change}, and {name} {_result(won, target, worlds[-1].time_ms - search.period_ms)}."
+    called = "it" if search.is_earlier(win) else target
+    sentence = f"{change}, and {name} {_result(won, called, worlds[-1].time_ms - search.period_ms)}."
     return WhatIf(
         contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
     )
@@ -352,13 +353,17 @@ class _Search:
 
     # in words
 
+    def is_earlier(self, win: _Win) -> bool:
+        """Return whether the hunter heads for the contested target from the run on, as it did after it."""
+        goals = {win.change.goal, *(self._goals[step] for step in range(win.run.stop, self._judged + 1))}
+        return self._control == "target" and goals == {self._number}
+
     def sentence(self, win: _Win, faster: float) -> str:
         """Return a change in words; `faster` is the hunter's velocity in the first step [m/s]."""
         change, run = win.change, win.run
         begin, end, length = (seconds(steps * self.period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
-            rest = {self._goals[step] for step in range(run.stop, self._judged + 1)}
-            if change.goal == self._number and rest == {self._number}:
+            if self.is_earlier(win):
                 return f"{length} earlier: head for {self.target_label} at {begin} instead of {end}"
             new = f"head for {self._called(change.goal)}" if change.goal else "hold"
             former = dict.fromkeys(self._goals[step] for step in run)
