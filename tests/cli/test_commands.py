@@ -9,25 +9,14 @@ from pathlib import Path
 
 import pytest
 from isolation_levels import LEVELS
-from typer.testing import CliRunner
 
-from catch_arena.cli import arena, main
+from catch_arena.cli import arena
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.isolation.namespaces import level_line
 
 ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
-
-
-@pytest.fixture
-def catch_arena(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words: str):
-        return CliRunner().invoke(main, list(words))
-
-    return call
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):

@@ -2,14 +2,13 @@
 
 import re
 import shlex
+from functools import partial
 from pathlib import Path
 from typing import get_args
 from xml.etree import ElementTree as ET
 
 import pytest
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import Reading
 from catch_arena.files import tomllib
@@ -21,14 +20,9 @@ CASES_PAGE = (DOCS / "reference" / "conformance_cases.md").read_text(encoding="u
 
 
 @pytest.fixture
-def conformance(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def conformance(catch_arena, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-
-    def call(*words: str):
-        return CliRunner().invoke(main, ["conformance", *words])
-
-    return call
+    return partial(catch_arena, "conformance")
 
 
 def blocks(language: str, page: str = PAGE) -> list[str]:
