@@ -322,6 +322,7 @@ def test_what_a_hunter_is_said_to_see_is_what_the_engine_ranks(half_blind):
             ranks = {target.name: engine.rank_of(0, seat, target.name) for target in world.targets}
             view = sorted((name for name, rank in ranks.items() if rank), key=ranks.get)
             assert sight.ranked(world, seat) == view
+            assert [half_blind.config.target_name(number) for number in engine.numbers_seen(seat)[0] if number] == view
             unseen = sight.unseen(world, seat)
             hidden += len(unseen)
             assert all(ranks[one.target] == 0 for one in unseen)
