@@ -55,6 +55,12 @@ def test_the_commands_stand_in_their_groups(columns):
         assert not command.get_short_help_str(200).endswith("...")
 
 
+def test_the_commands_of_a_group_are_listed_with_their_whole_sentences():
+    lines = " ".join(help_of(["ros"], 80).split())
+    for name, command in get_command(main).commands["ros"].commands.items():
+        assert f" {name} {command.get_short_help_str(200)} " in f"{lines} "
+
+
 def test_every_page_of_the_documentation_is_listed_and_printed():
     listed = CliRunner(env={"COLUMNS": "120"}).invoke(main, ["docs"]).output
     for path in (ROOT / "docs").rglob("*.md"):
