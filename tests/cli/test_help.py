@@ -56,6 +56,12 @@ def test_the_commands_stand_in_their_groups(columns):
         assert " ".join(cleandoc(command.help).partition("\n\n")[0].split()) in " ".join(text.split())
 
 
+def test_the_commands_of_a_group_are_listed_with_their_whole_sentences():
+    lines = " ".join(help_of(["ros"], 80).split())
+    for name, command in get_command(main).commands["ros"].commands.items():
+        assert f" {name} {command.get_short_help_str(200)} " in f"{lines} "
+
+
 def test_every_page_of_the_documentation_is_listed_and_printed():
     listed = run("docs", columns=120).output
     for path in (ROOT / "docs").rglob("*.md"):

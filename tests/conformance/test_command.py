@@ -137,6 +137,8 @@ def test_a_report_without_failures_is_whole_xml():
         ([], "ARBITER must be given, as module:function or path.py:function, or --arena, or --list"),
         (["arbitrate"], "arbitrate: must be module:function or path.py:function"),
         (["catch_arena:arbitrat"], "has no function arbitrat; did you mean arbitrate?"),
+        (["notes.txt:f"], "notes.txt:f: must be module:function or path.py:function"),
+        (["catch_arena:arbitrate", "--only", "zzz"], "no case begins with 'zzz': known: basics, capstone, "),
         (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),
         (["missing.py:f"], "missing.py:f: no such file"),
         (["catch_arena.agents.nearest:Agent"], "is a class, but an arbiter is a function; use"),
@@ -149,7 +151,8 @@ def test_a_report_without_failures_is_whole_xml():
 def test_wrong_words_are_one_line_and_exit_code_2(conformance, tmp_path, words, message):
     (tmp_path / "broken.py").write_text("1 / 0\n")
     (tmp_path / "broken_arena.py").write_text("def make():\n    1 / 0\n")
-    (tmp_path / "taken").write_text("")
+    for name in ("taken", "notes.txt"):
+        (tmp_path / name).write_text("")
     result = conformance(*words)
     assert result.exit_code == 2
     assert message in result.stderr

@@ -225,6 +225,7 @@ def read_spec_text(text):
     ("change", "message"),
     [
         (("[[test]]", "[[test"), "is no TOML"),
+        ((SPEC[SPEC.index("[[test]]") :].replace('"', "'"), ""), r"at least one \[\[test\]\] must be given"),
         (("title =", "titel ="), "unknown field spec.titel: did you mean title"),
         (("points = 2", "point = 2"), r"unknown field test\[1\]\.point: did you mean points"),
         (
