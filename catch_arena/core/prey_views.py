@@ -123,10 +123,11 @@ def rank_bodies(me: Block, first: int, width: Width, lanes: int, bodies: Bodies,
         unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.myself)
         keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
-    last, teams, tied = min(bodies.ranks, bodies.total - 1), sections.teams, sections.scratch_rows
-    resolve_ties(
-        me, first, width, lanes, bodies.myself, bodies.rows, bodies.size, bodies.total, last, teams, False, keys, tied
-    )
+    ranks, total, teams, tied = min(bodies.ranks, bodies.total - 1), bodies.total, sections.teams, sections.scratch_rows
+    if ranks > 0:  # one body alone has no tie
+        resolve_ties(
+            me, first, width, lanes, bodies.myself, bodies.rows, bodies.size, total, ranks, teams, False, keys, tied
+        )
 
 
 @phase
