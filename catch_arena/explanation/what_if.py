@@ -207,7 +207,7 @@ class _Search:
                 if step > self._judged:
                     found = contests_of(self._replay, world)
                     break
-            if step >= self._first - 1:
+            if self._first - 1 <= step < self._replay.steps:
                 self._starts[step] = engine.save_row(0)
                 seen: list[int] = engine.numbers_seen(self.seat)[0].tolist()
                 rank = int(self._replay.choices[step][self.seat])
@@ -243,10 +243,12 @@ class _Search:
         return None
 
     def _decisions(self, run: range, change: _Change) -> int:
-        """Return how many more times the hunter would choose another target than in the steps before, at least 0."""
-        goals = list(self._goals.values())
+        """Return the number of decisions that a change adds: steps in which the hunter chooses another target than in
+        the step before.
+        """
         if change.goal is None:
             return 0
+        goals = list(self._goals.values())
         changed = [change.goal if step in run else goal for step, goal in self._goals.items()]
         more, fewer = (sum(one != other for one, other in pairwise(chosen)) for chosen in (changed, goals))
         return max(0, more - fewer)

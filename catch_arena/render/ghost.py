@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
+from typing import Final
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.explanation.what_if import WhatIf
@@ -14,9 +15,10 @@ from catch_arena.render.text import text_width
 from catch_arena.render.viewport import Viewport
 from catch_arena.replay.motion import Pose2D, interpolate, poses_of, step_motion
 
-BEFORE_MS = 2000
-AFTER_MS = 1500
-_LOW = 0.25
+BEFORE_MS: Final = 2000
+AFTER_MS: Final = 1500
+"""Parts of the match that are shown before and after the contest [ms]."""
+_LOW: Final = 0.25
 """Part of the arena's height below which the ghost's way ends near the words, so that they stand at the top."""
 
 

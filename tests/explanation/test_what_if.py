@@ -169,8 +169,9 @@ def test_what_cannot_be_asked_is_one_line(play):
     winner = replay.names[contest.claims[0].seat]
     with pytest.raises(ConfigError, match=f"contest must be one that {winner} lost, got the one for {contest.target}"):
         what_if(replay, contest, winner)
-    with pytest.raises(ConfigError, match=r"contest must be one of explain\(replay\)\.contests, got Contest"):
-        what_if(play(**MATCHES["chase"]), contest)
+    for other in (play(**MATCHES["chase"]), play(max_cycles=5)):
+        with pytest.raises(ConfigError, match=r"contest must be one of explain\(replay\)\.contests, got Contest"):
+            what_if(other, contest)
     capstone = play("capstone", hunters=2, initial_targets=2, chase=True, max_cycles=20)
     with pytest.raises(ConfigError, match=r"has none: under the policy capstone every request is granted \(R9\.1\)"):
         lost_contest_at(capstone, 1.0)
