@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from catch_arena.errors import CatchArenaError as CatchArenaError
     from catch_arena.explanation import explain as explain
     from catch_arena.explanation import explain_step as explain_step
+    from catch_arena.explanation import what_if as what_if
     from catch_arena.layout import columns as columns
     from catch_arena.policy import Limits as Limits
     from catch_arena.policy import Policy as Policy
@@ -69,6 +70,7 @@ _HOMES = {
     "explain_step": "explanation",
     "parallel_env": "envs.parallel",
     "scenario": "scenarios",
+    "what_if": "explanation",
 }
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - a list of strings, though not a literal one

@@ -25,7 +25,7 @@ def checked_seed(seed: object) -> int:
 
 
 def fresh_seed() -> int:
-    """Return a seed from the operating system for a first reset without one; 32 bits, so that people can type it."""
+    """Return a seed from the operating system for a first reset without one: 32 bits, short enough to type."""
     return secrets.randbits(32)
 
 

@@ -16,7 +16,6 @@ import re
 import signal
 import sys
 import time
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from types import CodeType
@@ -27,14 +26,11 @@ from catch_arena.files import tomllib
 
 ROOT = Path(__file__).parent.parent
 SETTINGS = tomllib.loads((ROOT / "tests" / "mutation" / "equivalent.toml").read_text(encoding="utf-8"))
+COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
 OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
-    ast.Lt: (ast.LtE, ast.NotEq, ast.Eq, ast.GtE, ast.Gt),
-    ast.LtE: (ast.Lt, ast.Eq, ast.NotEq, ast.Gt, ast.GtE),
-    ast.Gt: (ast.GtE, ast.NotEq, ast.Eq, ast.LtE, ast.Lt),
-    ast.GtE: (ast.Gt, ast.Eq, ast.NotEq, ast.Lt, ast.LtE),
+    **{one: tuple(other for other in COMPARISONS if other is not one) for one in COMPARISONS[:4]},
     ast.Eq: (ast.NotEq, ast.LtE, ast.GtE),
     ast.NotEq: (ast.Eq, ast.Lt, ast.Gt),
-    ast.In: (ast.NotIn,),
     ast.NotIn: (ast.In,),
     ast.Add: (ast.Sub, ast.Mult),
     ast.Sub: (ast.Add,),
@@ -43,17 +39,18 @@ OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     ast.BitAnd: (ast.BitOr,),
     ast.BitOr: (ast.BitAnd,),
     ast.LShift: (ast.RShift,),
-    ast.RShift: (ast.LShift,),
 }
-Mutant = tuple[str, str, str, int]
-"""Mutant, named by its text, so that it keeps its name when lines move: `module.function`, the statement's first
-line, its replacement, and its number, from 1, among mutants of the function with the same text.
-"""
+codes: dict[str, CodeType] = {}
+"""Code of the changed function of each mutant to try, by the mutant's name."""
+tests: list[Any] = []
+calls: list[tuple[float, int, set[str]]] = []
+"""Processor time [s] of each test, its place in `tests`, and the functions of the core that it calls."""
 
 
-def shown(mutant: Mutant) -> str:
-    """Return the text of a mutant that is printed and that `--only` matches."""
-    function, line, becomes, nth = mutant
+def name_of(function: str, line: str, becomes: str, nth: int) -> str:
+    """Return the name of a mutant: `module.function`, first line of the statement, its replacement, and its number,
+    from 1, among mutants of the function with the same text. The name stays if lines move.
+    """
     return f"{function}{f' (number {nth})' if nth > 1 else ''}\n  - {line}\n  + {becomes}"
 
 
@@ -88,26 +85,11 @@ def changes(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
             yield node, ast.BinOp(node, ast.Add(), one)
 
 
-def parts(statement: ast.stmt) -> Iterator[ast.AST]:
-    """Yield a statement and its expressions, without its annotation and the statements within it."""
-    yield statement
-    for name, value in ast.iter_fields(statement):
-        if name not in {"annotation", "body", "orelse"}:
-            for child in value if isinstance(value, list) else [value]:
-                yield from ast.walk(child) if isinstance(child, ast.AST) else ()
-
-
 def swap(function: ast.FunctionDef, old: ast.AST, new: ast.AST) -> None:
     """Put one node of a function in the place of another."""
     transformer = ast.NodeTransformer()
     transformer.visit = lambda node: new if node is old else transformer.generic_visit(node)  # type: ignore[method-assign]
     transformer.visit(function)
-
-
-def functions_of(module: str) -> list[ast.FunctionDef]:
-    """Return the functions of a module of the core."""
-    source = (ROOT / "catch_arena" / "core" / f"{module}.py").read_text(encoding="utf-8")
-    return [one for one in ast.parse(source).body if isinstance(one, ast.FunctionDef)]
 
 
 def compiled(function: ast.FunctionDef) -> CodeType:
@@ -116,21 +98,23 @@ def compiled(function: ast.FunctionDef) -> CodeType:
     return next(one for one in whole.co_consts if isinstance(one, CodeType))
 
 
-def mutants_of(module: str) -> Iterator[tuple[Mutant, CodeType]]:
-    """Yield all mutants of a module of the core, with the function's code."""
-    met: Counter[tuple[str, str, str]] = Counter()
-    for function in functions_of(module):
-        for statement in [one for one in ast.walk(function) if isinstance(one, ast.stmt) and one is not function]:
+def mutants_of(module: str) -> Iterator[tuple[str, CodeType]]:
+    """Yield the names of all mutants of a module of the core, with the function's code."""
+    met: dict[tuple[str, str, str], int] = {}
+    source = (ROOT / "catch_arena" / "core" / f"{module}.py").read_text(encoding="utf-8")
+    for function in [one for one in ast.parse(source).body if isinstance(one, ast.FunctionDef)]:
+        statements = [one for one in ast.walk(function) if isinstance(one, ast.stmt)]  # outer ones first
+        statement_of = {part: statement for statement in statements for part in ast.walk(statement)}
+        for old, new, statement in [(*change, at) for part, at in statement_of.items() for change in changes(part)]:
             line = ast.unparse(statement).splitlines()[0]
-            for old, new in [change for part in parts(statement) for change in changes(part)]:
-                swap(function, old, new)
-                becomes = ast.unparse(new if old is statement else statement).splitlines()[0]
-                code = compiled(function)
-                swap(function, new, old)
-                if becomes != line:  # one more than a large number may be the same number
-                    name = f"{module}.{function.name}", line, becomes
-                    met[name] += 1
-                    yield (*name, met[name]), code
+            swap(function, old, new)
+            becomes = ast.unparse(new if old is statement else statement).splitlines()[0]
+            code = compiled(function)
+            swap(function, new, old)
+            if becomes != line:  # one more than a large number may be the same number
+                text = f"{module}.{function.name}", line, becomes
+                met[text] = met.get(text, 0) + 1
+                yield name_of(*text, met[text]), code
 
 
 def function_of(name: str) -> Any:
@@ -139,102 +123,76 @@ def function_of(name: str) -> Any:
     return inspect.unwrap(getattr(importlib.import_module(f"catch_arena.core.{module}"), function))
 
 
-class Trial:
-    """A plugin of pytest that runs the collected tests on one mutant after the other, each in a process of its own."""
-
-    def __init__(self, codes: dict[Mutant, CodeType]) -> None:
-        self.codes = codes
-        self.survivors: list[Mutant] = []
-
-    def pytest_runtestloop(self, session: Any) -> bool:
-        """Run all tests once on the core as it is, then on each mutant those that call its function."""
-        global trial
-        trial, self.items, total = self, session.items, len(self.codes)
-        fork = multiprocessing.get_context("fork")
-        with fork.Pool(1) as pool:
-            self.known = pool.apply(run_all)
-        with progress_bar("mutants", total) as show, fork.Pool(maxtasksperchild=1) as pool:
-            for done, (mutant, noticed) in enumerate(zip(self.codes, pool.imap(is_noticed, self.codes), strict=True)):
-                show(done + 1, total)
-                if not noticed:
-                    print(f"no test notices: {shown(mutant)}", file=sys.stderr)
-                    self.survivors.append(mutant)
-        return True
-
-
-trial: Trial
-"""Trial of this process; the processes of its pools are forked, and have it too."""
-
-
-def passes(item: Any) -> bool:
-    """Run one test, and return whether it passes; no fixture is kept for the next test."""
-    item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
-    return not item.session.testsfailed
-
-
-def run_all() -> list[tuple[set[str], float]]:
-    """Run all tests on the unchanged core; return the functions that each calls, and its processor time [s]."""
+def run_all() -> list[tuple[float, int, set[str]]]:
+    """Run all tests on the core as it is, and return `calls`."""
     called: set[str] = set()
-    for module in {mutant[0].partition(".")[0] for mutant in trial.codes}:
-        for function in functions_of(module):
-            name = f"{module}.{function.name}"
-            function.body.insert(0, ast.parse(f"_called.add({name!r})").body[0])
-            function_of(name).__code__ = compiled(function)
-            function_of(name).__globals__["_called"] = called
+    for name in {mutant.split(maxsplit=1)[0] for mutant in codes}:
+        function = function_of(name)
+        definition: Any = ast.parse(inspect.getsource(function)).body[0]
+        definition.body.insert(0, ast.parse(f"_called.add({name!r})").body[0])
+        function.__code__, function.__globals__["_called"] = compiled(definition), called
     found = []
-    for item in trial.items:
+    for place, item in enumerate(tests):
         called.clear()
         begun = time.process_time()
-        if not passes(item):
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)  # no fixture is kept for the next test
+        if item.session.testsfailed:
             raise RuntimeError(f"the core as it is fails {item.nodeid}; mend that first")
-        found.append((set(called), time.process_time() - begun))
-    return found
+        found.append((time.process_time() - begun, place, set(called)))
+    return sorted(found)
 
 
-def is_noticed(mutant: Mutant) -> bool:
+def is_noticed(mutant: str) -> bool:
     """Make a mutant, and return whether a test notices it; tests that take less time run first."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     signal.signal(signal.SIGVTALRM, signal.default_int_handler)  # KeyboardInterrupt: no test catches it
-    function_of(mutant[0]).__code__ = trial.codes[mutant]
-    callers = [(s, place) for place, (called, s) in enumerate(trial.known) if mutant[0] in called]
-    for seconds, place in sorted(callers):
+    function = mutant.split(maxsplit=1)[0]
+    function_of(function).__code__ = codes[mutant]
+    for seconds, item in [(seconds, tests[place]) for seconds, place, called in calls if function in called]:
         signal.setitimer(signal.ITIMER_VIRTUAL, 5 + 5 * seconds)  # of processor time, since some mutants never end
         try:
-            if not passes(trial.items[place]):
-                return True
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
         except KeyboardInterrupt:
             return True
+        if item.session.testsfailed:
+            return True
     return False
+
+
+def pytest_runtestloop(session: Any) -> bool:
+    """Run all tests once, then on each mutant those that call its function; pytest calls this as a plugin's hook."""
+    fork = multiprocessing.get_context("fork")  # each process has the variables of this module
+    tests.extend(session.items)
+    with fork.Pool(1) as pool:
+        calls.extend(pool.apply(run_all))
+    with progress_bar("mutants", len(codes)) as show, fork.Pool(maxtasksperchild=1) as pool:
+        for done, (mutant, noticed) in enumerate(zip(codes, pool.imap(is_noticed, codes), strict=True)):
+            show(done + 1, len(codes))
+            if not noticed:
+                print(f"no test notices: {mutant}", flush=True)
+                session.testsfailed += 1
+    print(f"{len(codes)} mutants: {session.testsfailed} not noticed")
+    return True
 
 
 def main() -> None:
     """Try the mutants; exit with 1 if one that is not listed survives, or if the list is out of date."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--only", default="", metavar="TEXT", help='mutants whose name or text contains this ("prey.")')
-    parser.add_argument("--equivalents", action="store_true", help="try only the mutants that are listed as equivalent")
-    options = parser.parse_args()
+    only = parser.parse_args().only
     os.chdir(ROOT)
     os.environ |= {"NUMBA_DISABLE_JIT": "1", "OPENBLAS_NUM_THREADS": "1"}
     import pytest  # after the settings that its plugins and the core read when they load
 
-    entries = SETTINGS["equivalent"]
-    listed = [(one["function"], one["line"], text, one.get("nth", 1)) for one in entries for text in one["becomes"]]
-    listed = [one for one in listed if options.only in shown(one)]
-    made = [one for module in SETTINGS["modules"] for one in mutants_of(module)]
-    possible = {mutant: code for mutant, code in made if options.only in shown(mutant)}
-    plugin = Trial({one: code for one, code in possible.items() if (one in listed) == options.equivalents})
+    made = (one for module in SETTINGS["modules"] for one in mutants_of(module))
+    codes.update((name, code) for name, code in made if only in name)
+    for one in SETTINGS["equivalent"]:
+        for becomes in one["becomes"]:
+            name = name_of(one["function"], one["line"], becomes, one.get("nth", 1))
+            if only in name and codes.pop(name, None) is None:
+                sys.exit(f"listed, but there is no such mutant: {name}")
     flags = ("-x", "-q", "--capture=no", "-p", "no:cacheprovider", "--assert=plain", "-k", SETTINGS["without"])
-    if plugin.codes and pytest.main([*flags, *SETTINGS["tests"]], [plugin]) != 0:
-        sys.exit(1)
-    wrong = [f"listed, but there is no such mutant: {shown(one)}" for one in listed if one not in possible]
-    if options.equivalents:
-        noticed = plugin.codes.keys() - plugin.survivors
-        wrong += [f"listed, but a test notices it: {shown(one)}" for one in plugin.codes if one in noticed]
-    else:
-        wrong += [f"no test notices: {shown(one)}" for one in plugin.survivors]
-    print(*wrong, sep="\n")
-    print(f"{len(plugin.codes)} mutants: {len(plugin.survivors)} not noticed; {len(listed)} are listed as equivalent")
-    sys.exit(bool(wrong))
+    sys.exit(pytest.main([*flags, *SETTINGS["tests"]], [sys.modules[__name__]]))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,9 @@ import math
 import os
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -36,6 +38,15 @@ progress._LINE_EVERY_S = math.inf
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture
+def catch_arena(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
+    """`catch-arena WORDS`, in a folder of its own."""
+    from command_line import run
+
+    monkeypatch.chdir(tmp_path)
+    return run
 
 
 @pytest.fixture(autouse=True)

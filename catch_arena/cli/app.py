@@ -5,7 +5,7 @@ Heavy modules (the engine, the renderer) are imported only by the commands that 
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from inspect import Parameter, Signature, signature
@@ -38,15 +38,24 @@ GROUPS: Final = {
 """Every command by group, in the order of the program's help."""
 
 
-class _Commands(TyperGroup):
-    """Group of all commands. It prints errors as one line with a hint; see docs/reference/command_line.md for codes."""
+class Commands(TyperGroup):
+    """Group of commands whose help has the whole first sentence of each command."""
+
+    groups: Mapping[str, Iterable[str]] | None = None
+    """Names of the commands by heading; None for all commands under one heading."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands in their groups."""
         del ctx
-        for group, names in GROUPS.items():
+        for group, names in (self.groups or {"Commands": self.commands}).items():
             with formatter.section(group):
                 formatter.write_dl([(name, self.commands[name].get_short_help_str(200)) for name in names])
+
+
+class _AllCommands(Commands):
+    """Group of all commands. It prints errors as one line with a hint; see docs/reference/command_line.md for codes."""
+
+    groups = GROUPS
 
     def main(self, *args: Any, **kwargs: Any) -> NoReturn:
         """Read the command line, run the command, and exit."""
@@ -63,7 +72,7 @@ class _Commands(TyperGroup):
                 if type(error).__name__ == "NoArgsIsHelpError":
                     echo(str(error))
                 else:
-                    text = " ".join(cast(Any, error).format_message().split())
+                    text = " ".join(cast(Any, error).format_message().replace("Value error, ", "").split())
                     _print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
             except OSError as error:
                 with suppress(OSError):  # stderr may be full too
@@ -138,7 +147,7 @@ def _absolute(value: Any) -> Any:
 main = Program(
     name="catch-arena",
     help="Hunters chase turtles, and an arbiter decides who caught what.",
-    cls=_Commands,
+    cls=_AllCommands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -121,7 +121,8 @@ def _callable(spec: str) -> Any:
     from catch_arena.tournament.loading import load_file, load_module
 
     module_name, colon, name = spec.rpartition(":")
-    if not (module_name and colon and name):
+    is_module = module_name.endswith(".py") or not Path(module_name).is_file()
+    if not (module_name and colon and name and is_module):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
     if module_name.endswith(".py"):
         if not Path(module_name).is_file():

@@ -53,8 +53,8 @@ def tournament(
         typer.Option(
             "--format",
             metavar="FORMAT",
-            help="round-robin plays every group of agents; gauntlet plays the first agent against all others. If there "
-            "are more groups than --max-matches allows, a sample is played in which pairs meet about equally often.",
+            help="round-robin plays every line-up of agents; gauntlet plays those with the first agent. If they need "
+            "more matches than --max-matches, a sample is played in which pairs meet about equally often.",
         ),
     ] = "round-robin",
     rounds: Annotated[
@@ -104,7 +104,7 @@ def tournament(
     record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
 ) -> None:
-    """Play a tournament: groups of agents play in all rotations of the seats, and are ranked.
+    """Play a tournament: line-ups of agents play in all rotations of the seats, and are ranked.
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """

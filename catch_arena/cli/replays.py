@@ -1,6 +1,7 @@
 """`catch-arena verify`, `diff` and `explain`: checks, comparisons and explanations of recorded matches."""
 
 import textwrap
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -85,6 +86,14 @@ def explain(
             metavar="K", help="Explain step K, counted from 1: with steps of 0.1 s, step 124 begins at 12.3 s."
         ),
     ] = None,
+    what_if: Annotated[
+        bool,
+        typer.Option(
+            "--what-if",
+            help="Find the smallest change of its actions with which the hunter that lost the contest at --at would "
+            "have won it.",
+        ),
+    ] = False,
 ) -> None:
     """Explain the contests and refusals of a recorded match: the clause, the distances, the winner."""
     from catch_arena import explanation
@@ -93,7 +102,15 @@ def explain(
 
     if at is not None and step is not None:
         raise ConfigError(f"--at must be left out with --step: got {at:g} and {step}")
+    if what_if and at is None:
+        raise ConfigError("--what-if needs --at, the time of a contest that was lost, as shown in the explanation")
     recorded = Replay.load(replay)
+    if what_if and at is not None:
+        contest = explanation.lost_contest_at(recorded, at, hunter)
+        with progress_bar("searching", late=True) as show:
+            answer = explanation.what_if(recorded, contest, hunter, show)
+        _print_paragraphs([answer.sentence])
+        return
     if at is not None:
         step = explanation.step_at(recorded, at)
     result: explanation.Explanation | explanation.StepExplanation
@@ -102,6 +119,10 @@ def explain(
             result = explanation.explain(recorded, hunter, show)
     else:
         result = explanation.explain_step(recorded, step, hunter)
+    _print_paragraphs(result.lines())
+
+
+def _print_paragraphs(paragraphs: Iterable[str]) -> None:
     width = min(WIDE, own_console().width)
-    for paragraph in result.lines():
+    for paragraph in paragraphs:
         echo(textwrap.fill(paragraph, width, subsequent_indent="    ", break_on_hyphens=False))

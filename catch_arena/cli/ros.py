@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import EXIT_NO, Program, main
+from catch_arena.cli.app import EXIT_NO, Commands, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 ros = Program(
     name="ros",
+    cls=Commands,
     help="Run the arena for ROS 2 nodes, run our nodes for turtlesim, and convert bags.",
     no_args_is_help=True,
 )

@@ -45,12 +45,18 @@ class Picture:
     ] = None
     shape: Annotated[
         Literal["landscape", "portrait", "square"] | None,
-        typer.Option(help="Shape of the frames: portrait is 1080x1920.", show_default="that of the size, or landscape"),
+        typer.Option(
+            metavar="SHAPE",
+            help="Shape of the frames: landscape, portrait (1080x1920) or square.",
+            show_default="that of the size, or landscape",
+        ),
     ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
     captions: Annotated[
         Literal["plain", "clauses", "none"],
-        typer.Option(help="Say what happens in plain words, with the clauses of the rulebook too, or not at all."),
+        typer.Option(
+            metavar="KIND", help="Captions in plain words (plain), with clauses of the rulebook (clauses), or none."
+        ),
     ] = "plain"
 
     def arguments(self) -> dict[str, Any]:
@@ -92,12 +98,28 @@ def render(
         typer.Option("--to", metavar="SECONDS", help="Time in the match at which it ends.", show_default="the end"),
     ] = None,
     view_of: ViewOf = None,
+    what_if: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Show the contest that was lost at this time, and as a ghost what would have won it, as `catch-arena "
+            "explain --what-if` finds it.",
+        ),
+    ] = None,
 ) -> None:
     """Turn a recorded match into a video.
 
-    A whole match has a title at its beginning and a podium at its end; a part, by --from or --to, has neither.
+    A whole match has a title at its beginning and a podium at its end; a part, by --from, --to or --what-if, has
+    neither.
     """
-    _render(replay, output or replay.with_suffix(".mp4"), force, film, start_s=start, end_s=end, view_of=view_of)
+    part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
+    if what_if is None:
+        _render(replay, output or replay.with_suffix(".mp4"), force, film, **part)
+        return
+    if start is not None or end is not None:
+        raise ConfigError("--from and --to must be left out with --what-if, which shows the part around the contest")
+    target = output or replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
+    _render(replay, target, force, film, **part, lost_at_s=what_if)
 
 
 @main.command()
@@ -126,14 +148,19 @@ def clip(
     _render(replay, target, force, film, start_s=start, end_s=min(whole_s, start + seconds), view_of=view_of)
 
 
-def _render(path: Path, target: Path, force: bool, film: Film, **part: Any) -> None:
-    """Write a video of a recorded match, or of a part of it."""
+def _render(path: Path, target: Path, force: bool, film: Film, *, lost_at_s: float | None = None, **part: Any) -> None:
+    """Write a video of a recorded match, or of a part of it: of the contest lost at `lost_at_s` with its answer."""
     from catch_arena.cli.progress import progress_bar
+    from catch_arena.explanation import lost_contest_at, what_if
     from catch_arena.render.video import render_replay
     from catch_arena.replay import Replay
 
     recorded, drawn = Replay.load(path), film.arguments()
     output_file(target, *VIDEO, force=force)
+    if lost_at_s is not None:
+        with progress_bar("searching", late=True) as show:
+            part["what_if"] = what_if(recorded, lost_contest_at(recorded, lost_at_s), progress=show)
+        echo(part["what_if"].sentence)
     with progress_bar("rendering") as show:
         report = render_replay(recorded, target, event=_event(path), progress=show, **part, **drawn)
     print_report(report)

@@ -38,7 +38,7 @@ def read_cases(name: str, written: str) -> list[ArbiterCase | ArenaCase]:
     found: list[ArbiterCase | ArenaCase] = []
     for kind, tables in content.items():
         if kind not in kinds or not isinstance(tables, list):
-            raise ConfigError(f"{name}: may contain only [[case]] and [[arena_case]] tables, got {kind!r}")
+            raise ConfigError(f"{name}: {kind!r} is not a [[case]] or [[arena_case]] table, with double brackets")
         for table in tables:
             place = table.get("id") if isinstance(table, dict) else None
             try:
@@ -59,7 +59,7 @@ def _require_sense(case: ArbiterCase | ArenaCase, group: str) -> None:
         ValueError: if two of its fields contradict each other.
     """
     if not re.fullmatch(rf"{re.escape(group)}(\.[a-z0-9]+(-[a-z0-9]+)*)+", case.id):
-        raise ValueError(f"id must be '{group}.' and lower-case words with hyphens, got {case.id!r}")
+        raise ValueError(f"id must look like '{group}.lower-case-words', got {case.id!r}")
     if isinstance(case, ArbiterCase):
         _require_sense_of_arbiter(case)
     else:

@@ -154,13 +154,7 @@ def _(context: Any, builder: Any, of: ArrayAt, array: Any, name: str) -> Any:
     return context.make_tuple(builder, types.UniTuple(types.intp, of.ndim), shape)
 
 
-def _type_by_address(array: Any) -> Any:
-    if isinstance(array, types.Array) and array.layout == "C":
-        return ArrayAt(array.dtype, array.ndim)(array)
-    return None
-
-
-@compiled_as(by_address, _type_by_address, 1)
+@compiled_as(by_address, lambda array: ArrayAt(array.dtype, array.ndim)(array) if array.layout == "C" else None, 1)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     array = context.make_array(signature.args[0])(context, builder, arguments[0])
     shape = cgutils.unpack_tuple(builder, array.shape)

@@ -320,9 +320,6 @@ class _SectionsModel(models.StructModel):
 
 
 _KINDS: Final = {int: types.int64, float: types.float64}
-for _name, _kind in Settings.__annotations__.items():
-    if _kind not in _KINDS:
-        raise TypeError(f"Settings.{_name} must be an int or a float, got {_kind}")
 
 
 def _type_of_setting(_settings: Any, name: str) -> Any:
@@ -357,8 +354,6 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_section(_sections: Any, name: str) -> Any:
-    if name not in DTYPES:
-        return None
     kind = _KINDS_OF_SECTIONS[name]
     return ArrayAt(from_dtype(DTYPES[name]), kind.ndim - kind.by_thread)
 

@@ -123,22 +123,10 @@ def rank_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, 
         unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.observer_index)
         keys[item * LANES + lane] = select(unseen, FAR, key)
     sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
-    last, teams, tied = min(bodies.ranks, bodies.total - 1), sections.teams, sections.scratch_rows
-    resolve_ties(
-        me,
-        first,
-        width,
-        lanes,
-        bodies.observer_index,
-        bodies.rows,
-        bodies.size,
-        bodies.total,
-        last,
-        teams,
-        False,
-        keys,
-        tied,
-    )
+    last, total, teams, tied = min(bodies.ranks, bodies.total - 1), bodies.total, sections.teams, sections.scratch_rows
+    if last > 0:  # one body alone has no tie
+        myself, rows, size = bodies.observer_index, bodies.rows, bodies.size
+        resolve_ties(me, first, width, lanes, myself, rows, size, total, last, teams, False, keys, tied)
 
 
 @phase

@@ -338,14 +338,14 @@ def seat_at(seat: int) -> int:
 
 @phase
 def seat_of(chunk: Rows, seat: int) -> Rows:
-    """Return the rows of one seat."""
+    """Return one seat's rows of a chunk."""
     first = seat_at(seat)
     return chunk[first : first + SEAT_SIZE]
 
 
 @phase
 def prey_of(chunk: Rows, s: Settings, index: int) -> Rows:
-    """Return the rows of one prey."""
+    """Return one prey's rows of a chunk."""
     first = regions_of(s).prey + index * PREY_SIZE
     return chunk[first : first + PREY_SIZE]
 

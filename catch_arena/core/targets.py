@@ -111,7 +111,7 @@ def nearest_hunter(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) 
 
 @phase
 def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, threats: Rows) -> None:
-    """R3.10: find the nearest hunter of the targets in one slot.
+    """R3.10: find the hunter nearest to each target in one slot.
 
     Args:
         threats: the result, three rows: the square of the hunter's distance [m2], and the target's position relative to

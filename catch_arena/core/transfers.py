@@ -198,8 +198,6 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_where(present: Any, columns: Any) -> Any:
-    if not isinstance(columns, types.BaseTuple):
-        return None
     return types.UniTuple(like(present, types.float64), len(columns))(present, columns)
 
 

@@ -242,9 +242,7 @@ def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_lanes_added(a: Any, b: Any) -> Any:
-    if isinstance(a, types.Integer) and isinstance(b, Lanes):
-        return b(types.int64, b)
-    return None
+    return b(types.int64, b) if isinstance(a, types.Integer) and isinstance(b, Lanes) else None
 
 
 @compiled_as(operator.add, _type_of_lanes_added, 2, types.Integer, Lanes)
@@ -340,9 +338,8 @@ def _type_of_select(condition: Any, a: Any, b: Any) -> Any:
         vector = like(condition, types.float64)
         return vector(condition, vector, vector)
     number = types.float64 if isinstance(a, types.Float) or isinstance(b, types.Float) else types.unliteral(a)
-    if number != types.float64 and number != types.unliteral(b):
-        return None  # such as True or 3: the type would depend on the condition
-    return number(types.boolean, number, number)
+    unequal = number != types.float64 and number != types.unliteral(b)  # True or 3: the type depends on the condition
+    return None if unequal else number(types.boolean, number, number)
 
 
 @compiled_as(select, _type_of_select, 3)

@@ -72,6 +72,16 @@ class ChunkViews:
         numbers: list[int] = self.targets[chunk, seen, row_of(state.NUMBER), lane].astype(int).tolist()
         return numbers
 
+    def numbers_seen(self, seat: int) -> NDArray[np.int64]:
+        """R7.1: return the numbers of the targets that one hunter sees in each lane, by rank, 0 for none:
+        (chunks * LANES, ranks), a copy.
+        """
+        slots = np.ascontiguousarray(self.target_orders[:, seat].swapaxes(1, 2)).view(np.uint8)
+        none = np.cumsum(slots == state.ABSENT, axis=2) > 0
+        numbers = self.targets[:, :, row_of(state.NUMBER)].swapaxes(1, 2)
+        seen = np.take_along_axis(numbers, np.where(none, 0, slots).astype(np.int64), axis=2)
+        return np.where(none, 0.0, seen).astype(np.int64).reshape(-1, slots.shape[2])
+
     def seeds(self) -> NDArray[np.uint64]:
         """Return the seeds of the current episodes, of all lanes: (chunks * LANES,)."""
         high, low = (

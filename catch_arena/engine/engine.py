@@ -301,6 +301,15 @@ class Engine:
         numbers = self._views.targets_seen(arena, seat)
         return next((rank for rank, number in enumerate(numbers, 1) if self.config.target_name(number) == name), 0)
 
+    def numbers_seen(self, seat: int) -> NDArray[np.int64]:
+        """R7.1: return the numbers of the targets that a seat sees in each arena, by rank: (B, ranks), 0 for none."""
+        return self._views.numbers_seen(seat)[: self.num_arenas]
+
+    def active_targets(self) -> NDArray[np.int64]:
+        """R4.1: return the numbers of the hunters' active targets in each arena: (B, H), 0 for none."""
+        numbers = self._views.hunters[:, :, row_of(state.ACTIVE)].swapaxes(1, 2).astype(np.int64)
+        return numbers.reshape(-1, self.config.hunters)[: self.num_arenas]
+
     def seeds(self) -> NDArray[np.uint64]:
         """Return the seeds of the current episodes: (B,)."""
         return self._views.seeds()[: self.num_arenas]

@@ -44,10 +44,10 @@ def opening_sentence(match: "Explanation") -> str:
     """Return the length of a match, its rule for contests, and the catches of each team and hunter, in words."""
     heading = f"{match.title}: " if match.title else ""
     sums = [f"{team.name} {team.score}" for team in sorted(match.teams, key=lambda team: team.rank)]
-    of_teams = f"Teams (R11.1): {_listed(sums)}. " if sums else ""
+    of_teams = f"Teams (R11.1): {listed(sums)}. " if sums else ""
     length = f"{_counted(match.steps, 'step')}, {seconds(match.duration_ms)}"
     caught = zip(match.names, match.scores, strict=True)
-    catches = _listed(f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(caught))
+    catches = listed(f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(caught))
     return f"{heading}{length}. {_CONTEST_RULES[match.policy]}. {of_teams}Catches: {catches}."
 
 
@@ -60,7 +60,7 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
         prey: the label of the prey that played the target; None if no prey did.
     """
     winner, *losers = contest.claims
-    intro = _listed(names[claim.seat] for claim in contest.claims)
+    intro = listed(names[claim.seat] for claim in contest.claims)
     intro = (
         f"At {seconds(contest.judged_ms)} (step {contest.step}) {intro} asked for {_target_label(contest.target, prey)}"
     )
@@ -72,9 +72,7 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
         if winner.verdict is Verdict.GRANTED
         else f"{names[winner.seat]} gets KILL_FAILED, because the simulator refuses the kill (R5.7)"
     )
-    lost = (
-        f"{_listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
-    )
+    lost = f"{listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     sentence = f"{intro}. {'; '.join(places)}. {_DECISIONS[contest.clause]} ({contest.clause}): {outcome}, and {lost}"
     return f"{sentence}{_lost_to_mate(losers, names)}."
 
@@ -83,7 +81,7 @@ def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
     mates = [names[claim.seat] for claim in losers if claim.mate]
     if not mates:
         return ""
-    subject = "it" if len(losers) == 1 else _listed(mates)
+    subject = "it" if len(losers) == 1 else listed(mates)
     return f": {subject} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
 
 
@@ -92,7 +90,7 @@ def no_contest_sentence(match: "Explanation") -> str:
     if len(match.records) == len(match.names):
         return "No contest: no target was requested by two hunters within reach in the same step."
     sides = (("with", [summary.name for summary in match.records]), ("for", [summary.name for summary in match.prey]))
-    return f"No contest {' or '.join(f'{side} {_listed(called)}' for side, called in sides if called)}."
+    return f"No contest {' or '.join(f'{side} {listed(called)}' for side, called in sides if called)}."
 
 
 def _place(claim: Claim, winner: Claim) -> str:
@@ -245,7 +243,7 @@ def _sight(hunter: HunterAction, step: "StepExplanation") -> str:
     if more := len(hunter.unseen) - len(shown):
         shown.append(f"{more} more")
     saw = f"{hunter.seen} of {_counted(hunter.seen + len(hunter.unseen), 'target')}"
-    return f"It sees targets that are {_listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
+    return f"It sees targets that are {listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
 
 
 def _out_of_sight(target: Unseen) -> str:
@@ -262,13 +260,13 @@ def distances_sentence(target: str, step: "StepExplanation") -> str:
         (distance, name, " (out of its sight)" if seat in step.out_of_sight[target] else "")
         for seat, (distance, name) in enumerate(zip(step.distances_um[target], step.names, strict=True))
     )
-    distances = _listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
+    distances = listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
     prey = step.prey_by_target.get(target)
     player = f", played by {prey}" if prey is not None else ""
     return f"Distances to {target}{player}: {distances}."
 
 
-def _listed(words: Iterable[str]) -> str:
+def listed(words: Iterable[str]) -> str:
     """Return words as a list, such as «a, b and c»."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last

@@ -10,10 +10,12 @@ from typing import Final
 from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.seats import find_seat
+from catch_arena.explanation.what_if import WhatIf
 from catch_arena.plain import whole_number
 from catch_arena.render import cards, hud
 from catch_arena.render.captions import Captions
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
+from catch_arena.render.ghost import AFTER_MS, BEFORE_MS, with_ghost
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, frame_spans
@@ -51,6 +53,7 @@ def render_replay(
     speed: float = 1.0,
     view_of: int | str | None = None,
     event: str = "",
+    what_if: WhatIf | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a match as a video between a title and a podium, or a part of it without them.
@@ -69,6 +72,8 @@ def render_replay(
         speed: seconds of the match in a second of the video, 0.01 to 100.
         view_of: hunter whose view is shown, by its seat or its agent's name, if hunters do not see everything as it is.
         event: heading of the title, such as a tournament's name and date.
+        what_if: answer to a lost contest; the part around the contest is shown, with the loser's alternative as a
+            ghost and the answer as caption. Leave out `start_s` and `end_s` then.
         progress: called with (frames written, frames in all).
 
     Raises:
@@ -80,11 +85,21 @@ def render_replay(
     require_type("replay", replay, Replay, "Replay.load(path)")
     kind = format_of(Path(path))
     within = frame_size(kind, size, shape)
+    words = captions != "none"
+    if what_if is not None:
+        if start_s is not None or end_s is not None:
+            raise ConfigError("the start and the end must be left out with what_if, which shows the part around it")
+        judged_ms, captions = what_if.contest.judged_ms, "none"
+        start_s = max(0, judged_ms - BEFORE_MS) / 1000.0
+        end_s = min(replay.duration_ms, judged_ms + AFTER_MS) / 1000.0
     clip = clip_of(replay, kind, fps, start_s or 0.0, end_s, speed)
     renderer = MatchRenderer(MatchInfo.of_replay(replay, event=event), within, layout, replay.seed, captions=captions)
     (renderer.view_of,) = viewed_seats([replay], view_of)
     if start_s is not None or end_s is not None:
-        return write_video(path, rendered_frames(replay, renderer, clip), within, clip.fps, clip.frames, progress)
+        pictures = rendered_frames(replay, renderer, clip)
+        if what_if is not None:
+            pictures = with_ghost(pictures, renderer, clip.times_ms, what_if, words=words)
+        return write_video(path, pictures, within, clip.fps, clip.frames, progress)
     pictures = frames_of(observed_worlds(replay, renderer), renderer, [*clip.times_ms, float(clip.end_ms)])
     frames = clip.frames + 1 + card_frames(cards.TITLE_MS, clip.fps) + card_frames(cards.PODIUM_MS, clip.fps)
     return write_video(path, with_cards(pictures, renderer, clip.fps), within, clip.fps, frames, progress)

@@ -53,7 +53,7 @@ class Screen:
         return width, height
 
     def show(self, pixels: NDArray[np.uint8]) -> None:
-        """Show a (height, width, 3 or 4) picture, scaled to the window; the fourth byte is unused."""
+        """Show a picture, (height, width, 3 or 4), scaled to the window; a fourth channel is ignored."""
         height, width, channels = pixels.shape
         picture = pygame.image.frombuffer(
             np.ascontiguousarray(pixels).data, (width, height), "RGB" if channels == 3 else "RGBX"

@@ -54,7 +54,8 @@ def _headers(first: Replay, second: Replay) -> Iterator[tuple[str, Any, Any]]:
     ):
         for place, names in enumerate(zip_longest(first_values, second_values)):
             if names[0] != names[1]:
-                yield f"the agent of {side}_{place}", *("none" if name is None else repr(name) for name in names)
+                first_name, second_name = ("none" if name is None else repr(name) for name in names)
+                yield f"the agent of {side}_{place}", first_name, second_name
     settings, second_settings = ({**flat_settings(match.config), "control": None} for match in (first, second))
     for name in sorted(settings.keys() | second_settings.keys()):
         if settings.get(name) != second_settings.get(name):

@@ -198,7 +198,7 @@ def _checked_body(content: bytes) -> tuple[int, bytes]:
         raise ReplayError(f"has format {form}, but this version reads formats {_FORMAT} to {_NEWEST}")
     whole = _PREFIX.size + length + _CHECKSUM_BYTES
     if len(content) != whole:
-        raise ReplayError(f"must be {whole} bytes long, got {len(content)}")
+        raise ReplayError(f"is incomplete or damaged: it must be {whole} bytes long, got {len(content)}")
     checked = memoryview(content)[:-_CHECKSUM_BYTES]
     if _checksum(checked) != content[-_CHECKSUM_BYTES:]:
         raise ReplayError("is damaged: its checksum does not match")

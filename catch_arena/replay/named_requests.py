@@ -57,7 +57,7 @@ class RequestBudget:
         """Number of requests that were not kept, since the hunter's share was used up."""
 
     def admit(self, step: int, seat: int, name: object) -> NamedRequest | None:
-        """Return the request to keep; None if the hunter's share is used up."""
+        """Return the request to store, or None if the hunter's share is used up."""
         kept = name[:_LONGEST_NAME] if isinstance(name, str) else None
         self._requests[seat] -= 1
         self._characters[seat] -= len(kept or "")

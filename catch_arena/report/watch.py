@@ -61,7 +61,7 @@ class LiveReport:
         with self._lock:
             data = self._data
         if data is None:
-            raise ReplayError("no match has been played yet")
+            raise ReplayError("no match has been played yet; reload the page later")
         return bundle_text(data.replay(match))
 
     def _refresh(self) -> None:

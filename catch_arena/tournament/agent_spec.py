@@ -100,6 +100,8 @@ def resolve(word: str) -> AgentSpec:
     Raises:
         AgentError: if it names no agent.
     """
+    if not word:
+        raise AgentError("an agent must be a name, a file, a folder or a command, got ''")
     if word.startswith(COMMAND):
         return _resolve_command(word)
     if (file := word.rpartition(":")[0]).endswith(".py"):

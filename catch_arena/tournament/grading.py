@@ -208,6 +208,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         "verdicts": dict(sorted(verdicts.items())),
     }
     failures = [*map(str, forfeits.values()), *([stopped] if stopped else []), *_missed_bounds(test, figures)]
+    counted = "1 match" if len(played) == 1 else f"{len(played)} matches"
     caught = "" if figures["mean_caught"] is None else f", caught {figures['mean_caught']:.2f}"
     return TestGrade(
         test=test.name,
@@ -216,7 +217,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         failures=tuple(failures),
         hints=_hints(forfeits.values(), verdicts, test.config) if failures else (),
         figures=figures,
-        measured=f"{len(played)} matches, score {figures['mean_score']:.2f}, wins {100 * figures['win_share']:.0f} %, "
+        measured=f"{counted}, score {figures['mean_score']:.2f}, wins {100 * figures['win_share']:.0f} %, "
         f"refused {figures['mean_refused']:.2f}{caught}",
         log=log,
     )
@@ -258,10 +259,10 @@ def _causes_of(forfeit: Forfeit, config: ArenaConfig) -> list[str]:
 def _empty_lists(view: View | PreyView) -> list[str]:
     """Return the keys of the hints for lists of a view that were empty, although the arena has something for them."""
     if isinstance(view, PreyView):
-        lists = {"hunters": view.hunters, "others": view.others if view.limits.prey_seen else True}
+        empty = {"hunters": not view.hunters, "others": not view.others and view.limits.prey_seen > 0}
     else:
-        lists = {"targets": view.targets, "rivals": view.rivals if view.limits.hunters_seen else True}
-    return [f"no {name}" for name, seen in lists.items() if not seen]
+        empty = {"targets": not view.targets, "rivals": not view.rivals and view.limits.hunters_seen > 0}
+    return [f"no {name}" for name, is_empty in empty.items() if is_empty]
 
 
 def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:

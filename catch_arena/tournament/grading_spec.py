@@ -184,7 +184,7 @@ def _describe(message: str, table: Any) -> str:
         known = (_File if at == "spec" else GradingTest).__struct_fields__
         return f"unknown field {at}.{field[1]}: {suggest(field[1], known)}"
     if field := re.fullmatch("Object missing required field `(.*)`", problem):
-        return f"{at}.{field[1]} must be given"
+        return f"{at}.{field[1]} must be given" if at != "spec" else f"at least one [[{field[1]}]] must be given"
     wanted = problem.removeprefix("Expected ").partition(", got")[0].replace("`", "").replace(" | null", "")
     wanted = re.sub(r"\w+", lambda kind: _KINDS.get(kind[0], kind[0]), wanted.replace(" | ", " or "))
     return f"{at} must be {wanted}, got {value!r}"

@@ -222,4 +222,5 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
             f"it imports {missing}, which is next to it: an agent of several files is a folder with {IN_FOLDER}, "
             "and is given as that folder (`catch-arena docs agents`)"
         )
-    return f"it imports {missing}, {NOT_INSTALLED}"
+    own = "" if folder is None else f"; if {top} is a file of yours, give a folder with {IN_FOLDER} and {top}.py"
+    return f"it imports {missing}, {NOT_INSTALLED}{own}"

@@ -117,7 +117,7 @@ class Mlp:
             layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range(count)]
             return cls(layers, tables["activation"].item())
         except (ConfigError, ValueError, TypeError, KeyError) as error:
-            raise ConfigError(f"{path}: must be a file from Mlp.save: {reason(error)}") from None
+            raise ConfigError(f"{path}: cannot load a file from Mlp.save: {reason(error)}") from None
 
 
 def read_tables(
@@ -137,7 +137,7 @@ def read_tables(
         with Path(path).open("rb") as raw, np.load(raw) as file:
             tables = {name: file[name] for name in file.files}
     except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise errors of any type for a damaged file
-        raise ConfigError(f"{path}: must be a file from {written_by}: {reason(error)}") from None
+        raise ConfigError(f"{path}: cannot load a file from {written_by}: {reason(error)}") from None
     for name, value in known.items():
         if name not in tables or tables[name].shape != ():
             raise ConfigError(f"{path}: must be a file from {written_by}: it has no {name}")

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from browser.waiting import until
+from command_line import run
 from report.synthetic import tournament
 
 import catch_arena
@@ -69,28 +70,11 @@ def crowd():
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     """Four agents, recorded: the report that a real tournament leaves."""
-    from typer.testing import CliRunner
-
-    from catch_arena.cli import main
-
     folder = tmp_path_factory.mktemp("tournament")
     agents = ["nearest", "contested", "patrol", "first"]
-    words = [
-        "--record",
-        "--seed",
-        "0",
-        "--jobs",
-        "1",
-        "--rounds",
-        "1",
-        "--set",
-        "time_limit_s=20",
-        "--set",
-        "reach_m=0.8",
-        "--out",
-        str(folder),
-    ]
-    done = CliRunner().invoke(main, ["tournament", *agents, *words])
+    words = ["--record", "--seed", "0", "--jobs", "1", "--rounds", "1", "--set", "time_limit_s=20"]
+    words += ["--set", "reach_m=0.8", "--out", folder]
+    done = run("tournament", *agents, *words)
     assert done.exit_code == 0, done.output
     return folder / REPORT
 

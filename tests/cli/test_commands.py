@@ -9,25 +9,14 @@ from pathlib import Path
 
 import pytest
 from isolation_levels import LEVELS
-from typer.testing import CliRunner
 
-from catch_arena.cli import arena, main
+from catch_arena.cli import arena
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.isolation.namespaces import level_line
 
 ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
-
-
-@pytest.fixture
-def catch_arena(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words: str):
-        return CliRunner().invoke(main, list(words))
-
-    return call
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):
@@ -181,6 +170,11 @@ def test_our_errors_are_one_line_and_exit_code_2(catch_arena, tmp_path, words, m
     assert "Traceback" not in result.output
     assert result.stderr.strip().splitlines()[-1].startswith("error: ")
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "out") == ["file"]
+
+
+def test_a_value_that_an_option_does_not_have_is_named_with_the_others(catch_arena):
+    result = catch_arena("tournament", "nearest", "idle", "--format", "swiss")
+    assert result.stderr.startswith("error: invalid value for '--format': 'swiss' is not one of 'round-robin', ")
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,8 @@
 import re
 
 import pytest
-from typer.testing import CliRunner
+from command_line import run
 
-from catch_arena.cli import main
 from catch_arena.cli.app import GROUPS
 from catch_arena.cli.ros import ros
 
@@ -15,10 +14,10 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize("columns", ["40", "100"])
+@pytest.mark.parametrize("columns", [40, 100])
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_a_wrong_option_of_any_command_is_an_error_and_a_hint(words, columns):
-    result = CliRunner(env={"COLUMNS": columns}).invoke(main, [*words, "--no-such-option"])
+    result = run(*words, "--no-such-option", columns=columns)
     assert (result.exit_code, result.stdout) == (2, "")
     error, hint = result.stderr.splitlines()
     assert re.match(r"error: no such (option|command): --no-such-option", error)
@@ -41,7 +40,7 @@ def test_a_wrong_option_of_any_command_is_an_error_and_a_hint(words, columns):
     ],
 )
 def test_wrong_usage_names_the_option_in_one_line(words, error):
-    result = CliRunner().invoke(main, words)
+    result = run(*words)
     assert (result.exit_code, result.stdout) == (2, "")
     first, *hint = result.stderr.splitlines()
     assert first.startswith(f"error: {error}")
@@ -51,7 +50,7 @@ def test_wrong_usage_names_the_option_in_one_line(words, error):
 
 def test_a_command_without_any_word_shows_the_help():
     for words in ([], ["ros"]):
-        for columns in ("40", "100"):
-            result = CliRunner(env={"COLUMNS": columns}).invoke(main, words)
+        for columns in (40, 100):
+            result = run(*words, columns=columns)
             assert (result.exit_code, result.stderr) == (2, "")
             assert "Usage: catch-arena" in result.stdout

@@ -1,11 +1,12 @@
 """The help of every command is complete at any width of the terminal."""
 
 import re
+from inspect import cleandoc
 from pathlib import Path
 
 import pytest
+from command_line import run
 from typer.main import get_command
-from typer.testing import CliRunner
 
 from catch_arena.cli import main
 from catch_arena.cli.app import GROUPS
@@ -15,7 +16,7 @@ COMMANDS = [[name] for names in GROUPS.values() for name in names]
 
 
 def help_of(words, columns):
-    result = CliRunner().invoke(main, [*words, "--help"], env={"COLUMNS": str(columns)})
+    result = run(*words, "--help", columns=columns)
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -52,18 +53,24 @@ def test_the_commands_stand_in_their_groups(columns):
     assert re.findall(r"^([A-Z][\w ]+):$", text, re.MULTILINE) == ["Options", *GROUPS]
     for name, command in get_command(main).commands.items():
         assert re.search(rf"^  {name} +\w", text, re.MULTILINE)
-        assert not command.get_short_help_str(200).endswith("...")
+        assert " ".join(cleandoc(command.help).partition("\n\n")[0].split()) in " ".join(text.split())
+
+
+def test_the_commands_of_a_group_are_listed_with_their_whole_sentences():
+    lines = " ".join(help_of(["ros"], 80).split())
+    for name, command in get_command(main).commands["ros"].commands.items():
+        assert f" {name} {command.get_short_help_str(200)} " in f"{lines} "
 
 
 def test_every_page_of_the_documentation_is_listed_and_printed():
-    listed = CliRunner(env={"COLUMNS": "120"}).invoke(main, ["docs"]).output
+    listed = run("docs", columns=120).output
     for path in (ROOT / "docs").rglob("*.md"):
         assert re.search(rf"^ *{path.stem} ", listed, re.MULTILINE)
     page = (ROOT / "docs" / "howto" / "grading.md").read_text()
     for name in ("grading", "howto/grading.md", "docs/howto/grading.md", "GRADING"):
-        printed = CliRunner().invoke(main, ["docs", name])
+        printed = run("docs", name)
         assert (printed.exit_code, printed.stdout) == (0, page)
-    refused = CliRunner().invoke(main, ["docs", "gradign"])
+    refused = run("docs", "gradign")
     assert (refused.exit_code, refused.stderr) == (2, "error: unknown page 'gradign': did you mean grading?\n")
 
 

@@ -6,9 +6,7 @@ from pathlib import Path
 import pytest
 from isolation_levels import LEVELS, NAMESPACES
 from tournament.agents import write_agent
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.tournament.isolation.namespaces import level_line
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
@@ -29,17 +27,11 @@ PLAYS = {
 }
 
 
-@pytest.fixture
-def catch_arena(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(autouse=True)
+def files(tmp_path):
     write_agent(tmp_path / "mine.py", reset=LISTS, before="from pathlib import Path\n")
     (tmp_path / "exam.toml").write_text(SPEC)
     (tmp_path / "seeds.txt").write_text("1")
-
-    def call(*words: str):
-        return CliRunner().invoke(main, list(words))
-
-    return call
 
 
 def unfolded(text):

@@ -7,18 +7,13 @@ import stat
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from command_line import run
 
-from catch_arena.cli import main
 from catch_arena.tournament.isolation import playing
 
+pytestmark = pytest.mark.usefixtures("catch_arena")  # in a folder of its own
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 SMALL = ["--size", "320x320", "--fps", "10"]
-
-
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -26,9 +21,9 @@ def played(tmp_path_factory):
     """A folder with a tournament, its replays, a match in which something happens, and a spec."""
     folder = tmp_path_factory.mktemp("played")
     words = ["tournament", "nearest", "contested", "--rounds", "1", *QUICK, "--jobs", "1", "--record"]
-    assert CliRunner().invoke(main, [*words, "--out", str(folder / "o")]).exit_code == 0
+    assert run(*words, "--out", str(folder / "o")).exit_code == 0
     words = ["match", "nearest", "contested", "-s", "duel", "--set", "time_limit_s=20", "--seed", "1"]
-    assert CliRunner().invoke(main, [*words, "-o", str(folder / "eventful" / "m.replay")]).exit_code == 0
+    assert run(*words, "-o", str(folder / "eventful" / "m.replay")).exit_code == 0
     (folder / "spec.toml").write_text(
         'seed = 1\nmatches = 1\n[[test]]\nname = "t"\nscenario = "capstone"\nsettings = { time_limit_s = 1 }\n'
     )
@@ -57,12 +52,12 @@ WRITERS = {
 def test_a_file_that_is_there_stays_unless_force_is_given(played, tmp_path, name):
     words = words_of(WRITERS[name], played)
     Path(name).write_text("mine")
-    refused = CliRunner().invoke(main, words)
+    refused = run(*words)
     assert refused.exit_code == 2
     assert refused.stderr == f"error: {name}: already exists; use --force to replace it, or choose another name\n"
     assert not refused.stdout
     assert Path(name).read_text() == "mine"
-    CliRunner().invoke(main, [*words, "--force"])
+    run(*words, "--force")
     assert Path(name).read_bytes() != b"mine"
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
@@ -79,12 +74,12 @@ def test_a_command_without_a_name_for_its_file_takes_the_first_free_one(played, 
     words = words_of(UNNAMED[name], played)
     Path(name).write_text("mine")
     second = Path(name).with_stem(f"{Path(name).stem}-2")
-    done = CliRunner().invoke(main, words)
+    done = run(*words)
     assert done.exit_code == 0, done.output
     assert second.name in done.stdout
     assert Path(name).read_text() == "mine"
     written = second.read_bytes()
-    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    assert run(*words, "--force").exit_code == 0
     assert Path(name).read_bytes() != b"mine"
     assert second.read_bytes() == written
 
@@ -94,7 +89,7 @@ def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
     before = report.read_bytes()
     report.write_text("old")
     for words, path in (([], report), (["-o", str(other)], other)):
-        done = CliRunner().invoke(main, ["report", str(played / "o"), *words])
+        done = run("report", str(played / "o"), *words)
         assert (done.exit_code, done.stdout) == (0, f"report: {path}\n")
         assert path.read_bytes() == before
 
@@ -108,7 +103,7 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given()
     for name in names:
         Path("other", name).write_text("mine")
         for more in ([], ["--resume"]):
-            refused = CliRunner().invoke(main, [*words, *more])
+            refused = run(*words, *more)
             assert refused.exit_code == 2
             assert re.fullmatch(r"error: other/\S+: already .*; use --force to replace .*\n", refused.stderr)
             assert Path("other", name).read_text() == "mine"
@@ -116,12 +111,12 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given()
         Path("other", name).unlink()
     for name in names:
         Path("other", name).write_text("mine")
-    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    assert run(*words, "--force").exit_code == 0
     assert [name for name in names if Path("other", name).read_bytes() == b"mine"] == ["replays/mine.replay"]
     assert Path("other/notes.txt").read_text() == "stays"
-    again = CliRunner().invoke(main, [*words, "--resume"])
+    again = run(*words, "--resume")
     assert again.exit_code == 0, again.output
-    refused = CliRunner().invoke(main, [*words, "--force"])
+    refused = run(*words, "--force")
     assert "holds a tournament already" in refused.stderr  # what was played is never replaced
 
 
@@ -136,12 +131,12 @@ def test_a_tournament_replaces_no_file_of_another_origin_unless_force_is_given()
     ],
 )
 def test_an_export_has_the_format_that_its_name_says(played, words, start):
-    assert CliRunner().invoke(main, ["export", str(played / "o"), *words]).exit_code == 0
+    assert run("export", str(played / "o"), *words).exit_code == 0
     assert Path(words[1]).read_bytes().startswith(start)
 
 
 def test_an_export_whose_name_and_format_contradict_is_refused(played):
-    refused = CliRunner().invoke(main, ["export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl"])
+    refused = run("export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl")
     assert refused.exit_code == 2
     assert refused.stderr == (
         "error: --format must match the ending of the file's name, or be left out, got jsonl for hh.csv\n"
@@ -166,11 +161,11 @@ def test_of_two_commands_at_the_same_time_the_second_does_not_get_the_name_of_th
     do, seconds = pkgutil.resolve_name(work), []
 
     def meanwhile(*arguments, **options):
-        seconds.append(CliRunner().invoke(main, words))
+        seconds.append(run(*words))
         return do(*arguments, **options)
 
     monkeypatch.setattr(work, meanwhile)
-    first = CliRunner().invoke(main, words)
+    first = run(*words)
     assert first.exit_code in {0, 1}
     assert [second.exit_code for second in seconds] == [2]
     assert seconds[0].stderr == f"error: {name}: already exists; use --force to replace it, or choose another name\n"
@@ -185,7 +180,7 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(playing, "play_entrants", interrupted)
-    CliRunner().invoke(main, ["match", "nearest", "idle", *QUICK, "-o", "m.replay"])
+    run("match", "nearest", "idle", *QUICK, "-o", "m.replay")
     assert not list(tmp_path.iterdir())
 
 
@@ -207,7 +202,7 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
     ],
 )
 def test_the_name_of_another_format_is_refused(played, tmp_path, words, why):
-    refused = CliRunner().invoke(main, words_of(words, played))
+    refused = run(*words_of(words, played))
     assert (refused.exit_code, refused.stdout) == (2, "")
     assert len(refused.stderr.splitlines()) == 1
     assert f"error: {words[-1]}: the name must end in " in refused.stderr
@@ -222,7 +217,7 @@ def test_seeds_are_for_their_owner_alone(played, tmp_path):
     words = ["grade", "idle", "--spec", str(spec), "--json", str(grades), "--seeds", str(seeds), "--force"]
     umask = os.umask(0o027)
     try:
-        assert CliRunner().invoke(main, words).exit_code == 0
+        assert run(*words).exit_code == 0
     finally:
         os.umask(umask)
     assert [stat.S_IMODE(path.stat().st_mode) for path in (grades, seeds)] == [0o640, 0o600]

@@ -3,9 +3,8 @@
 import re
 
 import pytest
-from typer.testing import CliRunner
 
-from catch_arena.cli import main, progress
+from catch_arena.cli import progress
 
 QUICK = ["--set", "time_limit_s=1"]
 DUEL = ["--scenario", "duel", *QUICK]
@@ -23,10 +22,9 @@ DUEL = ["--scenario", "duel", *QUICK]
         (["tournament", "nearest", "idle", *DUEL, "--rounds", "2", "--jobs", "1"], "playing", [0, 2, 4]),
     ],
 )
-def test_how_far_it_is_stands_on_stderr(tmp_path, monkeypatch, words, what, lines):
-    monkeypatch.chdir(tmp_path)
+def test_how_far_it_is_stands_on_stderr(catch_arena, monkeypatch, words, what, lines):
     monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
-    result = CliRunner().invoke(main, words)
+    result = catch_arena(*words)
     found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s, about \d+ s left$", result.stderr, re.MULTILINE)
     assert found, result.output
     every = range(1, int(found[-1][1]) + 1)

@@ -4,10 +4,9 @@ The agent writes to the file that an environment variable names. Only an agent i
 environment: an isolated one has one of its own.
 """
 
+import command_line
 import pytest
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.render.optional_imports import pygame
 from catch_arena.scenarios import scenario
 from catch_arena.suite.contents import Suite, SuiteScenario
@@ -86,7 +85,7 @@ def run(monkeypatch, tmp_path):
     def run(name: str, agent: str, *more: str) -> bool:
         command, *options = name.split()
         words = [word.replace("{}", agent) for word in RUNS[name]]
-        result = CliRunner().invoke(main, [command, *options, *words, *more])
+        result = command_line.run(command, *options, *words, *more)
         assert result.exit_code in EXIT_CODES.get(command, {0}), result.output
         assert "FORFEIT" not in result.output
         return (tmp_path / "mark").exists()

@@ -106,9 +106,10 @@ def test_a_file_is_read():
     ("old", "new", "message"),
     [
         ("[[case]]", "[[case]", "some.toml: is not valid TOML: "),
-        ("[[case]]", "[[cases]]", "some.toml: may contain only [[case]] and [[arena_case]] tables, got 'cases'"),
+        ("[[case]]", "[[cases]]", "some.toml: 'cases' is not a [[case]] or [[arena_case]] table"),
+        ("[[case]]", "[case]", "some.toml: 'case' is not a [[case]] or [[arena_case]] table, with double brackets"),
         ('id = "some.case"\n', "", "some.toml: case without an id: Object missing required field `id`"),
-        ('"some.case"', '"other.case"', "id must be 'some.' and lower-case words"),
+        ('"some.case"', '"other.case"', "id must look like 'some.lower-case-words', got 'other.case'"),
         ('["R5.4"]', '["5.4"]', "some.toml: some.case: Expected `str` matching regex"),
         ('why = "It must."', "", "missing required field `why`"),
         ("[[1.0, 1.0],", "[[1.0],", "Expected `array` of length 2, got 1 - at `$.hunters[0]`"),

@@ -2,16 +2,16 @@
 
 import re
 import shlex
+from functools import partial
 from pathlib import Path
 from typing import get_args
 from xml.etree import ElementTree as ET
 
 import pytest
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.conformance.case_files import load_cases
 from catch_arena.conformance.cases import Reading
+from catch_arena.files import tomllib
 from catch_arena.testing import run_conformance
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -20,14 +20,9 @@ CASES_PAGE = (DOCS / "reference" / "conformance_cases.md").read_text(encoding="u
 
 
 @pytest.fixture
-def conformance(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def conformance(catch_arena, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-
-    def call(*words: str):
-        return CliRunner().invoke(main, ["conformance", *words])
-
-    return call
+    return partial(catch_arena, "conformance")
 
 
 def blocks(language: str, page: str = PAGE) -> list[str]:
@@ -78,7 +73,8 @@ def test_the_pages_python_runs():
 
 def test_the_pages_case_is_the_suites():
     file = Path(__file__).parents[2] / "catch_arena" / "conformance" / "cases" / "claimants.toml"
-    assert blocks("toml", CASES_PAGE)[0] in file.read_text(encoding="utf-8")
+    shown, cases = blocks("toml", CASES_PAGE)[0], file.read_text(encoding="utf-8")
+    assert tomllib.loads(shown)["case"][0] in tomllib.loads(cases)["case"]
 
 
 def test_the_page_names_every_group_and_every_value_that_is_read():
@@ -141,6 +137,8 @@ def test_a_report_without_failures_is_whole_xml():
         ([], "ARBITER must be given, as module:function or path.py:function, or --arena, or --list"),
         (["arbitrate"], "arbitrate: must be module:function or path.py:function"),
         (["catch_arena:arbitrat"], "has no function arbitrat; did you mean arbitrate?"),
+        (["notes.txt:f"], "notes.txt:f: must be module:function or path.py:function"),
+        (["catch_arena:arbitrate", "--only", "zzz"], "no case begins with 'zzz': known: basics, capstone, "),
         (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),
         (["missing.py:f"], "missing.py:f: no such file"),
         (["catch_arena.agents.nearest:Agent"], "is a class, but an arbiter is a function; use"),
@@ -153,7 +151,8 @@ def test_a_report_without_failures_is_whole_xml():
 def test_wrong_words_are_one_line_and_exit_code_2(conformance, tmp_path, words, message):
     (tmp_path / "broken.py").write_text("1 / 0\n")
     (tmp_path / "broken_arena.py").write_text("def make():\n    1 / 0\n")
-    (tmp_path / "taken").write_text("")
+    for name in ("taken", "notes.txt"):
+        (tmp_path / name).write_text("")
     result = conformance(*words)
     assert result.exit_code == 2
     assert message in result.stderr

@@ -37,6 +37,13 @@ def in_parallel(form):
     return arena.digest()
 
 
+def in_parallel_under_full_control(form):
+    arena = parallel_env(DUEL, control=("full", "target"))
+    arena.reset(seed=SEED)
+    arena.step({"hunter_0": {"cmd_vel": (1.0, 0.0), "catch": form}, "hunter_1": 0})
+    return arena.digest()
+
+
 def in_turns(form):
     arena = env(DUEL)
     arena.reset(seed=SEED)
@@ -105,6 +112,7 @@ def opponent_in_batches(form):
     "played",
     [
         in_parallel,
+        in_parallel_under_full_control,
         in_turns,
         in_a_batch,
         in_a_batch_under_full_control,

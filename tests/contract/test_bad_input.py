@@ -295,6 +295,8 @@ CALLS = [
     ("replay must be a Replay", lambda wrong: catch_arena.explain_step(wrong, 1)),
     ("step must be a whole number", lambda wrong: catch_arena.explain_step(recorded(), wrong)),
     ("at must be a number of seconds", lambda wrong: step_at(recorded(), wrong)),
+    ("replay must be a Replay", lambda wrong: catch_arena.what_if(wrong, wrong)),
+    ("contest must be a Contest", lambda wrong: catch_arena.what_if(recorded(), wrong)),
     ("limits must be a Limits", lambda wrong: catch_arena.View([0.0] * 57, (), wrong)),
     ("limits must be a PreyLimits", lambda wrong: catch_arena.PreyView([0.0] * 27, wrong)),
     ("observations must be", lambda wrong: catch_arena.BatchView(wrong, np.ones((1, 9)), LIMITS)),

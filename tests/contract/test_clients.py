@@ -240,28 +240,6 @@ def test_infos_of_an_unknown_kind_are_refused(infos):
             make(infos=infos)
 
 
-@pytest.mark.parametrize("action", [np.array([2]), np.array([[2]], dtype=np.uint8), np.int8(2), np.array(2)])
-def test_an_integer_array_of_one_element_is_an_action(action):
-    """A policy's answer to one row has the shape (1,)."""
-    one, other = (catch_arena.parallel_env("duel", control=("target", "full")) for _ in range(2))
-    for env, rank in ((one, action), (other, 2)):
-        env.reset(seed=1)
-        env.step({"hunter_0": rank, "hunter_1": {"cmd_vel": (1.0, 0.0), "catch": rank}})
-
-    assert one.digest() == other.digest()
-
-
-@pytest.mark.parametrize(
-    "action", [2.0, np.array([2.0]), np.array([1, 2]), np.array([]), np.array([True]), np.bool_(1)]
-)
-def test_a_whole_float_two_elements_or_a_bool_is_no_action(action):
-    """Adapters convert; a float is more often a slip."""
-    env = catch_arena.parallel_env("duel")
-    env.reset(seed=1)
-    with pytest.raises(ActionError, match="hunter_0: an action must be a whole number from 0 to 8, got"):
-        env.step({"hunter_0": action, "hunter_1": 0})
-
-
 def test_np_random_follows_from_the_episodes_seed():
     """The rules do not read it."""
     env = catch_arena.parallel_env("duel")

@@ -2,18 +2,14 @@
 
 import pytest
 import supersuit
-from typer.testing import CliRunner
+from command_line import run
 
 import catch_arena
-from catch_arena.cli import main
 from catch_arena.replay import Replay
 from catch_arena.replay.verification import verify
 
 UNCERTAIN = ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"]
 """Scenarios in which something moves, is not seen, differs by seat or leaves."""
-
-
-# what PettingZoo says of prey, which sees otherwise than hunters
 
 
 @pytest.mark.rule("R1.7")
@@ -52,7 +48,7 @@ def test_a_tournament_is_played_rated_and_recorded(name, tmp_path):
     """With nobody forfeiting, and replays that are true."""
     out = tmp_path / "results"
     words = ["nearest", "intercept", "first", "idle", "--scenario", name, "--set", "time_limit_s=4"]
-    result = CliRunner().invoke(main, ["tournament", *words, "--rounds", "1", "--record", "--out", str(out)])
+    result = run("tournament", *words, "--rounds", "1", "--record", "--out", str(out))
     assert result.exit_code == 0, result.output
     assert "forfeit" not in result.output.lower()
     replays = sorted((out / "replays").rglob("*.replay"))

@@ -34,6 +34,7 @@ SMALLER = {
     "suite": ("--quick",),
     "grade": ("--limit", "step_ms=60", "--limit", "bank_s=1"),  # one submission of the sample class hangs
     "render": ("--size", "320x320", "--fps", "2"),
+    "clip": ("--size", "320x320", "--fps", "2"),
     "highlights": ("--size", "320x320", "--fps", "2"),
     "ros serve": ("--set", "time_limit_s=5"),
 }
@@ -78,6 +79,8 @@ def run_command(words, background):
         background.append(subprocess.Popen([sys.executable, "-m", "catch_arena", *arguments[:-1]]))
         return
     smaller = SMALLER.get(" ".join(arguments[:2])) or SMALLER.get(arguments[0], ())
+    if "--shape" in arguments:  # it decides the size
+        smaller = ("--fps", "1")
     done = CliRunner().invoke(main, [*arguments, *smaller])
     assert done.exit_code in ANSWERS_NO.get(arguments[0], (0,)), (words, done.output)
 

@@ -4,15 +4,14 @@ import json
 import math
 import re
 from collections import Counter
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from oracle.arithmetic import draw, key
-from typer.testing import CliRunner
 
 from catch_arena import ArenaService, Engine, Verdict, arbitrate, explain, explain_step, scenario
-from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import step_at
 from catch_arena.explanation.seen_targets import SeenTargets
@@ -266,14 +265,10 @@ def test_a_step_that_is_not_there_is_refused(crowded):
             explain_step(crowded, step)
 
 
-def test_explain_prints_paragraphs_of_80_columns(crowded, tmp_path, monkeypatch):
+def test_explain_prints_paragraphs_of_80_columns(crowded, catch_arena):
     """Wrong arguments are one line and exit code 2."""
-    monkeypatch.chdir(tmp_path)
     crowded.save("m.replay")
-
-    def call(*words):
-        return CliRunner().invoke(main, ["explain", "m.replay", *words])
-
+    call = partial(catch_arena, "explain", "m.replay")
     whole, one, step = call(), call("--hunter", "bob"), call("--step", "62", "--hunter", "ann")
     for result in (whole, one, step):
         assert result.exit_code == 0, result.output
@@ -327,6 +322,7 @@ def test_what_a_hunter_is_said_to_see_is_what_the_engine_ranks(half_blind):
             ranks = {target.name: engine.rank_of(0, seat, target.name) for target in world.targets}
             view = sorted((name for name, rank in ranks.items() if rank), key=ranks.get)
             assert sight.ranked(world, seat) == view
+            assert [half_blind.config.target_name(number) for number in engine.numbers_seen(seat)[0] if number] == view
             unseen = sight.unseen(world, seat)
             hidden += len(unseen)
             assert all(ranks[one.target] == 0 for one in unseen)

@@ -3,10 +3,9 @@
 import re
 
 import pytest
-from typer.testing import CliRunner
+from command_line import run
 
 from catch_arena import Verdict, explain, explain_step
-from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.seats import find_seat
 
@@ -181,7 +180,7 @@ def test_the_command_prints_teams_and_prey_as_words_and_as_facts(hunted, tmp_pat
     monkeypatch.setenv("COLUMNS", "200")
     path = tmp_path / "hunted.replay"
     hunted.save(path)
-    words = CliRunner().invoke(main, ["explain", str(path)])
+    words = run("explain", str(path))
     assert words.exit_code == 0, words.output
     assert "(R11.1): a 9 and b + c 2. Catches: " in " ".join(words.output.split())
     facts = explain(hunted).to_dict()

@@ -5,10 +5,8 @@ import time
 from pathlib import Path
 
 import pytest
+from command_line import run
 from interrupts.commands import LINE, WAITS_WHEN_IT_HAS_KEPT, Command
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
 
 ROOT = Path(__file__).parents[2]
 TOURNAMENT = (
@@ -42,7 +40,7 @@ def made(tmp_path_factory):
 
 
 def called(*words: str) -> str:
-    done = CliRunner().invoke(main, list(words))
+    done = run(*words)
     assert done.exit_code == 0, done.output
     return done.output
 

@@ -2,11 +2,11 @@
 
 import itertools
 
+import command_line
 import pytest
-from typer.testing import CliRunner
 
 from catch_arena import explain
-from catch_arena.cli import live, main
+from catch_arena.cli import live
 from catch_arena.live import match_window
 from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
@@ -62,7 +62,7 @@ def session(monkeypatch, tmp_path):
     def run(words, *looks):
         script = Script(*looks)
         monkeypatch.setattr(pygame.event, "get", script.get)
-        return CliRunner().invoke(main, [*words, *QUICK])
+        return command_line.run(*words, *QUICK)
 
     yield run
     pygame.display.quit()
@@ -83,59 +83,51 @@ def nothing(looks: int) -> list[tuple[()]]:
     return [()] * looks
 
 
-def test_a_person_plays_to_the_end_and_is_recorded(session, tmp_path):
-    result = session(
-        ["play", "--against", "nearest", "patrol", "--seat", "1", "--record", "mine.replay"],
-        pygame.K_UP,  # begins, and drives
-        *nothing(150),
-    )
+def played(session, *words):
+    """What `play` prints to a person that drives ahead to the end, and the replay, which is true."""
+    result = session(["play", *words, "--record", "mine.replay"], pygame.K_UP, *nothing(150))  # the key begins, too
     assert result.exit_code == 0, result.output
-    replay = Replay.load(tmp_path / "mine.replay")
+    replay = Replay.load("mine.replay")
+    assert list(verify(replay)) == []
+    return result.output, replay
+
+
+def test_a_person_plays_to_the_end_and_is_recorded(session):
+    printed, replay = played(session, "--against", "nearest", "patrol", "--seat", "1")
     assert replay.names == ("nearest", "you", "patrol", "nearest#2")
     assert replay.config.controls[:2] == ("target", "velocity")
     assert replay.steps == 10
     assert {float(commands[1][0]) for commands in replay.commands} == {1.0}
-    assert list(verify(replay)) == []
-    assert "  you" in result.output
-    assert "replay: mine.replay" in result.output
+    assert "  you" in printed
+    assert "replay: mine.replay" in printed
 
 
 @pytest.mark.parametrize("name", ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"])
-def test_a_scenario_can_be_played_by_a_person(session, tmp_path, name):
-    """To its end, even where the person's own hunter drops out; the record is true."""
+def test_a_scenario_can_be_played_by_a_person(session, name):
+    """To its end, even where the person's own hunter drops out."""
     dropout = ["--set", "dropout_rate=0.2"] if name == "dropout" else []
-    words = ["play", "--scenario", name, *dropout, "--seed", "3", "--against", "intercept", "--record", "mine.replay"]
-    result = session(words, pygame.K_UP, *nothing(150))
-    assert result.exit_code == 0, result.output
-    replay = Replay.load(tmp_path / "mine.replay")
+    _, replay = played(session, "--scenario", name, *dropout, "--seed", "3", "--against", "intercept")
     assert replay.config.target_motion == SCENARIOS[name].target_motion
     assert replay.steps == 10
     assert explain(replay).records[0].dropped_out == (name == "dropout")
-    assert list(verify(replay)) == []
 
 
-def test_a_person_plays_prey(session, tmp_path):
+def test_a_person_plays_prey(session):
     """Against hunters; what it drives is recorded as the prey's actions."""
-    words = ["play", "--scenario", "tag", "--seat", "prey_0", "--seed", "1", "--against", "nearest"]
-    result = session([*words, "--record", "mine.replay"], pygame.K_UP, *nothing(150))
-    assert result.exit_code == 0, result.output
-    replay = Replay.load(tmp_path / "mine.replay")
+    words = ["--scenario", "tag", "--seat", "prey_0", "--seed", "1", "--against", "nearest"]
+    printed, replay = played(session, *words)
     assert replay.names[3:] == ("you",)
     assert set(replay.config.controls) == {"target"}
     assert {float(commands[0][0]) for commands in replay.prey_commands} == {1.0}
-    assert list(verify(replay)) == []
-    assert "prey, by number of times caught:\n  1    0  you" in result.output
+    assert "prey, by number of times caught:\n  1    0  you" in printed
 
 
-def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(session, tmp_path):
-    words = ["play", "--scenario", "pairs", "--against", "nearest", "patrol", "--seat", "hunter_1"]
-    result = session([*words, "--record", "mine.replay"], pygame.K_UP, *nothing(150))
-    assert result.exit_code == 0, result.output
-    replay = Replay.load(tmp_path / "mine.replay")
+def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(session):
+    words = ["--scenario", "pairs", "--against", "nearest", "patrol", "--seat", "hunter_1"]
+    printed, replay = played(session, *words)
     assert replay.names == ("nearest", "you", "patrol", "patrol")
     assert replay.config.controls[1] == "velocity"
-    assert list(verify(replay)) == []
-    assert " patrol (" in result.output  # with the catches of its hunters
+    assert " patrol (" in printed  # with the catches of its hunters
 
 
 def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):

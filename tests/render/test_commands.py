@@ -7,9 +7,7 @@ import sys
 import time
 
 import pytest
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
+from command_line import run
 
 SMALL = ["--size", "480x320", "--fps", "10"]
 
@@ -29,20 +27,16 @@ def folder(matches, tmp_path, monkeypatch):
     return where
 
 
-def call(*words: str):
-    return CliRunner().invoke(main, list(words))
-
-
 def test_a_mosaic_of_a_folder(tmp_path):
     """Which says so where it has fewer matches than were asked for."""
-    result = call("mosaic", "replays", "-o", "out/grid.mp4", "--speed", "4", "--count", "9")
+    result = run("mosaic", "replays", "-o", "out/grid.mp4", "--speed", "4", "--count", "9")
     assert result.exit_code == 0, result.output
     assert "matches: 3 of 3, not 9: the folder has no more\n" in result.output
     assert (tmp_path / "out" / "grid.mp4").is_file()
 
 
 def test_the_list_says_file_time_kind_and_caption_and_writes_nothing(tmp_path):
-    result = call("highlights", "replays", "--list", "--count", "2")
+    result = run("highlights", "replays", "--list", "--count", "2")
     assert result.exit_code == 0, result.output
     lines = result.stdout.splitlines()
     assert len(lines) == 2
@@ -52,10 +46,10 @@ def test_the_list_says_file_time_kind_and_caption_and_writes_nothing(tmp_path):
 
 def test_fewer_highlights_than_asked_for_are_not_passed_over_in_silence():
     """On stderr, so that the list stays a list."""
-    result = call("highlights", "replays", "--list", "--count", "99")
+    result = run("highlights", "replays", "--list", "--count", "99")
     count = len(result.stdout.splitlines())
     assert f"moments: {count}, not 99: there are no more that do not overlap\n" in result.stderr
-    assert "moments:" not in call("highlights", "replays", "--list", "--count", str(count)).output
+    assert "moments:" not in run("highlights", "replays", "--list", "--count", str(count)).output
 
 
 def test_a_broken_replay_is_told_and_the_others_are_shown(folder, matches):
@@ -64,7 +58,7 @@ def test_a_broken_replay_is_told_and_the_others_are_shown(folder, matches):
     other = matches[1].__class__.load(folder / "m1.replay")
     other.digests[30] = b"12345678"
     other.save(folder / "m1.replay")
-    result = call("highlights", "replays", "--list")
+    result = run("highlights", "replays", "--list")
     assert result.exit_code == 0, result.output
     assert "left out: replays/m0.replay: " in result.output
     assert "left out: replays/m1.replay: " in result.output
@@ -78,13 +72,13 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     play("duel", time_limit_s=0.2).save(quiet / "q.replay")
     (folder.parent / "best.mp4").write_bytes(b"as it was")
     for where, error in (("empty", "contains no replays"), ("nowhere", "is not a folder"), ("quiet", "no highlights")):
-        result = call("highlights", where, "-o", "best.mp4", "--force")
+        result = run("highlights", where, "-o", "best.mp4", "--force")
         assert result.exit_code == 2
         assert error in result.output
         assert len(result.stderr.splitlines()) == 1
     assert (folder.parent / "best.mp4").read_bytes() == b"as it was"
     (quiet / "q.replay").write_bytes(b"nothing")
-    assert "none of 1 replays" in call("mosaic", "quiet", "-o", "grid.mp4").output
+    assert "none of 1 replays" in run("mosaic", "quiet", "-o", "grid.mp4").output
 
 
 @pytest.mark.parametrize(
@@ -97,7 +91,7 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     ],
 )
 def test_bad_words_are_one_line(words, error):
-    result = call(*words)
+    result = run(*words)
     assert result.exit_code == 2
     assert error in result.output
     assert len(result.stderr.splitlines()) == 1

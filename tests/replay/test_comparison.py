@@ -5,9 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.replay.comparison import replay_differences
 
 
@@ -89,20 +87,12 @@ def test_a_digest_alone_and_a_length_are_differences(pair):
     assert replay_differences(one, other)[0] == "steps: 80 in A; 79 in B"
 
 
-def test_diff_exits_with_0_1_or_2(play, mixed, tmp_path, monkeypatch):
+def test_diff_exits_with_0_1_or_2(play, mixed, catch_arena):
     """Equal, different, unreadable; matches of different sizes are compared by their headers."""
-    monkeypatch.chdir(tmp_path)
     mixed.save("a.replay")
     play("duel", max_cycles=3).save("b.replay")
 
-    def diff(*files):
-        return CliRunner().invoke(main, ["diff", *files])
-
-    equal, different, unreadable = (
-        diff("a.replay", "a.replay"),
-        diff("a.replay", "b.replay"),
-        diff("a.replay", "c.replay"),
-    )
+    equal, different, unreadable = (catch_arena("diff", "a.replay", f"{other}.replay") for other in "abc")
     assert (equal.exit_code, equal.stdout) == (0, "the replays are equal\n")
     assert different.exit_code == 1
     assert different.stdout.startswith("A: a.replay\nB: b.replay\n")

@@ -4,11 +4,9 @@ import copy
 import re
 
 import pytest
-from typer.testing import CliRunner
 
 import catch_arena
 from catch_arena import Replay
-from catch_arena.cli import main
 from catch_arena.errors import ReplayError
 from catch_arena.replay.verification import verify
 
@@ -129,13 +127,12 @@ def test_worlds_stop_at_the_first_step_that_differs_and_say_in_what(mixed):
         list(altered(mixed, alter_action).worlds())
 
 
-def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path, monkeypatch):
+def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path, catch_arena):
     """Sound, altered, cut and missing files together."""
-    monkeypatch.chdir(tmp_path)
     mixed.save("good.replay")
     altered(mixed, alter_action).save("played.replay")
     (tmp_path / "cut.replay").write_bytes((tmp_path / "good.replay").read_bytes()[:-1])
-    result = CliRunner().invoke(main, ["verify", "played.replay", "cut.replay", "good.replay", "none.replay"])
+    result = catch_arena("verify", "played.replay", "cut.replay", "good.replay", "none.replay")
 
     assert result.exit_code == 2
     assert result.stdout == "good.replay: all 80 steps play as recorded\n"

@@ -1,9 +1,7 @@
 """A real tournament of four agents, played once, with every match recorded."""
 
 import pytest
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
+from command_line import run
 
 
 @pytest.fixture(scope="session")
@@ -13,6 +11,6 @@ def played(tmp_path_factory):
     agents = ["nearest", "contested", "patrol", "first"]
     words = ["--set", "time_limit_s=10", "--scenario", "standard", "--record", "--seed", "0", "--jobs", "1"]
     words += ["--rounds", "1", "--out", str(folder)]
-    done = CliRunner().invoke(main, ["tournament", *agents, *words])
+    done = run("tournament", *agents, *words)
     assert done.exit_code == 0, done.output
     return folder

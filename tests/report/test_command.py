@@ -4,16 +4,14 @@ import re
 import urllib.request
 
 import pytest
+from command_line import run
 from interrupts.commands import Command
 from report.synthetic import tournament
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
 
 
 def test_a_report_is_written_beside_its_tournament(tmp_path):
     tournament(tmp_path, 1)
-    done = CliRunner().invoke(main, ["report", str(tmp_path)])
+    done = run("report", str(tmp_path))
     assert (done.exit_code, done.output) == (0, f"report: {tmp_path / 'report.html'}\n")
     assert (tmp_path / "report.html").stat().st_size > 10_000
 
@@ -29,7 +27,7 @@ def test_a_report_is_written_beside_its_tournament(tmp_path):
 )
 def test_wrong_words_are_told_in_one_line(tmp_path, words, error):
     tournament(tmp_path, 1, most=4)
-    done = CliRunner().invoke(main, ["report", str(tmp_path), *words])
+    done = run("report", str(tmp_path), *words)
     assert done.exit_code == 2
     assert error in done.output
     assert done.output.count("\n") == 1
@@ -37,7 +35,7 @@ def test_wrong_words_are_told_in_one_line(tmp_path, words, error):
 
 def test_a_folder_without_a_tournament_is_told_in_one_line(tmp_path):
     for words in ([], ["--watch"]):
-        done = CliRunner().invoke(main, ["report", str(tmp_path), *words])
+        done = run("report", str(tmp_path), *words)
         assert done.exit_code == 2
         assert "holds no tournament" in done.output
 

@@ -3,18 +3,13 @@
 from itertools import pairwise
 
 import pytest
+from command_line import run
 from ros.match import Match
 from rosbags.highlevel import AnyReader
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.replay import Replay
 
 NS = 1_000_000
-
-
-def run(*words):
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from command_line import run
 from ros.bags import Recorder, without_definitions
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.replay import Replay
 from catch_arena.ros.bags.reading import read_bag
 from catch_arena.ros.bags.rulings import judge_bag
@@ -19,10 +18,6 @@ from catch_arena.verdicts import Verdict
 
 TRACES = Path(__file__).parents[1] / "data"
 SIDE = 11.088889122009277
-
-
-def run(*words):
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 def trace(number=1):

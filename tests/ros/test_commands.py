@@ -4,18 +4,18 @@ import os
 import subprocess
 import sys
 
+import command_line
 import pytest
 from ros.processes import own_domain
-from typer.testing import CliRunner
 
-from catch_arena.cli import main, ros
+from catch_arena.cli import ros
 from catch_arena.errors import ConfigError
 from catch_arena.ros.nodes.rate import Rate
 
 
 def run(*arguments):
     """Exit status, and all that is said."""
-    result = CliRunner().invoke(main, ["ros", *arguments])
+    result = command_line.run("ros", *arguments)
     return result.exit_code, result.output
 
 

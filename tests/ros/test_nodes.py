@@ -9,13 +9,12 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import command_line
 import pytest
 from ros.bridge import running_bridge
 from ros.processes import own_domain, started
 from ros.referee import Referee
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.ros.middleware.opening import open_bus
 
 SPEC = """
@@ -169,11 +168,11 @@ GRADE = ("grade", "--spec", "spec.toml")
 
 
 def over_rosbridge(url, service, command, *words):
-    return CliRunner().invoke(main, [command, service, *words, "--bus", "rosbridge", "--url", url])
+    return command_line.run(command, service, *words, "--bus", "rosbridge", "--url", url)
 
 
 def refused(error, *words):
-    found = CliRunner().invoke(main, words)
+    found = command_line.run(*words)
     assert (found.exit_code, found.stderr) == (2, f"error: {error}\n")
 
 

@@ -178,9 +178,9 @@ def test_the_types_that_a_node_uses_come_before_those_of_packages(package, monke
     used = [Endpoint("/mine", "client", "/catch_turtle", "b/srv/CatchTurtle")]
     assert found_types(Interfaces(), lambda: used).package == "b"
     assert found_types(Interfaces("a"), lambda: used).package == "a"
-    with pytest.raises(BusError, match=r"^each of the packages a and b has a catch service$") as error:
+    with pytest.raises(BusError, match=r"^several packages have a catch service: a, b$") as error:
         found_types(Interfaces(), list)
-    assert error.value.hint == "give --interfaces a, or another"
+    assert error.value.hint == "choose one, such as --interfaces a"
 
 
 def test_turtlesim_has_another_package_from_kilted_on(package):

@@ -104,10 +104,6 @@ class Bus:
         """A node of nodes/, with its arguments."""
         return self._start(str(ROOT / "tests" / "ros_nodes" / "nodes" / f"{name}.py"), *words)
 
-    def measure(self, *words):
-        """`scripts/measure_ros.py ...`."""
-        return self._start(str(ROOT / "scripts" / "measure_ros.py"), *words)
-
     def _start(self, *words):
         process = Process([self._python, *words], self._environment, self._folder)
         self._stack.callback(process.kill)

@@ -4,12 +4,11 @@ import dataclasses
 import json
 import re
 
+import command_line
 import numpy as np
 import pytest
 from tournament.played_matches import made_up
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.scenarios import scenario
 from catch_arena.suite import contents
 from catch_arena.suite.contents import Suite, SuiteScenario
@@ -55,7 +54,7 @@ def run(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
 
     def run(*words):
-        return CliRunner(env={"COLUMNS": "100"}).invoke(main, ["suite", "--jobs", "1", *words])
+        return command_line.run("suite", "--jobs", "1", *words, columns=100)
 
     return run
 

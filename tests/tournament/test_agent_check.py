@@ -3,9 +3,8 @@
 import re
 
 import pytest
-from typer.testing import CliRunner
+from command_line import run
 
-from catch_arena.cli import main
 from catch_arena.scenarios import SCENARIOS
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -19,7 +18,7 @@ def check(tmp_path):
         if "\n" in source:
             spec = tmp_path / "mine.py"
             spec.write_text(source)
-        return CliRunner(env={"COLUMNS": "500"}).invoke(main, ["check-agent", str(spec), *(words or QUICK)])
+        return run("check-agent", spec, *(words or QUICK), columns=500)
 
     return call
 

@@ -3,13 +3,12 @@
 import re
 
 import pytest
+from command_line import run
 from tournament.agents import write_agent
 from tournament.played_matches import made_up
 from tournament.seats import hunters
-from typer.testing import CliRunner
 
 from catch_arena import scenario
-from catch_arena.cli import main
 from catch_arena.tournament.comparison import ComparisonDesign, compare
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.plans.schedule import round_robin
@@ -72,7 +71,7 @@ def test_the_decision_does_not_depend_on_the_number_of_processes():
     ],
 )
 def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, verdict):
-    result = CliRunner().invoke(main, ["compare", *words, *QUICK, "--seed", "0"])
+    result = run("compare", *words, *QUICK, "--seed", "0")
     assert result.exit_code == code, result.output
     assert re.search(f"verdict: .*{verdict}", result.output)
     assert max(map(len, result.stdout.splitlines())) <= 120
@@ -80,7 +79,7 @@ def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, 
 
 def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
     bad = write_agent(tmp_path / "bad.py", "return 99")
-    result = CliRunner().invoke(main, ["compare", bad, "nearest", *QUICK])
+    result = run("compare", bad, "nearest", *QUICK)
     assert re.search(r"^bad forfeited: 10 times FORFEIT_ILLEGAL, \d+ times FORFEIT_OUT$", result.output, re.MULTILINE)
     assert result.exit_code == 1
     assert "verdict: bad is not stronger than nearest (H0)" in result.output
@@ -105,7 +104,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
     ],
 )
 def test_what_cannot_be_compared_is_refused_in_one_line(words, message):
-    result = CliRunner().invoke(main, ["compare", *words])
+    result = run("compare", *words)
     assert result.exit_code == 2
     assert message in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1

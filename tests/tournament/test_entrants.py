@@ -81,7 +81,10 @@ def test_the_digest_is_also_of_a_module_that_a_class_is_borrowed_from(agent_file
 @pytest.mark.parametrize(
     ("source", "reason"),
     [
-        ("import nothing_of_this_name\n", "it imports nothing_of_this_name, which is not installed here"),
+        (
+            "import nothing_of_this_name\n",
+            "which is not installed here; if nothing_of_this_name is a file of yours, give a folder with agent.py",
+        ),
         ("class Agent\n", "importing it raised SyntaxError"),
         ("raise SystemExit(0)\n", "importing it raised SystemExit"),
         ("class Agnet: pass\n", "has no class Agent; did you mean Agnet"),
@@ -103,6 +106,7 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
 @pytest.mark.parametrize(
     ("spec", "reason"),
     [
+        ("", "an agent must be a name, a file, a folder or a command, got ''"),
         ("neerest", "unknown agent 'neerest': did you mean nearest"),
         ("missing.py", "missing.py: no such file"),
         ("neighbours.py", r"it imports helpers, which is next to it: .* is a folder with agent\.py"),

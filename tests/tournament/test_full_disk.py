@@ -4,26 +4,12 @@ import re
 import resource
 from contextlib import contextmanager
 
-import pytest
 from interrupts.commands import PROGRESS
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 TOURNAMENT = ["tournament", "nearest", "idle", *QUICK, "--rounds", "150", "--seed", "0", "--jobs", "1"]
 ROOM = r"[\d.]+ \w+ are free in [\w/]+"
 KEPT = "of 300 matches are kept in {}; the same command with --resume goes on"
-
-
-@pytest.fixture
-def catch_arena(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words: str):
-        return CliRunner().invoke(main, list(words))
-
-    return call
 
 
 @contextmanager

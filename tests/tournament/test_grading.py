@@ -7,9 +7,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from tournament.agents import source, write_agent
-from typer.testing import CliRunner
 
-from catch_arena.cli import main, progress
+from catch_arena.cli import progress
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.grading import _HINTS
 from catch_arena.tournament.grading_spec import read_spec
@@ -38,12 +37,10 @@ max_mean_refused = 3
 
 
 @pytest.fixture
-def grade(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
+def grade(catch_arena):
     def call(agent, *words, spec=SPEC):
         Path("spec.toml").write_text(spec)
-        return CliRunner().invoke(main, ["grade", str(agent), "--spec", "spec.toml", *words])
+        return catch_arena("grade", str(agent), "--spec", "spec.toml", *words)
 
     return call
 
@@ -228,6 +225,7 @@ def read_spec_text(text):
     ("change", "message"),
     [
         (("[[test]]", "[[test"), "is no TOML"),
+        ((SPEC[SPEC.index("[[test]]") :].replace('"', "'"), ""), r"at least one \[\[test\]\] must be given"),
         (("title =", "titel ="), "unknown field spec.titel: did you mean title"),
         (("points = 2", "point = 2"), r"unknown field test\[1\]\.point: did you mean points"),
         (
@@ -287,11 +285,10 @@ def test_text_in_another_encoding_is_named(tmp_path, encoding, why):
         (["nearest", "--spec", "spec.toml", "--json", "file/grades.json"], "file: cannot be written"),
     ],
 )
-def test_words_that_cannot_be_are_one_line_and_exit_code_2(tmp_path, monkeypatch, words, message):
-    monkeypatch.chdir(tmp_path)
+def test_words_that_cannot_be_are_one_line_and_exit_code_2(catch_arena, words, message):
     Path("spec.toml").write_text(SPEC)
     Path("file").touch()
-    result = CliRunner().invoke(main, ["grade", *words])
+    result = catch_arena("grade", *words)
     assert result.exit_code == 2
     assert message in result.stderr
     assert len(result.stderr.splitlines()) == 1

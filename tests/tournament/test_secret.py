@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from command_line import run
 from tournament.seats import blocks_of, hunters
-from typer.testing import CliRunner
 
 from catch_arena import scenario
-from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor
@@ -21,16 +20,12 @@ from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.secret import Purpose, Secret
 from catch_arena.tournament.store import STORE, Store, Tournament
 
+pytestmark = pytest.mark.usefixtures("catch_arena")  # in a folder of its own
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "seeds.md").read_text()
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--jobs", "1", "--out", "o"]
 PURPOSES = get_args(Purpose)
 DRAWN = Secret.parse("5bd1e995c0ffee0123456789abcdef07")
 CONFIG = scenario("duel", time_limit_s=3)
-
-
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
 
 
 def test_the_page_lists_every_purpose_and_its_example_is_right():
@@ -95,21 +90,21 @@ def test_neither_a_secret_nor_a_match_shows_its_seeds_where_it_is_printed():
 
 def test_the_seed_is_told_in_the_end_and_repeats_all_of_it():
     words = ["tournament", "random", "nearest", "--rounds", "1", *QUICK[:-1]]
-    first = CliRunner().invoke(main, [*words, "a"])
+    first = run(*words, "a")
     digits = json.loads(Path("a/standings.json").read_text())["seed"]
     assert re.fullmatch("[0-9a-f]{32}", digits)
     assert f"seed: {digits}\n" in first.output
     assert f"<code>{digits}</code>" in Path("a/report.html").read_text()
-    assert CliRunner().invoke(main, [*words, "b", "--seed", digits.upper()]).exit_code == 0
-    assert CliRunner().invoke(main, [*words, "c"]).exit_code == 0
+    assert run(*words, "b", "--seed", digits.upper()).exit_code == 0
+    assert run(*words, "c").exit_code == 0
     for out in "abc":
-        CliRunner().invoke(main, ["export", out, "--no-timing", "-o", f"{out}.csv"])
+        run("export", out, "--no-timing", "-o", f"{out}.csv")
     assert Path("a.csv").read_bytes() == Path("b.csv").read_bytes() != Path("c.csv").read_bytes()
     assert digits in Path("a.csv").read_text()
 
 
 def test_a_number_can_be_guessed_and_the_results_say_so():
-    done = CliRunner().invoke(main, ["tournament", "random", "idle", "--rounds", "1", *QUICK, "--seed", "7"])
+    done = run("tournament", "random", "idle", "--rounds", "1", *QUICK, "--seed", "7")
     digits = Secret.of(7).digits
     assert f"seed: {digits} (from 7, which agents can guess)" in done.output
     assert "it was set as a number (7), which can be guessed" in Path("o/report.html").read_text()
@@ -119,19 +114,19 @@ def test_a_number_can_be_guessed_and_the_results_say_so():
 def test_resume_keeps_the_secret():
     """Drawn, given as digits or as a number; and a command with another one does not show it."""
     words = ["tournament", "random", "idle", *QUICK, "--rounds", "2"]
-    assert CliRunner().invoke(main, words).exit_code == 0
+    assert run(*words).exit_code == 0
     secret = Store.secret_in(Path("o"))
     with sqlite3.connect(f"o/{STORE}") as db:  # as where it was broken off
         db.execute("DELETE FROM result WHERE match LIKE 'r00002%'")
         db.execute("DELETE FROM fact WHERE name = 'ended'")
     db.close()
-    refused = CliRunner().invoke(main, [*words, "--resume", "--seed", "7"])
+    refused = run(*words, "--resume", "--seed", "7")
     assert (refused.exit_code, refused.stderr.count("\n")) == (2, 1)
     assert "its seed is another one; without --seed it keeps its own" in refused.stderr
     assert secret.digits not in refused.output
-    assert CliRunner().invoke(main, [*words, "--resume"]).exit_code == 0
+    assert run(*words, "--resume").exit_code == 0
     assert json.loads(Path("o/standings.json").read_text())["seed"] == secret.digits
-    assert CliRunner().invoke(main, [*words, "--resume", "--seed", secret.digits]).exit_code == 0
+    assert run(*words, "--resume", "--seed", secret.digits).exit_code == 0
 
 
 class Breaks(Executor):

@@ -12,13 +12,12 @@ from contextlib import closing
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import command_line
 import pytest
 from tournament.agents import write_agent
-from typer.testing import CliRunner
 
 import catch_arena
 from catch_arena import scenario
-from catch_arena.cli import main
 from catch_arena.tournament.entrants import Inspection, enter
 from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -200,7 +199,7 @@ def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
 def test_a_name_that_cannot_be_shown_is_refused_in_one_line(tmp_path, name):
     (tmp_path / name).write_text(HOSTILE)
     words = ["tournament", str(tmp_path / name), "nearest", "--rounds", "1", *QUICK, "--out", str(tmp_path / "o")]
-    ended = CliRunner().invoke(main, words)
+    ended = command_line.run(*words)
     assert ended.exit_code == 2
     assert ended.stderr.count("\n") == 1
     assert "its name must have 1 to 100 printable characters" in ended.stderr

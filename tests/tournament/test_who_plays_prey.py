@@ -7,11 +7,10 @@ import re
 from pathlib import Path
 
 import pytest
+from command_line import run
 from tournament.seats import hunters
-from typer.testing import CliRunner
 
 from catch_arena import Replay, scenario
-from catch_arena.cli import main
 from catch_arena.errors import OtherTournamentError
 from catch_arena.report import REPORT
 from catch_arena.tournament.entrants import enter
@@ -27,7 +26,7 @@ DIGESTS = {entrant.name: entrant.digest for entrant in enter([*AGENTS, "flee"])}
 @pytest.fixture(scope="module")
 def played(tmp_path_factory):
     folder = tmp_path_factory.mktemp("played")
-    ended = CliRunner().invoke(main, ["tournament", *AGENTS, "-s", "tag", *SHORT, "--record", "--out", str(folder)])
+    ended = run("tournament", *AGENTS, "-s", "tag", *SHORT, "--record", "--out", str(folder))
     assert ended.exit_code == 0, ended.output
     return folder, ended.stdout
 
@@ -59,7 +58,7 @@ def test_the_standings(played):
 
 def test_the_export(played, tmp_path):
     folder, _ = played
-    ended = CliRunner().invoke(main, ["export", str(folder), "-o", str(tmp_path / "m.csv")])
+    ended = run("export", str(folder), "-o", str(tmp_path / "m.csv"))
     assert ended.exit_code == 0, ended.output
     found = {(row["side"], row["agent"], row["agent_digest"]) for row in rows_of(tmp_path / "m.csv")}
     assert found == {

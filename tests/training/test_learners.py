@@ -426,13 +426,15 @@ def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
     lone = io.BytesIO()
     np.save(lone, np.zeros(3))
     for content in (b"text", b"", whole[:10], whole[: len(whole) // 2], lone.getvalue()):
-        assert "must be a file from Mlp.save" in error_of(content)
+        assert "cannot load a file from Mlp.save" in error_of(content)
     assert "ruleset must be catch_arena_v1, got catch_arena_v0; train the network again" in error_of(
         tables | {"ruleset": "catch_arena_v0"}
     )
     assert "it has no ruleset" in error_of({name: table for name, table in tables.items() if name != "ruleset"})
     assert "weights of layer 1 must be finite numbers, got nan" in error_of(tables | {"w_1": np.full((2, 4), np.nan)})
     assert "layers must be weights" in error_of(tables | {"w_1": np.zeros((2, 5))})
-    assert "must be a file from Mlp.save" in error_of({name: table for name, table in tables.items() if name != "w_1"})
-    with pytest.raises(ConfigError, match=r"none\.npz: must be a file from Mlp\.save"):
+    assert "cannot load a file from Mlp.save" in error_of(
+        {name: table for name, table in tables.items() if name != "w_1"}
+    )
+    with pytest.raises(ConfigError, match=r"none\.npz: cannot load a file from Mlp\.save"):
         Mlp.load(tmp_path / "none.npz")

@@ -83,7 +83,7 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
     whole = good.read_bytes()
     for cut in (0, 10, len(whole) // 2, len(whole) - 5):
         (tmp_path / "cut.npz").write_bytes(whole[:cut])
-        with pytest.raises(ConfigError, match=r"cut\.npz: must be a file from PointerNetwork\.save"):
+        with pytest.raises(ConfigError, match=r"cut\.npz: cannot load a file from PointerNetwork\.save"):
             PointerNetwork.load(tmp_path / "cut.npz")
     with pytest.raises(ConfigError, match=r"gone\.npz"):
         PointerNetwork.load(tmp_path / "gone.npz")

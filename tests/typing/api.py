@@ -38,6 +38,7 @@ from catch_arena import (
     explain_step,
     parallel_env,
     scenario,
+    what_if,
 )
 from catch_arena.envs.aec import CatchArenaAecEnv, SavedTurn
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
@@ -218,6 +219,9 @@ def recordings(replay: Replay) -> None:
     assert_type(replay.steps, int)
     assert_type(explain(replay).lines(), list[str])
     assert_type(explain_step(replay, 3).lines(), list[str])
+    answer = what_if(replay, explain(replay).contests[0])
+    assert_type(answer.sentence, str)
+    assert_type(answer.alternative, Replay | None)
     for world in replay.worlds():
         assert_type(world, World)
 

@@ -180,6 +180,28 @@ def test_who_is_withdrawn_sits_in_one_row_alone():
     assert still == {(31, "prey_0"), (32, "prey_1")}
 
 
+def test_withdrawn_prey_is_the_last_in_the_record_of_an_episode():
+    """R12.5: although it was caught as rarely as the other."""
+    engine = Engine(scenario("duel", prey=2, max_cycles=2), auto_reset=True)
+    engine.reset([1])
+    engine.withdraw(0, 2)
+    for _ in range(2):
+        engine.step(*actions(engine, 0))
+    assert engine.records[0, 2:, state.FINAL_RANK].tolist() == [2, 1]
+
+
+def test_prey_that_is_out_is_not_placed_and_targets_are_only_as_far_as_there_is_room():
+    engine = Engine(scenario("duel", prey=1, prey_returns_s=None, initial_targets=1, max_targets=2, spawning=False))
+    hunters = [(5.0, 5.0, 0.0), (9.0, 9.0, 0.0)]
+    engine.reset([1])
+    engine.place(0, hunters, [(1.0, 1.0)], [(5.1, 5.0, 0.0)])
+    engine.step(*actions(engine))
+    engine.place(0, hunters, [(2.0, 2.0), (3.0, 3.0), (4.0, 4.0)], [(7.0, 7.0, 0.0)])
+    world = engine.world(0)
+    assert world.prey[0].target is None
+    assert [(target.x, target.y) for target in world.targets] == [(2.0, 2.0), (3.0, 3.0)]
+
+
 def test_a_target_comes_and_goes_by_name_in_one_row_alone():
     """R8.1, R3.5, R5.8: also behind the first chunk; a full arena takes none, and prey is never killed."""
     engine = Engine(scenario("duel", prey=1, initial_targets=3, max_targets=4), 34)

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numba
@@ -180,6 +181,13 @@ def hits(tmp_path, monkeypatch):
         return bool(compiled.stats.cache_hits)
 
     return call
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_a_thread_other_than_the_main_one_can_compile_and_keep(hits):
+    """Such as that of a server; only the main thread may handle signals."""
+    with ThreadPoolExecutor(1) as pool:
+        assert [pool.submit(hits, [1.5, 2.0]).result() for _ in range(2)] == [False, True]
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")

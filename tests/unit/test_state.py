@@ -6,6 +6,8 @@ from oracle.arithmetic import to_float32
 
 from catch_arena.config import MAX_HUNTERS, MAX_PREY, MAX_TARGETS
 from catch_arena.core import state
+from catch_arena.core.tiles import BodyTile, TargetTile
+from catch_arena.core.transfers import TILE
 from catch_arena.layout import (
     columns,
     observation_size,
@@ -18,6 +20,7 @@ def test_the_core_has_room_for_as_many_as_the_config_allows():
     """Keys and scratch memory have: an index behind it would be written elsewhere."""
     assert max(MAX_HUNTERS, MAX_TARGETS, MAX_PREY) <= state.MOST
     assert state.MOST & (state.MOST - 1) == 0  # `ranking.key_of` keeps it in whole bits
+    assert max(len(BodyTile._fields), len(TargetTile._fields)) <= TILE
 
 
 @pytest.mark.parametrize("period_ms", [100, 101, 134, 250])  # whose multiples in seconds float32 rounds up and down

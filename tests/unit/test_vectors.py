@@ -1,6 +1,5 @@
 """Lanes as vectors: compiled and interpreted, one, four or eight at a time, every operation gives the same bits."""
 
-import numba
 import numpy as np
 import pytest
 
@@ -159,16 +158,3 @@ def test_int32(made, width):
         (bits >> 3) - 2,
     ]
     assert (keys.reshape(5, SIZE) == right).all()
-
-
-def test_a_place_outside_the_row_is_noticed_where_places_are_tested():
-    """NUMBA_BOUNDSCHECK=1 looks at both ends of a group."""
-
-    def read(row, width, first):
-        return any_of(by_address(row)[group(first, width)] > 0.0)
-
-    checked = numba.njit(boundscheck=True, error_model="numpy", _nrt=False)(read)
-    row = np.zeros(12)
-    assert not checked(row, WIDE, 4)
-    with pytest.raises(IndexError):
-        checked(row, WIDE, 5)

@@ -49,7 +49,11 @@ def same(observation, row):
 
 
 @pytest.mark.rule("R12.7")
-@pytest.mark.parametrize("config", [HUNT, HUNT.replace(prey=1, prey_returns_s=None), HUNT.replace(hunters=12)], ids=str)
+@pytest.mark.parametrize(
+    "config",
+    [HUNT, HUNT.replace(prey=1, prey_returns_s=None), HUNT.replace(hunters=12, prey_rewards={"gained": 0.0})],
+    ids=str,
+)
 def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(config):
     """Observations, rewards and who is active in every step, last observations and figures of every episode. Prey that
     is out for good keeps its row here, and has left there.
@@ -92,6 +96,19 @@ def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes
         seen, notes = env.reset()
         episodes += 1
     assert episodes == 3
+
+
+@pytest.mark.rule("R12.5")
+def test_r12_5_prey_in_an_arena_that_has_ended_is_paid_nothing_until_its_reset():
+    """The other arena was reset later, and plays on."""
+    arena, source = VectorArena(HUNT, 2, auto_reset=False), np.random.default_rng(SEED)
+    arena.reset(seed=SEED)
+    for step in range(HUNT.max_steps + 1):
+        if step == 3:
+            arena.reset(arenas=[1])
+        _, rewards, _, truncations, _ = arena.step(**random_actions(HUNT, 2, source))
+    assert truncations.tolist() == [True, False]
+    assert [rewards[row, HUNT.hunters :].any() for row in (0, 1)] == [False, True]
 
 
 @pytest.mark.rule("R11.1")

@@ -26,7 +26,7 @@ class Track:
         return self.poses[max(0, bisect_right(self.times_ms, time_ms) - 1)]
 
     def at(self, time_ms: float) -> Pose:
-        """Return the pose at a time: between two poses on a straight line, outside of the track its nearest end."""
+        """Return the pose at a time: interpolated between recorded poses, or the nearest end outside the track."""
         after = bisect_right(self.times_ms, time_ms)
         if after in {0, len(self.poses)}:
             return self.last(time_ms)

@@ -77,10 +77,9 @@ def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> I
         if len(found) == 1:
             return next(iter(found.values()))
         if time.monotonic() >= end:
-            names = " and ".join(found)
             raise BusError(
-                f"each of the packages {names} has a catch service",
-                f"give --interfaces {next(iter(found))}, or another",
+                f"several packages have a catch service: {', '.join(found)}",
+                f"choose one, such as --interfaces {next(iter(found))}",
             )
         time.sleep(0.1)
 

@@ -85,7 +85,7 @@ def serve_match(
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")
     if config.prey:
-        raise ConfigError(f"prey must be 0 on a bus, because no node can play it (--set prey=0), got {config.prey}")
+        raise ConfigError(f"prey must be 0 on a bus, got {config.prey}: no node can play it; use --set prey=0")
     control: tuple[Control, ...] = tuple(
         agents[seat].control if seat in agents else "velocity" if seat in people else "full"
         for seat in range(config.hunters)

@@ -153,7 +153,7 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
     fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
     advice = f"; or try --scenario {fitting[0]}" if fitting else ""
     raise ConfigError(
-        f"agents must be at least {least} to {task}, got {entrants}: "
+        f"number of agents must be at least {least} to {task}, got {entrants}: "
         f"name more of them (the same one may be named twice){advice}"
     )
 

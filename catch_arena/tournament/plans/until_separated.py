@@ -40,7 +40,7 @@ class UntilSeparated:
         parties: Parties,
     ) -> None:
         if not 0.5 <= confidence < 1:
-            raise ConfigError(f"confidence must lie in [0.5, 1), got {confidence}")
+            raise ConfigError(f"confidence must lie in [0.5, 1), such as 0.95, got {confidence}")
         one = rounds(1)
         if budget < one.size:
             raise ConfigError(f"max_matches must be at least {one.size}, the matches of one round, got {budget}")

@@ -13,9 +13,7 @@ from pathlib import Path
 import pytest
 from isolation_levels import LEVELS
 from tournament.agents import LEAVES_A_CHILD, write_agent
-from typer.testing import CliRunner
 
-from catch_arena.cli import main
 from catch_arena.errors import StoreError
 from catch_arena.interrupts import descendants
 from catch_arena.tournament.export import export
@@ -90,10 +88,9 @@ def kept(folder: Path) -> int:
     return len(played)
 
 
-def test_killed_again_and_again_it_ends_as_if_undisturbed(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_killed_again_and_again_it_ends_as_if_undisturbed(tmp_path, catch_arena):
     shutil.copy(Path(__file__).parents[1] / "isolation" / "bad" / "crashes.py", tmp_path)
-    assert CliRunner().invoke(main, [*WORDS, "undisturbed"]).exit_code == 0
+    assert catch_arena(*WORDS, "undisturbed").exit_code == 0
     expected = exported(tmp_path / "undisturbed")
     assert expected.count(b"\n") == MATCHES
     assert expected.count(b"FORFEIT_OUT") == MATCHES / 2 - 10
@@ -101,7 +98,7 @@ def test_killed_again_and_again_it_ends_as_if_undisturbed(tmp_path, monkeypatch)
         words = [sys.executable, "-c", KILLED, *kill.split(), *WORDS, "killed"]
         killed = subprocess.run(words, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         assert (killed.returncode, kept(tmp_path / "killed")) == (-signal.SIGKILL, matches), kill
-    assert CliRunner().invoke(main, [*WORDS, "killed"]).exit_code == 0
+    assert catch_arena(*WORDS, "killed").exit_code == 0
     assert exported(tmp_path / "killed") == expected
 
 

@@ -6,11 +6,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import run
 from tournament.agents import dies_once
-from typer.testing import CliRunner
 
 from catch_arena import scenario
-from catch_arena.cli import main
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.ray_executor import require_same
@@ -43,7 +42,7 @@ def test_two_workers_of_which_one_is_killed_play_as_this_process_does(tmp_path, 
     assert on_ray.returncode == 0, on_ray.stderr
     assert (tmp_path / "died").exists()
     monkeypatch.chdir(tmp_path)
-    here = CliRunner().invoke(main, ["tournament", "dies_once.py", *WORDS, "--out", "here", "--jobs", "1"])
+    here = run("tournament", "dies_once.py", *WORDS, "--out", "here", "--jobs", "1")
     assert here.exit_code == 0, here.output
     assert exported(tmp_path / "ray") == exported(tmp_path / "here")
     assert exported(tmp_path / "here").count(b"FORFEIT_OUT") == 12

@@ -34,7 +34,7 @@ def test_equals_are_told_apart_as_seldom_as_docs_ratings_says():
     """The same 500 tournaments as there: the figure must come out again, but for two tournaments. Without Holm's
     correction it would be 23 %, and 4 % if the lesser of two p-values were not doubled.
     """
-    (documented,) = re.findall(r"^- 6 agents, 4 seats, 1 rounds: ([\d.]+) %$", DOCS.read_text(), re.MULTILINE)
+    (documented,) = re.findall(r"^- 6 agents, 4 seats, 1 round: ([\d.]+) %$", DOCS.read_text(), re.MULTILINE)
     assert float(documented) <= 5.0
     measured = 100 * simulations.equals_told_apart(simulations.Design(6, 4, 1), 500, 0)
     assert measured == pytest.approx(float(documented), abs=0.45)

@@ -1,0 +1,408 @@
+"""Search for the smallest change of a loser's actions with which it would have won a contest ("what if").
+
+docs/reference/replays.md defines the changes that are tried, and their order.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, pairwise, product, starmap
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catch_arena.core.state import PART_NAMES
+from catch_arena.engine import Engine
+from catch_arena.engine.saved_state import SavedState
+from catch_arena.errors import ConfigError, require_type
+from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.facts import Claim, Contest
+from catch_arena.explanation.formatting import seconds, short_length
+from catch_arena.explanation.seats import find_subjects, labels, prey_labels
+from catch_arena.explanation.sentences import listed
+from catch_arena.explanation.step_explanation import step_at
+from catch_arena.replay import Replay
+from catch_arena.verdicts import Verdict
+from catch_arena.world import World
+
+_WINDOW_MS: Final = 2000
+_PART_MS: Final = 100
+"""Greatest duration of the parts of the window, in which an action is changed as a whole; at least one step."""
+_NEAR_MS: Final = 50
+"""Greatest difference between a time that a user gives and that of the contest."""
+_MOST_TIMES: Final = 3
+_MOST_DECISIONS: Final = 2
+"""Greatest number of decisions that a change adds: one at its beginning, and one at its end."""
+_QUARTERS: Final = tuple(quarter / 4.0 for quarter in range(-4, 5))
+_MOST_OTHERS: Final = 8
+"""Greatest number of other targets that are tried at a step, the nearest first."""
+_CATCH: Final = PART_NAMES.index("catch")
+_FORMER: Final = -1
+"""Value in place of a target's number: the rank as it was recorded, which meant no target."""
+
+Action = int | tuple[float, float] | dict[str, Any]
+"""Action as an environment takes it: a rank, a command, or a dict of both under full control."""
+
+
+@dataclass(frozen=True, slots=True)
+class WhatIf:
+    """Answer to a lost contest: the smallest change of the loser's actions with which it would have won the target."""
+
+    contest: Contest
+    seat: int
+    """Seat of the loser."""
+    actions: dict[int, Action]
+    """Actions of the loser that replace the recorded ones, by the number of steps played before; empty if no change
+    helps.
+    """
+    margin_um: int | None
+    """Margin of the contest that it would have won, as in `Contest.margin_um`; None without a contest."""
+    sentence: str
+    """The answer in words."""
+    alternative: Replay | None
+    """Match with these actions, which ends with the step of the catch; None if no change helps."""
+
+
+class _Change(NamedTuple):
+    """Action in place of the recorded ones in a run of steps; None keeps a part as it was recorded."""
+
+    goal: int | None = None
+    """Number of the target that is chosen or requested; 0 for none."""
+    linear: float | None = None
+    angular: float | None = None
+
+
+class _Win(NamedTuple):
+    """Change with which the loser catches the target."""
+
+    run: range
+    """Steps with the change, from 0."""
+    change: _Change
+    choices: list[int]
+    """Ranks of the hunter from the run's first step to that of the catch."""
+    commands: list[NDArray[np.float32]]
+    """Commands of the hunter in the same steps: (2,)."""
+
+
+def what_if(
+    replay: Replay,
+    contest: Contest,
+    hunter: int | str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> WhatIf:
+    """Search for the smallest change of a loser's actions with which it would have won the contested target.
+
+    All other agents keep their recorded actions. Actions change at most two seconds before the contest.
+
+    Args:
+        replay: the recorded match.
+        contest: a contest of the match, from `explain(replay).contests`.
+        hunter: the loser, as `explain` takes it; None for the loser that was nearest to the target.
+        progress: called with (lengths of changes tried, number of lengths).
+
+    Raises:
+        ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
+        ReplayError: if the match does not play as recorded.
+    """
+    require_type("replay", replay, Replay, "Replay.load(path)")
+    require_type("contest", contest, Contest, "lost_contest_at(replay, at_s)")
+    claims = _lost(replay, contest, hunter)
+    if not claims:
+        loser = "a hunter" if hunter is None else hunter
+        got = f"the one for {contest.target} at {seconds(contest.judged_ms)}"
+        raise ConfigError(f"contest must be one that {loser} lost, got {got}")
+    search = _Search(replay, contest, claims[0].seat)
+    win = search.find(progress)
+    name, target = labels(replay.hunter_names)[search.seat], search.target_label
+    if win is None:
+        by_lot = (
+            " Lots decide under first_come (R5.9), and no action changes a lot." if contest.clause == "R5.9" else ""
+        )
+        sentence = (
+            f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
+        )
+        return WhatIf(contest, search.seat, {}, None, sentence, None)
+    alternative, worlds = search.alternative(win)
+    won = next((one for one in contests_of(alternative, worlds[-1]) if one.target == contest.target), None)
+    change = search.sentence(win, worlds[0].hunters[search.seat].linear_velocity)
+    called = "it" if search.is_earlier(win) else target
+    sentence = f"{change}, and {name} {_result(won, called, worlds[-1].time_ms - search.period_ms)}."
+    return WhatIf(
+        contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
+    )
+
+
+def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None) -> Contest:
+    """Return the contest nearest to a time that a hunter lost.
+
+    Args:
+        replay: the recorded match.
+        at_s: the time at which the contest was judged, to 0.05 s [s].
+        hunter: the loser, as `explain` takes it; None for any.
+
+    Raises:
+        ConfigError: for a time outside the match or without such a contest, and a match without one.
+        ReplayError: if the match does not play as recorded.
+    """
+    step_at(replay, at_s)
+    contests = [
+        contest for world in replay.worlds() for contest in contests_of(replay, world) if _lost(replay, contest, hunter)
+    ]
+    whose = "" if hunter is None else f" by {hunter}"
+    if not contests:
+        capstone = ": under the policy capstone every request is granted (R9.1)"
+        why = capstone if replay.config.policy == "capstone" else ""
+        raise ConfigError(f"the match must have a contest that was lost{whose}, and it has none{why}")
+
+    def away_ms(contest: Contest) -> float:
+        return abs(contest.judged_ms - 1000.0 * at_s)
+
+    nearest = sorted(contests, key=away_ms)
+    if away_ms(nearest[0]) > _NEAR_MS:
+        times = sorted({contest.judged_ms for contest in nearest[:_MOST_TIMES]})
+        raise ConfigError(
+            f"at must be the time of a contest that was lost{whose}, got {at_s:g} s; "
+            f"the nearest: {listed(map(seconds, times))}"
+        )
+    return nearest[0]
+
+
+def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Claim]:
+    """Return the claims of hunters with that name that lost a contest, the nearest first."""
+    seats, _ = find_subjects(replay, hunter)
+    return [claim for claim in contest.claims if claim.verdict is Verdict.LOST_CONTEST and claim.seat in seats]
+
+
+class _Search:
+    """Search for one hunter in one contest: the recorded steps before it, and a batch of arenas that play changes."""
+
+    def __init__(self, replay: Replay, contest: Contest, seat: int) -> None:
+        config = replay.config
+        self._replay, self._contest, self.seat = replay, contest, seat
+        self.period_ms = config.control_period_ms
+        self._control = config.controls[seat]
+        self._number = 0
+        self._others = [other for other in range(config.hunters) if other != seat]
+        self._judged = contest.step - 1
+        self._first = max(0, self._judged - _WINDOW_MS // self.period_ms)
+        self._starts: dict[int, SavedState] = {}
+        self._goals: dict[int, int] = {}
+        self._seen: dict[int, list[int]] = {}
+        self._active: dict[int, NDArray[np.int64]] = {}
+        self._speeds: dict[int, float] = {}
+        self.target_label = contest.target
+        self.tried = 0
+        rows = _MOST_OTHERS + 2 if self._control == "target" else len(list(self._changes(self._judged)))
+        self._engine = Engine(config, rows)
+        self._play_record()
+
+    def _play_record(self) -> None:
+        """Keep the states before the steps of the window, and what all hunters did in them."""
+        found: list[Contest] = []
+        for step, engine in enumerate(self._replay.checked_engines()):
+            if step > self._first:
+                world = engine.world()
+                self._active[step - 1] = engine.active_targets()[0, self._others]
+                self._speeds[step - 1] = world.hunters[self.seat].linear_velocity
+                if step > self._judged:
+                    found = contests_of(self._replay, world)
+                    break
+            if self._first - 1 <= step < self._replay.steps:
+                self._starts[step] = engine.save_row(0)
+                seen: list[int] = engine.numbers_seen(self.seat)[0].tolist()
+                rank = int(self._replay.choices[step][self.seat])
+                self._seen[step] = [number for number in seen if number]
+                self._goals[step] = 0 if rank == 0 else [*self._seen[step], *[_FORMER] * rank][rank - 1]
+            if step == self._judged:
+                for target in engine.world().targets:
+                    if target.name == self._contest.target:
+                        self._number = target.number
+                        if target.prey is not None:
+                            prey = self._replay.config.prey_names.index(target.prey)
+                            self.target_label = prey_labels(self._replay)[prey]
+        if self._contest not in found:
+            raise ConfigError(f"contest must be one of explain(replay).contests, got {self._contest}")
+
+    def find(self, progress: Callable[[int, int], None] | None) -> _Win | None:
+        """Return the smallest change with which the hunter catches the target: that of the fewest decisions, of these
+        the shortest, then the latest, then that of the least deviation; None if there is none.
+        """
+        part = max(1, _PART_MS // self.period_ms)
+        edges = [*range(self._judged + 1, self._first, -part), self._first]
+        rounds = list(product(range(_MOST_DECISIONS + 1), range(1, len(edges))))
+        for done, (decisions, length) in enumerate(rounds, start=1):
+            for stop, begin in zip(edges, edges[length:], strict=False):
+                run = range(begin, stop)
+                changes = [change for change in self._changes(begin) if self._decisions(run, change) == decisions]
+                self.tried += len(changes)
+                wins = self._wins(run, changes) if changes else []
+                if wins:
+                    return min(wins, key=self._deviation)
+            if progress is not None:
+                progress(done, len(rounds))
+        return None
+
+    def _decisions(self, run: range, change: _Change) -> int:
+        """Return the number of decisions that a change adds: steps in which the hunter chooses another target than in
+        the step before.
+        """
+        if change.goal is None:
+            return 0
+        goals = list(self._goals.values())
+        changed = [change.goal if step in run else goal for step, goal in self._goals.items()]
+        more, fewer = (sum(one != other for one, other in pairwise(chosen)) for chosen in (changed, goals))
+        return max(0, more - fewer)
+
+    def _changes(self, begin: int) -> Iterable[_Change]:
+        """Return the changes that are tried in runs that begin with a step; of equally large ones the first is best."""
+        if self._control == "target":
+            others = [number for number in self._seen[begin] if number != self._number]
+            return map(_Change, (self._number, *others[:_MOST_OTHERS], 0))
+        speeds = [speed for speed in _QUARTERS if speed >= 0.0 or self._replay.config.reverse]
+        goals = (None, self._number) if self._control == "full" else (None,)
+        return list(starmap(_Change, product(goals, (None, *speeds), (None, *_QUARTERS))))[1:]
+
+    def _wins(self, run: range, changes: Sequence[_Change]) -> list[_Win]:
+        """Play every change in a run of steps; return those that count and win the target.
+
+        A change counts if its target is in view in each of these steps, and the ranks of all other hunters mean the
+        same targets as in the recorded match.
+        """
+        engine, seat, rows = self._engine, self.seat, self._engine.num_arenas
+        for row in range(rows):
+            engine.restore_row(row, self._starts[run.start])
+        changed = [*changes, *[_Change()] * (rows - len(changes))]
+        counts, found = np.arange(rows) < len(changes), []
+        goals = np.array([np.nan if change.goal is None else change.goal for change in changed])
+        given = np.array([change[1:] for change in changed], dtype=np.float32)  # NaN for None
+        choices_by_step, commands_by_step = [], []
+        for step in range(run.start, self._judged + 1):
+            for agent, row in product(self._replay.withdrawn_before(step), range(rows)):
+                engine.withdraw(row, agent)
+            choices = np.tile(self._replay.choices[step], (rows, 1))
+            commands = np.concatenate((self._replay.commands[step], self._replay.prey_commands[step]))
+            commands = np.tile(commands, (rows, 1, 1))
+            wanted = np.where(np.isnan(goals) | (step not in run), self._goals[step], goals)
+            seen = engine.numbers_seen(seat) == wanted[:, None]
+            in_view = seen.any(axis=1) & (wanted > 0)
+            ranks = np.where(in_view, seen.argmax(axis=1) + 1, 0)
+            choices[:, seat] = np.where(wanted == _FORMER, choices[:, seat], ranks)
+            if step in run:
+                counts &= in_view | ~(goals > 0)
+                commands[:, seat] = np.where(np.isnan(given), commands[:, seat], given)
+            choices_by_step.append(choices[:, seat])
+            commands_by_step.append(commands[:, seat])
+            engine.step(choices, commands)
+            counts &= (engine.active_targets()[:, self._others] == self._active[step]).all(axis=1)
+            for row in np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist():
+                won = {ruling.hunter: ruling.target for ruling in engine.rulings(row) if ruling.success}
+                if won[seat] == self._contest.target:
+                    own_choices = [int(by_row[row]) for by_row in choices_by_step]
+                    own_commands = [by_row[row] for by_row in commands_by_step]
+                    found.append(_Win(run, changed[row], own_choices, own_commands))
+        return found
+
+    def _deviation(self, win: _Win) -> float:
+        """Return the sum of the differences from the recorded actions in a change's steps: of both parts of the
+        command, and 1 for another target.
+        """
+        total = 0.0
+        for step in win.run[: len(win.choices)]:
+            recorded = self._recorded_command(step).tolist()
+            total += sum(abs(new - old) for new, old in zip(win.change[1:], recorded, strict=True) if new is not None)
+            total += win.change.goal not in (None, self._goals[step])
+        return total
+
+    def actions(self, win: _Win) -> dict[int, Action]:
+        """Return the actions of the hunter that differ from the recorded ones, by step."""
+        changed: dict[int, Action] = {}
+        for step, (rank, command) in enumerate(zip(win.choices, win.commands, strict=True), start=win.run.start):
+            if rank == self._replay.choices[step][self.seat] and (command == self._recorded_command(step)).all():
+                continue
+            linear, angular = command.tolist()
+            command_and_rank = {"cmd_vel": (linear, angular), "catch": rank}
+            by_control: dict[str, Action] = {"target": rank, "velocity": (linear, angular), "full": command_and_rank}
+            changed[step] = by_control[self._control]
+        return changed
+
+    def alternative(self, win: _Win) -> tuple[Replay, list[World]]:
+        """Return the match with a change, up to the step of the catch, and the worlds after the steps from the run's
+        first on.
+        """
+        old, begin = self._replay, win.run.start
+        end = begin + len(win.choices)
+        played = replace(
+            old,
+            choices=[choices.copy() for choices in old.choices[:end]],
+            commands=[commands.copy() for commands in old.commands[:end]],
+            prey_commands=old.prey_commands[:end],
+            digests=old.digests[: begin + 1],
+            states=old.states[: begin + 1],
+            withdrawals=[departure for departure in old.withdrawals if departure[0] < end],
+            named_requests=[request for request in old.named_requests if request.step < begin],
+        )
+        for step, rank, command in zip(range(begin, end), win.choices, win.commands, strict=True):
+            played.choices[step][self.seat], played.commands[step][self.seat] = rank, command
+        worlds = []
+        for engine in islice(played.engines(), begin + 1, None):
+            played.note(engine)
+            worlds.append(engine.world())
+        return played, worlds
+
+    def _recorded_command(self, step: int) -> NDArray[np.float32]:
+        own: NDArray[np.float32] = self._replay.commands[step][self.seat]
+        return own
+
+    # in words
+
+    def is_earlier(self, win: _Win) -> bool:
+        """Return whether the hunter heads for the contested target from the run on, as it did after it."""
+        goals = {win.change.goal, *(self._goals[step] for step in range(win.run.stop, self._judged + 1))}
+        return self._control == "target" and goals == {self._number}
+
+    def sentence(self, win: _Win, faster: float) -> str:
+        """Return a change in words; `faster` is the hunter's velocity in the first step [m/s]."""
+        change, run = win.change, win.run
+        begin, end, length = (seconds(steps * self.period_ms) for steps in (run.start, run.stop, len(run)))
+        if self._control == "target":
+            if self.is_earlier(win):
+                return f"{length} earlier: head for {self.target_label} at {begin} instead of {end}"
+            new = f"head for {self._called(change.goal)}" if change.goal else "hold"
+            former = dict.fromkeys(self._goals[step] for step in run)
+            old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
+            slower = self._speeds[run.start]
+            braking = f", which brakes less ({faster:.1f} m/s instead of {slower:.1f} m/s)"
+            return f"For {length} from {begin}: {new} instead of {old}{braking if faster > slower + 0.05 else ''}"
+        config = self._replay.config
+        limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
+        commands = np.array([self._recorded_command(step) for step in run]) * limits
+        average = "" if (commands == commands[0]).all() else " on average"
+        (speed, turn), parts = commands.mean(axis=0).tolist(), []
+        if change.linear is not None:
+            parts.append(f"drive at {change.linear * limits[0]:.2f} m/s instead of {speed:.2f} m/s{average}")
+        if change.angular is not None:
+            parts.append(f"turn {_turn(change.angular * limits[1])} instead of {_turn(turn)}{average}")
+        if change.goal is not None:
+            parts.append(f"request {self.target_label}")
+        return f"For {length} from {begin}: {listed(parts)}"
+
+    def _called(self, number: int) -> str:
+        return self.target_label if number == self._number else self._replay.config.target_name(number)
+
+
+def _turn(rate: float) -> str:
+    """Return a turn rate [rad/s] in words; positive is to the left."""
+    shown = f"{abs(rate):.2f}"
+    side = "" if shown == "0.00" else "left " if rate > 0.0 else "right "
+    return f"{side}at {shown} rad/s"
+
+
+def _result(won: Contest | None, target: str, time_ms: int) -> str:
+    """Return in words how a hunter catches a target: in a contest that it wins, or alone."""
+    if won is None:
+        return f"catches {target} at {seconds(time_ms)} without a contest"
+    if won.clause == "R5.9":
+        return f"is first in the queue for {target} at {seconds(time_ms)} (R5.9)"
+    if won.clause == "R5.5":
+        return f"wins the draw for {target} at {seconds(time_ms)} (R5.5)"
+    return f"wins {target} by {short_length(won.margin_um or 0)}"
