@@ -2,10 +2,8 @@
 
 import pytest
 from browser.waiting import until
+from command_line import run
 from tournament.agents import source
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
 
 SPEC = """
 title = "Exercise 1"
@@ -28,7 +26,7 @@ def pages(tmp_path_factory):
     (folder / "class" / "ben.py").write_text("import torch\n")
     (folder / "spec.toml").write_text(SPEC)
     words = ["grade", folder / "class", "--spec", folder / "spec.toml", "--out", folder / "out", "--jobs", "1"]
-    done = CliRunner().invoke(main, [str(word) for word in words])
+    done = run(*words)
     assert done.exit_code == 0, done.output
     return folder / "out" / "pages"
 

@@ -15,13 +15,12 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
+from command_line import run
 from tournament.agents import source
-from typer.testing import CliRunner
 
 import catch_arena
 from catch_arena.classroom.grading import Graded, grade_class
 from catch_arena.classroom.submissions import find_submissions
-from catch_arena.cli import main
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.tournament.execution.executors import Executor
@@ -72,7 +71,7 @@ def write_class(folder, files=CLASS):
 
 
 def call(*words):
-    return CliRunner().invoke(main, ["grade", *map(str, words)])
+    return run("grade", *words)
 
 
 def marks_in(folder):

@@ -7,22 +7,16 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import run
 from ruamel.yaml import YAML
-from typer.testing import CliRunner
-
-from catch_arena.cli import main
 
 BIN = Path(sys.executable).parent
-
-
-def call(*words):
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 @pytest.fixture
 def kit(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = call("new-agent", "turtle-eater")
+    done = run("new-agent", "turtle-eater")
     assert done.exit_code == 0, done.output
     assert sorted(done.stdout.split()) == sorted(
         f"turtle-eater/{path.relative_to(tmp_path / 'turtle-eater')}"
@@ -36,7 +30,7 @@ def kit(tmp_path, monkeypatch):
 def test_a_new_agent_is_fit_to_play_and_passes_strict_checks(kit):
     assert (kit / "README.md").read_text().startswith("# turtle-eater\n")
     assert len((kit / "README.md").read_text().splitlines()) == 10
-    fit = call("check-agent", ".", "--scenario", "duel")
+    fit = run("check-agent", ".", "--scenario", "duel")
     assert (fit.exit_code, "warning" in fit.output) == (0, False), fit.output
     for command in (
         ["ruff", "check", "--isolated", "--select", "ALL", "--ignore", "D203,D213,COM812,INP001,PT009,CPY001", "."],
@@ -55,7 +49,7 @@ def test_the_commands_of_the_workflow_run_here_and_leave_the_artifact(kit):
     ran = []
     for words in (step["run"].split() for step in job["steps"] if "run" in step):
         if words[0] == "catch-arena":
-            assert call(*words[1:]).exit_code in {0, 1}
+            assert run(*words[1:]).exit_code in {0, 1}
         elif words[:1] == ["python"]:
             subprocess.run([sys.executable, *words[1:]], check=True, capture_output=True)
         else:
@@ -74,7 +68,7 @@ def test_a_folder_with_files_is_left_as_it_is(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     Path("mine").mkdir()
     Path("mine/agent.py").write_text("mine")
-    refused = call(command, "mine")
+    refused = run(command, "mine")
     assert (refused.exit_code, refused.stderr) == (
         2,
         "error: mine: already exists; choose the name of a new or an empty folder\n",
@@ -84,11 +78,11 @@ def test_a_folder_with_files_is_left_as_it_is(tmp_path, monkeypatch, command):
 
 def test_the_sample_class_has_a_good_submission_a_copy_and_three_mistakes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert call("new-class", "course").exit_code == 0
+    assert run("new-class", "course").exit_code == 0
     spec = Path("course/exercise.toml")
     spec.write_text(spec.read_text().replace("matches = 6", "matches = 4"))
     limits = ["--limit", "step_ms=50", "--limit", "bank_s=0.5"]
-    done = call("grade", "course/submissions", "--spec", spec, "--jobs", "2", *limits)
+    done = run("grade", "course/submissions", "--spec", spec, "--jobs", "2", *limits)
     assert done.exit_code == 0, done.output
     points = dict(re.findall(r"^(\w+): (\d+) of 10 points$", done.stdout, re.MULTILINE))
     assert points == {"ann": "10", "ben": "10", "cem": "0", "dana": "0", "eli": points["eli"]}

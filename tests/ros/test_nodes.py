@@ -279,5 +279,5 @@ def test_a_class_of_nodes_that_cannot_be_started_is_one_line(tmp_path, change, w
     text = SPEC.replace('title = "The referee"', 'launch = "true"')
     (tmp_path / "spec.toml").write_text(text.replace(*change))
     command = ["grade", tmp_path / "nodes", "--ros", "--spec", tmp_path / "spec.toml", "--out", tmp_path / "out"]
-    result = CliRunner().invoke(main, [*map(str, command), *words])
+    result = command_line.run(*command, *words)
     assert (result.exit_code, message in result.stderr, len(result.stderr.splitlines())) == (2, True, 1), result.stderr
