@@ -46,11 +46,13 @@ def figures(data: ReportData, events: Mapping[str, MatchEvents]) -> list[Figure]
         for contest in match.contests
         if contest.clause == "R5.4" and contest.margin_um is not None and not contest.claims[1].mate
     ]
-    if margins:
-        last = Figure("Closest contest", exact_length(min(margins)), "" if len(events) == played else "in replays here")
-    else:
-        last = Figure("Catches", number(sum(sum(one.result.scores[:hunting]) for one in data.played)))
-    return [Figure("Matches played", number(played), of_plan), Figure("Contests decided", number(contests)), last]
+    among = "" if len(events) == played else f"in {number(len(events))} matches"
+    catches = sum(sum(one.result.scores[:hunting]) for one in data.played)
+    return [
+        Figure("Matches played", number(played), of_plan),
+        Figure("Contests decided", number(contests)),
+        Figure("Closest contest", exact_length(min(margins)), among) if margins else Figure("Catches", number(catches)),
+    ]
 
 
 def best_moment(events: Mapping[str, MatchEvents]) -> Moment | None:

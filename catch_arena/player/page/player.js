@@ -41,7 +41,7 @@ const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
 /** Formats of clips, the preferred one first. */
 const CLIPS = ["video/webm;codecs=vp9", "video/webm", "video/mp4"];
-/** A clip begins and ends so many milliseconds before and after the instant that is shown. */
+/** Time of a clip before and after the instant that is shown, in milliseconds. */
 const [CLIP_BEFORE, CLIP_AFTER] = [2000, 1500];
 /** Least side of a clip, in pixels. */
 const CLIP_SIDE = 720;

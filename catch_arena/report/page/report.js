@@ -274,6 +274,10 @@ function follow() {
   return Boolean(id);
 }
 addEventListener("hashchange", follow);
+addEventListener("click", ({ target }) => {
+  const link = target instanceof Element && target.closest("a");
+  if (link && link.hash.startsWith("#match=") && link.hash === location.hash) follow(); // no hashchange follows
+});
 matches.read(at("matches").textContent).then(() => {
   const { ids, recorded } = matches.data;
   const first = Object.keys(matches.bundles)[0] ?? (watched ? ids[recorded.indexOf(1)] : undefined);
