@@ -66,7 +66,10 @@ def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool)
     """Return a headline with the leaders of each side."""
     if len(tables) == 1:
         return headline(tables["hunter"], ended=ended)
-    return "; ".join(f"as {side}: {headline(table, ended=ended)}" for side, table in tables.items()).capitalize()
+    lines = {side: headline(table, ended=ended) for side, table in tables.items()}
+    if len(set(lines.values())) == 1:
+        return lines["hunter"]
+    return "A" + "; ".join(f"as {side}: {line}" for side, line in lines.items())[1:]
 
 
 def headline(table: Sequence[Standing], *, ended: bool) -> str:

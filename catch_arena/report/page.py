@@ -5,7 +5,7 @@ Texts from strangers stay text: templates escape them, and the page's policy let
 
 import base64
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
@@ -13,12 +13,15 @@ from typing import Any, Final
 import jinja2
 
 from catch_arena.config import RULESET
+from catch_arena.explanation.highlights import MatchEvents
 from catch_arena.files import write_whole
 from catch_arena.player import css, element_script, packed_text, page_file, script_json
 from catch_arena.render.match_info import agent_color
+from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.replay.comparison import flat_settings
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
+from catch_arena.report.glance import best_moment, figures
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
 from catch_arena.tournament.entrants import SHIPPED_PREY
@@ -51,19 +54,26 @@ def write_report(
     """
     data = ReportData.of(folder)
     path = output or folder / REPORT
-    write_whole(path, page(data, select_matches(data, budget, matches)).encode())
+    selected = select_matches(data, budget, matches)
+    events = {match: choice.events for match, choice in selected.items()}
+    write_whole(path, page(data, selected, events).encode())
     return path
 
 
-def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool = False) -> str:
+def page(
+    data: ReportData, selected: dict[str, SelectedMatch], events: Mapping[str, MatchEvents], *, watched: bool = False
+) -> str:
     """Return the report as HTML.
 
     Args:
         data: the tournament's data.
         selected: the matches that the page plays, by their ids.
+        events: the events of matches, by their ids, from which the best moment is chosen.
         watched: whether the page is served; it then requests news, and the replays that it shows.
     """
-    forfeits = _forfeits(data)
+    forfeits, size = _forfeits(data), data.parties.block_size
+    titles = {one.match.id: one.match.title(size) for one in data.played}
+    colors = [agent_color(data.tournament.config, number) for number in range(len(data.tournament.entrants))]
     return _template().render(
         data=data,
         table=data.standings,
@@ -79,10 +89,11 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
             }
             for side in data.sides
         ],
-        colors={
-            entrant.name: css(agent_color(data.tournament.config, number))
-            for number, entrant in enumerate(data.tournament.entrants)
-        },
+        figures=figures(data, events),
+        moment=best_moment(events),
+        titles=titles,
+        colors={name: css(color) for side in data.sides for name, color in zip(side.names, colors, strict=True)},
+        turtles={name: _turtle(color) for side in data.sides for name, color in zip(side.names, colors, strict=True)},
         teams=len(data.parties) < len(data.parties.by_seat),
         seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),
@@ -97,7 +108,7 @@ def page(data: ReportData, selected: dict[str, SelectedMatch], *, watched: bool 
         listed=min(len(data.played), MOST_LISTED),
         selected=selected,
         selected_json=script_json({match: [choice.bundle, choice.why] for match, choice in selected.items()}),
-        matches=packed_text(script_json(_matches(data)).encode()),
+        matches=packed_text(script_json(_matches(data, titles)).encode()),
         watched=watched,
         policy=content_policy(watched=watched),
         element=element_script(),
@@ -139,7 +150,18 @@ def _template() -> jinja2.Template:
     return environment.get_template("report.html")
 
 
-def _matches(data: ReportData) -> dict[str, Any]:
+def _turtle(color: Color) -> list[tuple[str, str]]:
+    """Return the parts of a turtle that faces up: a colour and points, for a picture of SVG."""
+    return [
+        (
+            css((*(round(own * channel + 255 * white) for channel in color),)),
+            " ".join(f"{-y:.3f},{-x:.3f}" for x, y in points[::2]),
+        )
+        for points, own, white in TURTLE_PARTS
+    ]
+
+
+def _matches(data: ReportData, titles: Mapping[str, str]) -> dict[str, Any]:
     """Return the list of matches, in columns; values by party stand match after match."""
     played = data.played[:MOST_LISTED]
     return {
@@ -147,6 +169,7 @@ def _matches(data: ReportData) -> dict[str, Any]:
         "seats": len(data.parties),
         "hunting": data.parties.hunting,
         "ids": [played_match.match.id for played_match in played],
+        "titles": [titles[played_match.match.id] for played_match in played],
         "recorded": [int(played_match.match.id in data.recorded) for played_match in played],
         "seating": [entrant for played_match in played for entrant in played_match.match.seating],
         "scores": [score for played_match in played for score in played_match.result.scores],
@@ -157,6 +180,7 @@ def _matches(data: ReportData) -> dict[str, Any]:
 def _forfeits(data: ReportData) -> list[dict[str, Any]]:
     """Return the ways in which agents forfeited, the most frequent first, each with its count and first case."""
     found: dict[tuple[str, str, str], dict[str, Any]] = {}
+    size = data.parties.block_size
     for played_match in data.played:
         for party, forfeit in enumerate(played_match.result.forfeits):
             if forfeit is None:
@@ -164,7 +188,7 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
             entrant = data.tournament.entrants[played_match.match.seating[party]]
             name, code = entrant.name, forfeit.code
             reason = without_folders(forfeit.reason.replace(entrant.spec, entrant.source))
-            place = f"match {played_match.match.id}, {data.parties.called(party)}"
+            place = f"{played_match.match.title(size)}, {data.parties.called(party)}"
             first = {"where": place, "step": forfeit.step, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1

@@ -4,13 +4,14 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import unquote
 
 from catch_arena.errors import CatchArenaError, OutputError, ReplayError
+from catch_arena.explanation.highlights import MatchEvents, extract_events
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.report.page import content_policy, page
@@ -23,6 +24,8 @@ _PORTS: Final = 20
 _PAUSE_S: Final = 2.0
 _PAUSE_FACTOR: Final = 10.0
 """Pause between two refreshes, in durations of the last one: they take at most a tenth of one core's time."""
+_LOOKED_AT: Final = 4
+"""Number of recorded matches in which a refresh looks for the best moment."""
 _PATIENCE_S: Final = 5.0
 """Time within which a request must arrive [s]."""
 
@@ -35,6 +38,7 @@ class LiveReport:
         self._lock = threading.Lock()
         self._page = ""
         self._data: ReportData | None = None
+        self._events: dict[str, MatchEvents] = {}
         self._shown = ""
         self._next = 0.0
 
@@ -74,8 +78,15 @@ class LiveReport:
             self._page = _WAITING
         else:
             self._data = ReportData.of(self._folder)
-            self._page = page(self._data, {}, watched=True)
+            self._look_at(self._data)
+            self._page = page(self._data, {}, self._events, watched=True)
         self._shown = state
+
+    def _look_at(self, data: ReportData) -> None:
+        """Extract the events of the newest recorded matches, a few for each refresh."""
+        for match in sorted(data.recorded - self._events.keys(), reverse=True)[:_LOOKED_AT]:
+            with suppress(ReplayError):  # it was moved away, or has another ruleset
+                self._events[match] = extract_events(data.replay(match))
 
 
 _WAITING: Final = (

@@ -1,5 +1,6 @@
 """Matches of a plan, and their results."""
 
+import re
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -9,6 +10,8 @@ from catch_arena.tournament.players import ForfeitCode, Observation
 
 MOST_TIMEOUTS: Final = 2
 """Number of timeouts of an agent after which grade and check-agent stop: each costs seconds."""
+_ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)(?:-([ab]))?")
+"""Pattern of the ids of plans and comparisons: round, block of the round, match of the block, and A or B in turn."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -26,14 +29,17 @@ class Match:
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
     """Seed of the player, by party; if empty, these seeds follow from the match's own."""
 
-    @property
-    def title(self) -> str:
-        """Text that names the match for people, such as "round 1, group 2, match 3"."""
-        words = {"r": "round", "g": "group", "s": "match"}
-        parts = [part for part in self.id.split("-") if part[0] in words and part[1:].isdecimal()]
-        if not parts:
+    def title(self, block_size: int) -> str:
+        """Return the text that names the match for people, such as "round 1, match 5".
+
+        Args:
+            block_size: number of matches in a block (`Parties.block_size`), since ids count the blocks of a round.
+        """
+        parts = _ID.fullmatch(self.id)
+        if parts is None:
             return f"match {self.id}"
-        return ", ".join(f"{words[part[0]]} {int(part[1:]) + (part[0] == 's')}" for part in parts)
+        turn, group, place = map(int, parts.group(1, 2, 3))
+        return f"round {turn}, match {(group - 1) * block_size + place + 1}{parts[4] or ''}"
 
 
 Block = tuple[Match, ...]

@@ -21,7 +21,7 @@ from catch_arena.report import REPORT, watch, write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
 
-_SHOWING = "match => document.getElementById('showing').textContent === `Match ${match}`"
+_SHOWING = "title => document.getElementById('showing').textContent === title"
 
 _CONTRASTS = """
 () => {
@@ -302,18 +302,149 @@ def test_every_listed_key_does_what_it_says(player, crowd):
 
 def test_a_report_shows_its_first_replay_and_any_other_that_is_picked(quiet, report):
     quiet.goto(report.as_uri())
-    until(quiet, "document.querySelector('catch-replay').replay")
+    until(quiet, "document.getElementById('player').replay")
     assert quiet.get_by_role("heading", level=1).inner_text()
     assert quiet.locator("#list li").count() == 4
     other = quiet.locator("#list li").nth(2)
-    match = other.get_by_role("button").get_attribute("aria-label").removeprefix("Show match ")
+    title = other.get_by_role("button").get_attribute("aria-label").removeprefix("Show ")
+    assert re.fullmatch(r"round 1, match [1-4]", title)
     other.get_by_role("button").click()
-    until(quiet, _SHOWING, arg=match)
-    assert quiet.locator("#list [aria-current]").inner_text().startswith(match)
+    until(quiet, _SHOWING, arg=title.capitalize())
+    assert quiet.locator("#list [aria-current]").inner_text().startswith(title.capitalize())
     quiet.keyboard.press("Space")  # the player has the focus
-    until(quiet, "document.querySelector('catch-replay').time > 300")
+    until(quiet, "document.getElementById('player').time > 300")
     quiet.get_by_role("combobox", name="Agent").select_option("patrol")
     assert quiet.locator("#found").inner_text() == "1 to 4 of 4"
+
+
+def best(page, name):
+    return page.evaluate(f"document.getElementById('best').{name}")
+
+
+def test_the_first_screen_has_the_podium_and_repeats_the_best_moment(chromium, report):
+    page = chromium.new_page(viewport={"width": 1440, "height": 900})
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('best').playing")
+    table = ReportData.of(report.parent).standings
+    assert [line.split("\n")[0] for line in page.locator(".podium li").all_inner_texts()] == [
+        line.name for line in table[:3]
+    ]
+    assert "Closest contest" in page.locator(".figures").inner_text()
+    for part in (".podium", ".figures", "figcaption", "#best"):
+        box = page.locator(part).bounding_box()
+        assert box["y"] + box["height"] <= 900
+    start, end = (int(page.locator("#event").get_attribute(f"data-{name}")) for name in ("start", "end"))
+    page.evaluate("time => document.getElementById('best').seek(time)", end - 1)
+    until(page, "start => document.getElementById('best').time < start + 1000", arg=start)
+    assert best(page, "time") >= start
+    page.get_by_role("heading", name="Provenance").scroll_into_view_if_needed()
+    until(page, "!document.getElementById('best').playing")  # out of sight
+    page.locator("#best").scroll_into_view_if_needed()
+    until(page, "document.getElementById('best').playing")
+    page.get_by_role("button", name="Pause").click()
+    page.close()
+
+
+def test_the_best_moment_stands_still_if_motion_is_unwanted(chromium, report):
+    page = chromium.new_page(reduced_motion="reduce")
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('best').time")
+    page.wait_for_timeout(300)
+    assert not best(page, "playing")
+    assert best(page, "time") == int(page.locator("#event").get_attribute("data-time"))
+    page.close()
+
+
+def test_a_copied_link_opens_the_match_at_its_instant(chromium, report):
+    context = chromium.new_context(permissions=["clipboard-read", "clipboard-write"])
+    page = context.new_page()
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('player').replay")
+    page.locator("#list li").nth(1).get_by_role("button").click()
+    title = page.locator("#list [aria-current] .id").inner_text().split("\n")[0]
+    until(page, "title => document.getElementById('player').replay?.title === title", arg=title.lower())
+    player = page.locator("#player")
+    for _ in range(3):
+        player.locator("canvas.arena").press("ArrowRight")
+    time = page.evaluate("document.getElementById('player').time")
+    player.get_by_role("button", name="Copy link").click()
+    player.get_by_role("button", name="Copied").wait_for()
+    link = page.evaluate("navigator.clipboard.readText()")
+    assert re.fullmatch(r".*report\.html#match=r00001-g000001-s0\d&t=[\d.]+", link)
+    page.close()
+    visitor = context.new_page()
+    visitor.goto(link)
+    until(visitor, _SHOWING, arg=title)
+    until(visitor, "time => document.getElementById('player').time === time", arg=time)
+    until(visitor, "document.getElementById('showing').getBoundingClientRect().top < 200")
+    visitor.get_by_role("link", name=re.compile("^Round 1, match")).click()
+    decisive = int(visitor.locator("#event").get_attribute("data-time"))
+    until(visitor, "time => document.getElementById('player').time === time", arg=decisive)
+    visitor.evaluate("location.hash = '#match=nothing&t=1'")
+    until(visitor, _SHOWING, arg="Match nothing does not play in this page")
+    context.close()
+
+
+def test_a_link_that_may_not_be_copied_is_in_the_address_bar(quiet, report):
+    quiet.add_init_script("navigator.clipboard.writeText = () => Promise.reject(new Error('not allowed'))")
+    quiet.goto(report.as_uri())
+    until(quiet, "document.getElementById('player').replay")
+    quiet.locator("#player").get_by_role("button", name="Copy link").click()
+    until(quiet, "location.hash.startsWith('#match=') && location.hash.endsWith('&t=0')")
+
+
+def test_a_moment_is_saved_as_a_clip_that_plays(chromium, report, tmp_path):
+    page = chromium.new_page()
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('best').playing")
+    start, end = (int(page.locator("#event").get_attribute(f"data-{name}")) for name in ("start", "end"))
+    with page.expect_download() as download:
+        page.locator("#best").get_by_role("button", name="Save clip").click()
+        page.locator("#best").get_by_role("button", name="Saving").wait_for()
+    assert re.fullmatch(r"round-1-match-\d-[\d.]+-s\.webm", download.value.suggested_filename)
+    clip = tmp_path / "clip.webm"
+    download.value.save_as(clip)
+    until(page, "document.getElementById('best').playing")  # it goes on
+    page.close()
+    video = cv2.VideoCapture(str(clip))
+    frames, instants = [], []
+    while video.grab():
+        instants.append(video.get(cv2.CAP_PROP_POS_MSEC))
+        frames.append(video.retrieve()[1])
+    assert len(frames) > 10
+    assert min(frames[0].shape[:2]) >= 720
+    assert instants[-1] - instants[0] > 0.7 * (end - start)
+    assert share_of(frames[0][..., ::-1], viewport.GROUND, 24) > 0.3
+    assert (frames[0] != frames[-1]).any()
+
+
+def test_tables_show_their_main_columns_on_a_phone_and_fold_the_others(chromium, report):
+    page = chromium.new_page(viewport={"width": 390, "height": 844})
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('player').replay")
+    cut = "[...document.querySelectorAll('.scroll')].filter((one) => one.scrollWidth > one.clientWidth)"
+    assert page.evaluate(f"{cut}.map((one) => one.ariaLabel)") == []
+    page.get_by_text("Other columns").click()
+    assert page.get_by_role("columnheader", name="IQM").count() == 1
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    page.close()
+
+
+def test_a_printed_report_has_the_podium_and_a_still_of_the_moment_that_decides(chromium, report):
+    page = chromium.new_page(color_scheme="dark")
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('best').playing")
+    page.get_by_role("button", name="Light or dark").click()
+    page.get_by_role("button", name="Light or dark").click()  # dark by choice
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert best(page, "time") == int(page.locator("#event").get_attribute("data-time"))
+    for part in (".podium", ".figures", "#best canvas.arena", ".standings"):
+        assert page.locator(part).first.is_visible()
+    for part in ("nav", "#player", ".controls"):
+        assert not page.locator(part).first.is_visible()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    page.close()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -342,8 +473,7 @@ def test_the_switch_changes_light_and_dark_and_is_remembered(chromium, report):
     dark = page.evaluate(ground)
     assert dark != light
     assert (
-        page.locator("catch-replay .player").evaluate("one => getComputedStyle(one).backgroundColor")
-        != "rgb(255, 255, 255)"
+        page.locator("#player .player").evaluate("one => getComputedStyle(one).backgroundColor") != "rgb(255, 255, 255)"
     )
     page.reload()
     assert page.evaluate(ground) == dark
@@ -394,18 +524,17 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
     with serve(LiveReport(tmp_path), 0) as address:
         page.goto(address)
         page.wait_for_selector("#list li")
-        assert "of 60" in page.locator("header").inner_text()
+        assert "of 60" in page.locator(".figures").inner_text()
         tournament(tmp_path, 1)
         until(page, "document.querySelector('#found').textContent === '1 to 10 of 60'", timeout=15_000)
-        assert "of 60" not in page.locator("header").inner_text()
+        assert "of 60" not in page.locator(".figures").inner_text()
     until(page, "document.querySelector('#news').textContent.includes('no longer live')", timeout=15_000)
     recorded = ReportData.of(report.parent).recorded
     with serve(LiveReport(report.parent), 0) as address:
         page.goto(address)
-        until(page, "document.querySelector('catch-replay').replay")
-        match = max(recorded)
-        page.get_by_role("button", name=f"Show match {match}").click()
-        until(page, "match => document.getElementById('showing').textContent === `Match ${match}`", arg=match)
+        until(page, "document.getElementById('player').replay && document.getElementById('best').playing")
+        page.get_by_role("button", name=f"Show round 1, match {len(recorded)}").click()
+        until(page, _SHOWING, arg=f"Round 1, match {len(recorded)}")
 
 
 def test_a_damaged_replay_says_so_in_one_line_and_the_next_one_plays(quiet, crowd, tmp_path):

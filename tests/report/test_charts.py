@@ -11,6 +11,7 @@ from report.synthetic import tournament
 from catch_arena.report.charts import (
     Axis,
     headline,
+    headline_of_sides,
     interval,
     lanes,
     number,
@@ -70,6 +71,15 @@ def test_one_that_forfeited_everything_does_not_squeeze_the_others_together(data
 )
 def test_the_heading_says_no_more_than_is_known(data, groups, ended, expected):
     assert headline(_table(data, groups), ended=ended) == expected
+
+
+def test_the_heading_of_two_sides_leaves_names_as_they_are(data):
+    ann, both = _table(data, [(1, 1), (2, 2)]), _table(data, [(1, 1), (1, 1)])
+    ann = [dataclasses.replace(ann[0], name="Ann"), ann[1]]
+    assert headline_of_sides({"hunter": ann, "prey": ann}, ended=True) == "Ann comes first"
+    assert headline_of_sides({"hunter": ann, "prey": both}, ended=True) == (
+        "As hunter: Ann comes first; as prey: No difference between the agents is significant yet"
+    )
 
 
 def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(data):

@@ -39,7 +39,7 @@ def test_forfeits_are_told_with_code_reason_and_place(tmp_path):
     count = sum(any(one.result.forfeits) for one in ReportData.of(tmp_path).played)
     assert count > 3
     line = re.search(r"<li><strong>random</strong>.*?</li>", text).group()
-    assert f"{count} ×, first in match r0000" in line
+    assert f"{count} ×, first in round 1, match " in line
     assert "step 7" in line
     assert "act raised ValueError: &lt;b&gt;no&lt;/b&gt;" in line
 

@@ -39,7 +39,19 @@ const preyStatus = ({ caught, out }) => `${out ? "out, " : ""}caught ${caught}`;
 /** @param {string} verdict */
 const words = (verdict) => verdict.toLowerCase().replaceAll("_", " ");
 
-/** Element <catch-replay bundle="…">: plays a recorded match. It needs nothing from the page around it. */
+/** Formats of clips, the preferred one first. */
+const CLIPS = ["video/webm;codecs=vp9", "video/webm", "video/mp4"];
+/** Time of a clip before and after the instant that is shown, in milliseconds. */
+const [CLIP_BEFORE, CLIP_AFTER] = [2000, 1500];
+/** Least side of a clip, in pixels. */
+const CLIP_SIDE = 720;
+
+/**
+ * Element <catch-replay bundle="…">: plays a recorded match. It needs nothing from the page around it.
+ *
+ * With `start`, it begins at this instant. With `end` too, it repeats the part between them, and shows only the arena.
+ * With `address`, such as "#match=1", it has a button that copies a link to the instant that is shown.
+ */
 export class CatchReplay extends HTMLElement {
   /** `film` is the former name of `bundle`, which saved notebooks contain. */
   static observedAttributes = ["bundle", "film"];
@@ -64,6 +76,10 @@ export class CatchReplay extends HTMLElement {
   frame = 0;
   /** @type {number | null} the time of the previous frame */
   last = null;
+  /** @type {number | null} the end of the clip that is being saved */
+  saved = null;
+  /** @type {MediaRecorder | null} the recorder of that clip */
+  recorder = null;
   /** @type {import("./replay.js").Contest | null} the contest that is explained */
   explained = null;
   painter = new Painter(CatchReplay.look);
@@ -84,6 +100,13 @@ export class CatchReplay extends HTMLElement {
   toggle = make("button", { type: "button", className: "toggle" });
   previous = make("button", { type: "button", textContent: "Previous", ariaLabel: "Previous contest" });
   next = make("button", { type: "button", textContent: "Next contest" });
+  clip = make("button", {
+    type: "button",
+    className: "share",
+    textContent: "Save clip",
+    hidden: !globalThis.MediaRecorder,
+  });
+  link = make("button", { type: "button", className: "share", textContent: "Copy link", hidden: true });
   sight = make("button", { type: "button", textContent: "Show its view", ariaPressed: "false", hidden: true });
   clock = make("output", { className: "clock" });
   pace = make("select", { ariaLabel: "Speed" });
@@ -114,11 +137,13 @@ export class CatchReplay extends HTMLElement {
       this.note.textContent = `The replay cannot be shown. ${error instanceof Error ? error.message : error}`;
       return;
     }
-    this.time = 0;
+    this.time = Math.min(this.#milliseconds("start") ?? 0, this.replay.duration);
+    this.link.hidden = !this.hasAttribute("address");
     this.#cast(this.replay);
     this.#fit();
     this.#describe();
     if (this.waiting) this.play();
+    this.dispatchEvent(new Event("load"));
   }
 
   play() {
@@ -135,6 +160,9 @@ export class CatchReplay extends HTMLElement {
     this.waiting = false;
     if (!this.playing) return;
     this.playing = false;
+    this.saved = null;
+    this.recorder?.stop();
+    this.recorder = null;
     cancelAnimationFrame(this.frame);
     this.#button();
     this.#draw();
@@ -176,6 +204,57 @@ export class CatchReplay extends HTMLElement {
     this.#draw();
   }
 
+  /** Save the part around the instant that is shown as a video: it is played once and recorded. */
+  async save() {
+    const { replay, arena, time, playing } = this;
+    if (!replay || this.saved !== null) return;
+    const type = CLIPS.find((one) => MediaRecorder.isTypeSupported(one));
+    const end = this.#milliseconds("end");
+    const start = end === null ? time - CLIP_BEFORE : this.#milliseconds("start") ?? 0;
+    this.pause();
+    this.seek(start);
+    this.saved = Math.min(end ?? time + CLIP_AFTER, replay.duration);
+    this.clip.disabled = true;
+    this.clip.textContent = "Saving …";
+    this.#fit();
+    const recorder = new MediaRecorder(arena.captureStream(), { mimeType: type, videoBitsPerSecond: 8e6 });
+    /** @type {Blob[]} */
+    const parts = [];
+    recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
+    const stopped = new Promise((resolve) => recorder.addEventListener("stop", resolve));
+    this.recorder = recorder;
+    recorder.start();
+    this.play();
+    await stopped;
+    recorder.stream.getTracks().forEach((track) => track.stop());
+    this.clip.disabled = false;
+    this.clip.textContent = "Save clip";
+    this.#fit();
+    if (this.replay === replay) this.seek(time);
+    if (playing) this.play();
+    const href = URL.createObjectURL(new Blob(parts, { type: recorder.mimeType }));
+    const name = `${replay.title || "match"} ${seconds(time)}`.replaceAll(/[^\p{L}\p{N}.]+/gu, "-");
+    make("a", { href, download: `${name}.${recorder.mimeType.includes("mp4") ? "mp4" : "webm"}` }).click();
+    setTimeout(() => URL.revokeObjectURL(href), 60_000);
+    this.spoken.textContent = "The clip has been saved.";
+  }
+
+  /** Copy a link to the instant that is shown; if that is not allowed, the address bar gets it. */
+  async share() {
+    const address = this.getAttribute("address") ?? "";
+    const at = this.hasAttribute("end") ? "" : `&t=${this.time / 1000}`;
+    const { href } = new URL(address + at, location.href);
+    try {
+      await navigator.clipboard.writeText(href);
+      this.link.textContent = "Copied";
+    } catch {
+      history.replaceState(null, "", href);
+      this.link.textContent = "See the address bar";
+    }
+    this.spoken.textContent = `${this.link.textContent}.`;
+    setTimeout(() => (this.link.textContent = "Copy link"), 2000);
+  }
+
   /**
    * Go to the next or the previous contest of the selected hunter.
    * @param {1 | -1} direction
@@ -201,6 +280,8 @@ export class CatchReplay extends HTMLElement {
     this.previous.addEventListener("click", () => this.jump(-1));
     this.next.addEventListener("click", () => this.jump(1));
     this.sight.addEventListener("click", () => this.toggleView());
+    this.clip.addEventListener("click", () => this.save());
+    this.link.addEventListener("click", () => this.share());
     this.pace.append(...SPEEDS.map((speed) => make("option", { value: String(speed), textContent: `${speed} ×` })));
     this.pace.value = String(this.speed);
     this.pace.addEventListener("change", () => (this.speed = Number(this.pace.value)));
@@ -218,6 +299,8 @@ export class CatchReplay extends HTMLElement {
           this.previous,
           this.next,
           this.sight,
+          this.clip,
+          this.link,
           this.clock,
           this.pace,
         ),
@@ -236,8 +319,8 @@ export class CatchReplay extends HTMLElement {
           make("summary", { textContent: "Keys" }),
           make("dl", {}, ...keys),
         ),
-        this.spoken,
       ),
+      this.spoken,
     ];
     this.whole.append(...parts);
     const root = this.attachShadow({ mode: "open", delegatesFocus: true });
@@ -312,20 +395,37 @@ export class CatchReplay extends HTMLElement {
     if (!this.playing || !this.replay) return;
     const passed = this.last === null ? 0 : Math.min(now - this.last, 100); // a page in the background stands still
     this.last = now;
-    this.time = Math.min(this.time + passed * this.speed, this.replay.duration);
+    const looped = this.saved === null ? this.#milliseconds("end") : null;
+    const end = Math.min(this.saved ?? looped ?? Infinity, this.replay.duration);
+    this.time = Math.min(this.time + passed * this.speed, end);
     this.#draw();
-    if (this.time >= this.replay.duration) {
-      this.pause();
-      this.spoken.textContent = `${this.replay.result}.`;
-    } else this.frame = requestAnimationFrame((later) => this.#advance(later));
+    if (this.time < end || looped !== null) {
+      if (this.time >= end) this.time = this.#milliseconds("start") ?? 0;
+      this.frame = requestAnimationFrame((later) => this.#advance(later));
+      return;
+    }
+    const whole = this.saved === null;
+    this.pause();
+    if (whole) this.spoken.textContent = `${this.replay.result}.`;
   }
 
-  /** Give the canvases the resolution of the screen. */
+  /**
+   * Return an attribute that is a time; null if it is missing.
+   * @param {"start" | "end"} name
+   */
+  #milliseconds(name) {
+    const text = this.getAttribute(name);
+    return text === null ? null : Number(text) || 0;
+  }
+
+  /** Give the canvases the resolution of the screen; the arena has at least that of a clip while one is saved. */
   #fit() {
+    if (this.recorder?.state === "recording") return;
     for (const canvas of [this.arena, this.strip]) {
       canvas.width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
       canvas.height = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio));
     }
+    if (this.saved !== null) this.arena.width = this.arena.height = Math.max(CLIP_SIDE, this.arena.width);
     this.explained = null; // its lens has to be drawn again
     this.#draw();
   }

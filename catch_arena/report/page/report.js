@@ -1,6 +1,6 @@
 "use strict";
 
-/** @typedef {typeof import("../../player/page/player.js").CatchReplay} CatchReplay */
+/** @typedef {import("../../player/page/player.js").CatchReplay} CatchReplay */
 
 /**
  * The matches of a tournament in columns, as page.py writes them. Values by party (a team, a hunter if there are no
@@ -10,6 +10,7 @@
  * @property {number} seats parties in a match
  * @property {number} hunting number of parties that hunt; the others are prey
  * @property {string[]} ids
+ * @property {string[]} titles the matches' names for people
  * @property {number[]} recorded 1 or 0
  * @property {number[]} seating index of each agent in `names`
  * @property {number[]} scores
@@ -32,6 +33,8 @@ const playable = /** @type {HTMLInputElement | null} */ (document.getElementById
 const back = /** @type {HTMLButtonElement} */ (at("back"));
 const more = /** @type {HTMLButtonElement} */ (at("more"));
 const watched = "watched" in document.body.dataset;
+/** @param {string} text */
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 
 const theme = {
   kept: () => {
@@ -67,7 +70,7 @@ class Matches {
   /** @type {Record<string, [bundle: string, why: string]>} by a match's id */
   bundles = JSON.parse(at("bundles").textContent);
   /** @type {Columns} */
-  data = { names: [[]], seats: 0, hunting: 0, ids: [], recorded: [], seating: [], scores: [], ranks: [] };
+  data = { names: [[]], seats: 0, hunting: 0, ids: [], titles: [], recorded: [], seating: [], scores: [], ranks: [] };
   /** Index of the first match on the list's page. */
   first = 0;
   /** Id of the match that is shown. */
@@ -82,7 +85,9 @@ class Matches {
 
   /** @param {string} text */
   async read(text) {
-    const { unpacked } = /** @type {CatchReplay} */ (customElements.get("catch-replay"));
+    const { unpacked } = /** @type {typeof import("../../player/page/player.js").CatchReplay} */ (
+      customElements.get("catch-replay")
+    );
     const bytes = await unpacked(text.trim());
     this.data = JSON.parse(new TextDecoder().decode(bytes));
     this.show(this.first);
@@ -122,8 +127,8 @@ class Matches {
 
   /** @param {number} index */
   line(index) {
-    const { ids, names, seating, scores, ranks, seats, hunting, recorded } = this.data;
-    const id = ids[index];
+    const { ids, titles, names, seating, scores, ranks, seats, hunting, recorded } = this.data;
+    const [id, title] = [ids[index], titles[index]];
     const line = document.createElement("li");
     /** @type {(className: string, text: string) => HTMLSpanElement} */
     const part = (className, text) => Object.assign(document.createElement("span"), { className, textContent: text });
@@ -134,17 +139,17 @@ class Matches {
       const wins = ranks[seat] === 1 && (hunts ? hunting : seats - hunting) > 1; // a party without rivals beats no other
       cast.append(part(wins ? "first" : "", hunts ? who : `prey ${who}`));
     }
-    const name = part("id", id);
+    const name = part("id", capital(title));
     const why = this.bundles[id]?.[1];
     if (why) name.append(document.createElement("br"), why);
     line.append(name, cast);
     if (this.plays(index)) {
       const button = Object.assign(document.createElement("button"), { type: "button", textContent: "Show" });
-      button.setAttribute("aria-label", `Show match ${id}`);
+      button.setAttribute("aria-label", `Show ${title}`);
       button.addEventListener("click", () => this.open(id, true));
       line.append(button);
     } else {
-      line.append(part("id", recorded[index] ? "recorded" : "not recorded"));
+      line.append(part("id", recorded[index] ? `recorded as ${id}` : "not recorded"));
     }
     if (id === this.shown) line.setAttribute("aria-current", "true");
     return line;
@@ -154,14 +159,19 @@ class Matches {
    * Show a match.
    * @param {string} id
    * @param {boolean} moved true to scroll to the player
+   * @param {number} time at which it begins, in milliseconds
    */
-  async open(id, moved = false) {
-    const player = at("player");
-    const bundle = this.bundles[id]?.[0] ?? (await this.fetched(id));
+  async open(id, moved = false, time = 0) {
+    const player = /** @type {CatchReplay} */ (at("player"));
+    const bundle = await this.bundle(id, at("showing"));
     if (!bundle) return;
     this.shown = id;
+    player.setAttribute("address", address(id));
+    player.setAttribute("start", String(time));
     player.setAttribute("bundle", bundle);
-    at("showing").textContent = `Match ${id}`;
+    player.pause();
+    player.seek(time); // if it has been read already
+    at("showing").textContent = capital(this.title(id));
     this.show(this.first);
     if (moved) {
       at("showing").scrollIntoView({ block: "start" });
@@ -169,28 +179,110 @@ class Matches {
     }
   }
 
+  /** @param {string} id */
+  title(id) {
+    return this.data.titles[this.data.ids.indexOf(id)] ?? `match ${id}`;
+  }
+
   /**
-   * Fetch the bundle of any recorded match from the server.
+   * Return the bundle of a match: from the page, or of any recorded match from the server.
    * @param {string} id
+   * @param {{ textContent: string | null }} note gets the reason why there is none
    */
-  async fetched(id) {
-    at("showing").textContent = `Match ${id} is being prepared`;
+  async bundle(id, note) {
+    if (id in this.bundles) return this.bundles[id][0];
+    const title = capital(this.title(id));
+    note.textContent = `${title} ${watched ? "is being prepared" : "does not play in this page"}`;
+    if (!watched) return null;
     try {
       const answer = await fetch(`bundles/${encodeURIComponent(id)}`);
       if (answer.ok) return await answer.text();
-      at("showing").textContent = await answer.text();
+      note.textContent = await answer.text();
     } catch {
-      at("showing").textContent = "The server has stopped.";
+      note.textContent = "The server has stopped.";
     }
     return null;
   }
 }
 
+/**
+ * Return the part of the page's address that opens a match, at an instant if one is given.
+ * @param {string} id
+ * @param {number} [time]
+ */
+const address = (id, time) => `#match=${encodeURIComponent(id)}${time === undefined ? "" : `&t=${time / 1000}`}`;
+
+/** The best moment, which is repeated while it is in sight, if motion is welcome. */
+class Best {
+  player = /** @type {CatchReplay} */ (at("best"));
+  /** True if it plays when it is in sight. */
+  wanted = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  seen = false;
+  /** The instant that decides, in milliseconds. */
+  time = 0;
+
+  constructor() {
+    this.player.addEventListener("load", () => this.rest());
+    new IntersectionObserver(([{ isIntersecting }]) => {
+      if (this.seen && !isIntersecting) {
+        this.wanted = this.player.playing || this.player.waiting;
+        if (this.player.saved === null) this.player.pause();
+      }
+      this.seen = isIntersecting;
+      this.resume();
+    }).observe(this.player);
+    addEventListener("beforeprint", () => {
+      this.player.pause();
+      this.player.seek(this.time);
+    });
+    addEventListener("afterprint", () => this.resume());
+  }
+
+  /** Show the moment that the page names. */
+  async show() {
+    const { match, start, time, end } = document.getElementById("event")?.dataset ?? {};
+    if (!match || !start || !end || Number(time) === this.time) return;
+    this.time = Number(time);
+    const bundle = await matches.bundle(match, { textContent: "" });
+    if (!bundle) return;
+    at("moment").hidden = false;
+    this.player.setAttribute("start", start);
+    this.player.setAttribute("end", end);
+    this.player.setAttribute("address", address(match, this.time));
+    this.player.setAttribute("bundle", bundle);
+    this.resume();
+  }
+
+  resume() {
+    if (this.seen && this.wanted) this.player.play();
+  }
+
+  /** Show the instant that decides, if the moment does not play. */
+  rest() {
+    if (!this.wanted) this.player.seek(this.time);
+  }
+}
+
 const matches = new Matches();
+const best = document.getElementById("best") && new Best();
+
+/** Open the match and the instant that the page's address names; return false if it names none. */
+function follow() {
+  const words = new URLSearchParams(location.hash.slice(1));
+  const id = words.get("match");
+  if (id) matches.open(id, true, 1000 * Number(words.get("t")) || 0);
+  return Boolean(id);
+}
+addEventListener("hashchange", follow);
+addEventListener("click", ({ target }) => {
+  const link = target instanceof Element && target.closest("a");
+  if (link && link.hash.startsWith("#match=") && link.hash === location.hash) follow(); // no hashchange follows
+});
 matches.read(at("matches").textContent).then(() => {
   const { ids, recorded } = matches.data;
   const first = Object.keys(matches.bundles)[0] ?? (watched ? ids[recorded.indexOf(1)] : undefined);
-  if (first) matches.open(first);
+  if (first && !follow()) matches.open(first);
+  best?.show();
 });
 
 /**
@@ -211,6 +303,7 @@ async function news(known) {
         part.querySelectorAll("details").forEach((details, number) => (details.open = open[number] ?? false));
       });
       await matches.read(fresh.getElementById("matches")?.textContent ?? "");
+      best?.show();
     }
     at("news").textContent = "live";
   } catch {

@@ -59,7 +59,7 @@ class Worker:
             self.sandbox.close()
 
     def _recorded(self, match: Match, excluded: Mapping[int, Fault]) -> RecordedMatch:
-        replay = BytesIO() if self.record else None
+        replay, parties = BytesIO() if self.record else None, Parties.of(self.config)
         result = play_entrants(
             self.config,
             match.seed,
@@ -67,9 +67,9 @@ class Worker:
             self.sandbox,
             absent={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
             agent_seeds=match.agent_seeds,
-            title=match.title,
+            title=match.title(parties.block_size),
             record=replay,
-            colors=[match.seating[party] for party in Parties.of(self.config).by_seat[: self.config.hunters]],
+            colors=[match.seating[party] for party in parties.by_seat[: self.config.hunters]],
         )
         if replay is None:
             return PlayedMatch(match, result), b""
