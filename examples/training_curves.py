@@ -18,6 +18,8 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("runs", nargs="+", type=Path, help="folders that train_ppo.py has written (--out)")
 parser.add_argument("--out", type=Path, help="picture of the curve, a file .svg")
 given = parser.parse_args()
+if given.out and given.out.suffix != ".svg":
+    parser.error(f"--out must end in .svg, got {given.out}; a browser or Inkscape converts it")
 
 PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 330" font-family="sans-serif" font-size="13">
 <rect width="640" height="330" rx="6" fill="#ffffff"/>
@@ -25,6 +27,7 @@ PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 330" font-
 {grid}
 <path d="M{band}Z" fill="#3a49d6" fill-opacity="0.18"/>
 <path d="M{line}" fill="none" stroke="#3a49d6" stroke-width="2.5" stroke-linejoin="round"/>
+{dots}
 <text x="620" y="318" text-anchor="end">decisions, in millions</text>
 </svg>
 """
@@ -47,7 +50,14 @@ def picture(points: list[tuple[int, list[float]]]) -> str:
     most = [at(decisions, max(wins)) for decisions, wins in points]
     least = [at(decisions, min(wins)) for decisions, wins in reversed(points)]
     line = "L".join(at(decisions, mean(wins)) for decisions, wins in points)
-    return PICTURE.format(grid="\n".join(grid), band="L".join(most + least), line=line)
+    centres = (at(decisions, mean(wins)).split() for decisions, wins in points)
+    dots = "".join(f'<circle cx="{x}" cy="{y}" r="3" fill="#3a49d6"/>' for x, y in centres)
+    return PICTURE.format(grid="\n".join(grid), band="L".join(most + least), line=line, dots=dots)
+
+
+def in_words(decisions: int) -> str:
+    """Return a number of decisions in millions, or in thousands below one million."""
+    return f"{decisions / 1e6:.1f} million" if decisions >= 1e6 else f"{decisions / 1e3:.0f} thousand"
 
 
 curves = []
@@ -63,6 +73,8 @@ for run in given.runs:
             own, best = rows.pop("ppo"), max(float(row["rating"]) for row in rows.values())
             curve[decisions] = float(own["seconds"]), 100 * float(own["win_share"]), float(own["rating"]) - best
         curves.append(curve)
+    except FileNotFoundError:
+        sys.exit(f"{run}: no tournament has been played yet; train_ppo.py plays one after --evaluate decisions")
     except (OSError, KeyError, ValueError) as error:
         sys.exit(f"{run / 'curve.csv'}: is not a curve of train_ppo.py: {reason(error)}")
 
@@ -74,7 +86,7 @@ print("|---:|---:|---:|---:|---:|")
 for decisions in played:
     seconds, wins, leads = zip(*(curve[decisions] for curve in curves), strict=True)
     print(
-        f"| {decisions / 1e6:.1f} million | {mean(seconds):.0f} | {mean(wins):.0f} % "
+        f"| {in_words(decisions)} | {mean(seconds):.0f} | {mean(wins):.0f} % "
         f"| {min(wins):.0f} to {max(wins):.0f} % | {mean(leads):+.0f} ({min(leads):+.0f} to {max(leads):+.0f}) |"
     )
 if given.out:

@@ -109,7 +109,7 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "curve.csv").write_text(CURVE.format(first=507904, rating=rating, share=share))
     *_, row = run("examples/training_curves.py", *(tmp_path / name for name in "abc")).splitlines()
-    assert row == "| 0.5 million | 60 | 55 % | 40 to 75 % | +40 (-30 to +90) |"
+    assert row == "| 508 thousand | 60 | 55 % | 40 to 75 % | +40 (-30 to +90) |"
     later = CURVE.format(first=1015808, rating=0, share=0.1).partition("\n")[2]
     with (tmp_path / "a" / "curve.csv").open("a") as file:
         file.write(later)  # the others have not got so far
