@@ -152,13 +152,11 @@ def _template() -> jinja2.Template:
 
 def _turtle(color: Color) -> list[tuple[str, str]]:
     """Return the parts of a turtle that faces up: a colour and points, for a picture of SVG."""
-    return [
-        (
-            css((*(round(own * channel + 255 * white) for channel in color),)),
-            " ".join(f"{-y:.3f},{-x:.3f}" for x, y in points[::2]),
-        )
-        for points, own, white in TURTLE_PARTS
-    ]
+    parts = []
+    for points, own, white in TURTLE_PARTS:
+        red, green, blue = (round(own * channel + 255 * white) for channel in color)
+        parts.append((css((red, green, blue)), " ".join(f"{-y:.3f},{-x:.3f}" for x, y in points[::2])))
+    return parts
 
 
 def _matches(data: ReportData, titles: Mapping[str, str]) -> dict[str, Any]:
