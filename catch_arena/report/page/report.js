@@ -241,14 +241,16 @@ class Best {
   /** Show the moment that the page names. */
   async show() {
     const { match, start, time, end } = document.getElementById("event")?.dataset ?? {};
-    if (!match || !start || !end || Number(time) === this.time) return;
+    if (!match || !start || !end) return;
     this.time = Number(time);
+    const link = address(match, this.time);
+    if (link === this.player.getAttribute("address")) return; // it is shown
+    this.player.setAttribute("address", link);
     const bundle = await matches.bundle(match, { textContent: "" });
     if (!bundle) return;
     at("moment").hidden = false;
     this.player.setAttribute("start", start);
     this.player.setAttribute("end", end);
-    this.player.setAttribute("address", address(match, this.time));
     this.player.setAttribute("bundle", bundle);
     this.resume();
   }
@@ -270,8 +272,9 @@ const best = document.getElementById("best") && new Best();
 function follow() {
   const words = new URLSearchParams(location.hash.slice(1));
   const id = words.get("match");
-  if (id) matches.open(id, true, 1000 * Number(words.get("t")) || 0);
-  return Boolean(id);
+  if (!id || !document.getElementById("player")) return false;
+  matches.open(id, true, 1000 * Number(words.get("t")) || 0);
+  return true;
 }
 addEventListener("hashchange", follow);
 addEventListener("click", ({ target }) => {
