@@ -58,7 +58,7 @@ CLASS = {
     "README.md": "for the teacher",
 }
 NAMES = ["ann", "ben", "cem_1234_file", "crash", "hang", "late import", "note", "two files"]
-LIMITS = ["--limit", "step_ms=50", "--limit", "bank_s=0.5"]
+LIMITS = ["--limit", "bank_s=2"]
 
 
 def write_class(folder, files=CLASS):

@@ -81,7 +81,7 @@ def test_the_sample_class_has_a_good_submission_a_copy_and_three_mistakes(tmp_pa
     assert run("new-class", "course").exit_code == 0
     spec = Path("course/exercise.toml")
     spec.write_text(spec.read_text().replace("matches = 6", "matches = 4"))
-    limits = ["--limit", "step_ms=50", "--limit", "bank_s=0.5"]
+    limits = ["--limit", "bank_s=2"]
     done = run("grade", "course/submissions", "--spec", spec, "--jobs", "2", *limits)
     assert done.exit_code == 0, done.output
     points = dict(re.findall(r"^(\w+): (\d+) of 10 points$", done.stdout, re.MULTILINE))
