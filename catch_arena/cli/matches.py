@@ -104,7 +104,7 @@ def tournament(
     record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
 ) -> None:
-    """Play a tournament: line-ups of agents play in all rotations of the seats, and are ranked.
+    """Play a tournament: agents meet in all rotations of the seats, and are ranked.
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
