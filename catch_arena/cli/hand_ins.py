@@ -64,7 +64,7 @@ class ClassOptions:
         typer.Option(
             metavar="DIR",
             help="Folder for marks.csv and the pages; submissions that it has the grades of are not graded again.",
-            show_default="SPEC_grades",
+            show_default="FOLDER_SPEC_grades",
         ),
     ] = None
     deadline: Annotated[

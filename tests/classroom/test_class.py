@@ -184,7 +184,7 @@ def test_after_an_interrupt_what_was_graded_is_kept_and_no_process_is_left(tmp_p
     assert not left
     done = subprocess.run([*command, *LIMITS], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, "b: 0 of 3 points" in done.stdout) == (0, True)
-    assert marks_in(tmp_path / "spec_grades")["b"]["points"] == "0"
+    assert marks_in(tmp_path / "class_spec_grades")["b"]["points"] == "0"
 
 
 def _naming(folder):
@@ -258,7 +258,7 @@ def test_a_link_that_leads_nowhere_costs_only_itself(tmp_path, monkeypatch):
     Path("class/b.py").symlink_to("missing.py")
     result = call("class", "--spec", "spec.toml", "--jobs", "1")
     assert result.exit_code == 0, result.output
-    marks = marks_in(Path("spec_grades"))
+    marks = marks_in(Path("class_spec_grades"))
     assert (marks["a"]["points"], marks["b"]["points"]) == ("3", "0")
     assert "is a link that leads to no file" in marks["b"]["reason"]
 

@@ -73,7 +73,9 @@ def test_replays_and_the_report(played):
     assert {name for *_, name in names} == set(AS_PREY)
     assert {name for *hunters, _ in names for name in hunters} == set(AGENTS)
     page = (folder / REPORT).read_text()
-    assert page.count('<th scope="row">nearest (plays flee)</th>') == 3  # the prey's table, and twice head to head
+    assert (
+        page.count('<th scope="row">nearest (plays flee)</th>') == 4
+    )  # the prey's table and its fold, and twice head to head
     assert f"flee, <code>{DIGESTS['flee']}</code>" in page
 
 
