@@ -112,14 +112,17 @@ def render(
     A whole match has a title at its beginning and a podium at its end; a part, by --from, --to or --what-if, has
     neither.
     """
+    from catch_arena.replay import Replay
+
+    recorded = Replay.load(replay)
     part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
     if what_if is None:
-        _render(replay, output or replay.with_suffix(".mp4"), force, film, **part)
+        _render(recorded, replay, output or replay.with_suffix(".mp4"), force, film, **part)
         return
     if start is not None or end is not None:
         raise ConfigError("--from and --to must be left out with --what-if, which shows the part around the contest")
     target = output or replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
-    _render(replay, target, force, film, **part, lost_at_s=what_if)
+    _render(recorded, replay, target, force, film, **part, lost_at_s=what_if)
 
 
 @main.command()
@@ -138,24 +141,33 @@ def clip(
     """Turn some seconds of a recorded match into a video."""
     from catch_arena.replay import Replay
 
-    whole_s = Replay.load(replay).duration_ms / 1000.0
+    recorded = Replay.load(replay)
+    whole_s = recorded.duration_ms / 1000.0
     if not 0.0 <= at <= whole_s:
         raise ConfigError(f"at must be a time in the match, from 0 to {whole_s:g} s, got {at:g}")
     if not seconds > 0.0:
         raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
-    _render(replay, target, force, film, start_s=start, end_s=min(whole_s, start + seconds), view_of=view_of)
+    _render(recorded, replay, target, force, film, start_s=start, end_s=min(whole_s, start + seconds), view_of=view_of)
 
 
-def _render(path: Path, target: Path, force: bool, film: Film, *, lost_at_s: float | None = None, **part: Any) -> None:
+def _render(
+    recorded: "Replay",
+    path: Path,
+    target: Path,
+    force: bool,
+    film: Film,
+    *,
+    lost_at_s: float | None = None,
+    **part: Any,
+) -> None:
     """Write a video of a recorded match, or of a part of it: of the contest lost at `lost_at_s` with its answer."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation import lost_contest_at, what_if
     from catch_arena.render.video import render_replay
-    from catch_arena.replay import Replay
 
-    recorded, drawn = Replay.load(path), film.arguments()
+    drawn = film.arguments()
     output_file(target, *VIDEO, force=force)
     if lost_at_s is not None:
         with progress_bar("searching", late=True) as show:

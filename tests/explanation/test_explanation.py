@@ -53,10 +53,12 @@ def test_every_contest_is_what_the_arbiter_decides(crowded):
 
 
 def test_targets_lost_without_a_contest_are_in_the_summary(play):
-    told = explain(play("duel", chase=True, max_cycles=300))
-    first = max(told.records, key=lambda record: record.forestalled)
+    explanation = explain(play("duel", chase=True, max_cycles=300))
+    first = max(explanation.records, key=lambda record: record.forestalled)
     assert first.forestalled > 1
-    assert any(f"others caught {first.forestalled} targets that it was driving to" in line for line in told.lines())
+    assert any(
+        f"others caught {first.forestalled} targets that it was driving to" in line for line in explanation.lines()
+    )
 
 
 def test_the_summary_adds_up(crowded):
@@ -109,15 +111,15 @@ def test_an_exact_tie_tells_the_lots_of_the_tied(play):
 def test_first_come_tells_the_lots_of_the_step(play):
     """R5.9."""
     match = play(chase=True, policy="first_come", **CLOSE)
-    told = explain(match)
-    assert "Contests go to the hunter with the lowest lot of the step (R5.9). Catches: " in told.lines()[0]
-    contests = told.contests
+    explanation = explain(match)
+    assert "Contests go to the hunter with the lowest lot of the step (R5.9). Catches: " in explanation.lines()[0]
+    contests = explanation.contests
     assert contests
     for contest in contests:
         lots = [draw(draw(key(match.seed, SERVICE_LOT), contest.step - 1), claim.seat) for claim in contest.claims]
         assert [claim.lot for claim in contest.claims] == lots
         assert lots[0] == min(lots)
-    assert any("The lowest lot of the step decides (R5.9): " in line for line in told.lines())
+    assert any("The lowest lot of the step decides (R5.9): " in line for line in explanation.lines())
 
 
 def test_the_capstones_service_is_said_to_refuse_nobody(play):
