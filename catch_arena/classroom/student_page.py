@@ -3,8 +3,6 @@
 It names no other student, except opponents of the spec, and it has no seed.
 """
 
-import base64
-import hashlib
 from datetime import datetime
 from functools import cache
 from typing import Final
@@ -15,6 +13,7 @@ from catch_arena.classroom.grading import Graded
 from catch_arena.classroom.marks import hours_late
 from catch_arena.config import RULESET
 from catch_arena.player import element_script, page_file
+from catch_arena.player.page_template import page_policy, page_template
 from catch_arena.text import without_folders
 
 _PAGE: Final = "catch_arena.classroom"
@@ -36,7 +35,7 @@ def student_page(title: str, graded: Graded, changed: datetime, deadline: dateti
         changed=changed.strftime("%Y-%m-%d %H:%M"),
         late=hours_late(changed, deadline),
         ruleset=RULESET,
-        policy=_policy(element.removeprefix("<script>").removesuffix("</script>"), script),
+        policy=page_policy(element, script),
         element=element,
         style=page_file(_PAGE, "student.css"),
         script=script,
@@ -44,22 +43,6 @@ def student_page(title: str, graded: Graded, changed: datetime, deadline: dateti
 
 
 @cache
-def _policy(*scripts: str) -> str:
-    """Return the Content-Security-Policy: these scripts run, and nothing is loaded; the player has its own styles."""
-    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
-    allowed = " ".join(f"'sha256-{digest}'" for digest in digests)
-    others = "style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'"
-    return f"default-src 'none'; script-src {allowed}; {others}"
-
-
-@cache
 def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(_PAGE, "page"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"points": lambda value: f"{value:g}", "without_folders": without_folders}
-    return environment.get_template("student.html")
+    filters = {"points": lambda value: f"{value:g}", "without_folders": without_folders}
+    return page_template(_PAGE, "student.html", filters)

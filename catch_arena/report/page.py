@@ -3,8 +3,6 @@
 Texts from strangers stay text: templates escape them, and the page's policy lets only its own scripts run.
 """
 
-import base64
-import hashlib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -16,6 +14,7 @@ from catch_arena.config import RULESET
 from catch_arena.explanation.highlights import MatchEvents
 from catch_arena.files import write_whole
 from catch_arena.player import css, element_script, packed_text, page_file, script_json
+from catch_arena.player.page_template import page_policy, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.replay.comparison import flat_settings
@@ -119,35 +118,14 @@ def page(
 
 @cache
 def content_policy(*, watched: bool) -> str:
-    """Return the Content-Security-Policy: two scripts run, by their digests, and only a watched page loads its news.
-
-    Inline styles are allowed, since the chart of each line has some.
-    """
-    own = element_script().removeprefix("<script>").removesuffix("</script>"), page_file(_PAGE, "report.js")
-    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in own)
-    parts = {
-        "default-src": "'none'",
-        "script-src": " ".join(f"'sha256-{digest}'" for digest in digests),
-        "style-src": "'unsafe-inline'",
-        "img-src": "data:",
-        "connect-src": "'self'" if watched else "'none'",
-        "base-uri": "'none'",
-        "form-action": "'none'",
-    }
-    return "; ".join(f"{name} {value}" for name, value in parts.items())
+    """Return the Content-Security-Policy: two scripts run, and only a watched page loads its news."""
+    return page_policy(element_script(), page_file(_PAGE, "report.js"), connects=watched)
 
 
 @cache
 def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(_PAGE, "page"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"percent": charts.percent, "interval": charts.interval, "number": charts.number}
-    return environment.get_template("report.html")
+    filters = {"percent": charts.percent, "interval": charts.interval, "number": charts.number}
+    return page_template(_PAGE, "report.html", filters)
 
 
 def _turtle(color: Color) -> list[tuple[str, str]]:

@@ -1,0 +1,44 @@
+"""Templates of pages that play replays, and the policy that lets only their own scripts run."""
+
+import base64
+import hashlib
+from collections.abc import Mapping
+from typing import Any
+
+import jinja2
+
+
+def page_template(package: str, name: str, filters: Mapping[str, Any]) -> jinja2.Template:
+    """Return a template of a package's folder `page`; texts in it are escaped."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(package, "page"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= filters
+    return environment.get_template(name)
+
+
+def page_policy(*scripts: str, connects: bool = False) -> str:
+    """Return the Content-Security-Policy of a page: these scripts run, by their digests, and nothing is loaded.
+
+    Inline styles are allowed: the player and charts have some.
+
+    Args:
+        scripts: the scripts, each alone or as the element `<script>`.
+        connects: whether the page may load from the server that it comes from.
+    """
+    texts = (script.removeprefix("<script>").removesuffix("</script>") for script in scripts)
+    digests = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts)
+    parts = {
+        "default-src": "'none'",
+        "script-src": " ".join(f"'sha256-{digest}'" for digest in digests),
+        "style-src": "'unsafe-inline'",
+        "img-src": "data:",
+        "connect-src": "'self'" if connects else "'none'",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+    }
+    return "; ".join(f"{name} {value}" for name, value in parts.items())
