@@ -51,7 +51,7 @@ CLASS = {
     "cem_1234_file/hunter.py": GOOD.replace("choice", "picked"),
     "crash.py": source("print('about to fail'); return view.targets[9].rank"),
     "hang.py": source("while True: pass"),
-    "late import.py": "import torch\n",
+    "late import.py": "import missing_library\n",
     "note.ipynb": '{"cells": []}',
     "two files/a.py": GOOD,
     "two files/b.py": GOOD,
@@ -104,7 +104,7 @@ def test_each_student_has_a_line_and_a_page_and_the_class_is_done(graded):
     [
         ("crash", "FORFEIT_CRASH in step 1: act raised IndexError"),
         ("hang", "FORFEIT_TIMEOUT in step 1: "),
-        ("late import", "it imports torch, which is not installed here"),
+        ("late import", "it imports missing_library, which is not installed here"),
         ("note", "is a notebook"),
         ("two files", "is a folder without agent.py"),
     ],
