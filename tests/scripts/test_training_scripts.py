@@ -323,7 +323,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         ("--start gone.npz", "gone.npz"),
         ("--start other.npz --hidden 16", "--hidden must be 8, as in --start, got 16"),
         ("--prior inf", "not finite; lower RATE"),
-        ("--opponents nearest,", "is a folder without agent.py"),
+        ("--opponents nearest,", "an agent must be a name, a file, a folder or a command"),
     ],
 )
 def test_bad_options_are_one_line(tmp_path, arguments, error):
