@@ -55,7 +55,7 @@ def write_marks(
             f"{one.possible:g}" if one.grades else "",
             *points,
             reason,
-            submission.changed.isoformat(sep=" "),
+            f"{submission.changed:%Y-%m-%d %H:%M:%S}",
             hours_late(submission.changed, deadline),
             look_at.get(one.name, ""),
             one.digest,

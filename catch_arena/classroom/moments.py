@@ -1,7 +1,7 @@
 """Worst moment of a student's matches, for the student's page: a failure, a lost contest, refusals, or a long wait."""
 
 import json
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Final
 
 import msgspec
@@ -87,10 +87,11 @@ class WorstMatch:
         else:
             at_ms, text = (self._forfeit.step - 1) * replay.config.control_period_ms, str(self._forfeit)
             if seat is not None:
-                caption = (
-                    f"{facts['hunters'][seat]['label']} {_FAILED[self._forfeit.code]} here, step {self._forfeit.step}"
-                )
-                moment = {"time": at_ms, "agent": seat, "text": caption, "atTop": False, "contest": None}
+                failed = f"{_FAILED[self._forfeit.code]} here, step {self._forfeit.step}"
+                caption = f"{facts['hunters'][seat]['label']} {failed}"
+                world = next(islice(replay.worlds(), self._forfeit.step - 1, None))
+                low = world.hunters[seat].y < replay.config.side_m / 2  # the caption must not cover the hunter
+                moment = {"time": at_ms, "agent": seat, "text": caption, "atTop": low, "contest": None}
                 facts["moments"] = sorted([*facts["moments"], moment], key=lambda one: int(one["time"]))
         content = json.dumps(facts, separators=(",", ":"), ensure_ascii=False)
         bundle = packed_text(content.encode() + b"\n" + tracks)

@@ -152,7 +152,8 @@ def grade_agent(
     config, matches = test.config, spec.matches(test)
     parties = Parties.of(config)
     others = list(islice(cycle(opponents), len(parties) - 1)) if opponents else []
-    others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
+    if len(others) > 1:
+        others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
     forfeited = timeouts = 0
     stopped = ""

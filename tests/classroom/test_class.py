@@ -148,6 +148,7 @@ def test_a_page_has_hints_and_a_replay_but_no_seed_and_no_other_student(graded):
     facts = json.loads(gzip.decompress(base64.b64decode(bundle)).partition(b"\n")[0])
     assert facts["seed"] == "hidden"
     assert [one["text"] for one in facts["moments"]] == ["crash crashed here, step 1"]
+    assert [one["name"] for one in facts["hunters"]] == ["crash", "idle"]
     assert " data-stopped>" in page
     assert "c0ffee" not in page
     assert not [name for name in NAMES if name != "crash" and re.search(rf"\b{name}\b", page.partition("<catch-")[0])]

@@ -14,7 +14,7 @@ function showMoment() {
     return;
   }
   if (seat !== "") player.pick(Number(seat));
-  player.note.hidden = "stopped" in player.dataset; // it is about contests
+  player.note.hidden = "stopped" in player.dataset || !player.replay.contests.length; // it is about contests
   player.seek(at);
 }
 
