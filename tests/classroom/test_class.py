@@ -83,6 +83,12 @@ def marks_in(folder):
     return {row["student"]: row for row in csv.DictReader((folder / "marks.csv").read_text().splitlines())}
 
 
+def facts_in(page):
+    """Return the facts of the replay in a page."""
+    (bundle,) = re.findall(r'<catch-replay id="player" bundle="([^"]+)"', page)
+    return json.loads(gzip.decompress(base64.b64decode(bundle)).partition(b"\n")[0])
+
+
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("graded")
@@ -100,7 +106,8 @@ def test_each_student_has_a_line_and_a_page_and_the_class_is_done(graded):
     assert {row["possible"] for row in marks.values()} == {"3"}
     assert sorted(path.stem for path in (folder / "out" / "pages").iterdir()) == NAMES
     excel = (folder / "out" / "marks_excel.csv").read_bytes()
-    assert excel == b"\xef\xbb\xbf" + (folder / "out" / "marks.csv").read_bytes()
+    assert excel.startswith(b"\xff\xfe")  # without it, Excel puts all in one column where commas are in numbers
+    assert list(csv.DictReader(excel.decode("utf-16").splitlines(), delimiter="\t")) == list(marks.values())
     assert "README.md is no submission" in result.stderr
 
 
@@ -144,11 +151,9 @@ def test_a_page_has_hints_and_a_replay_but_no_seed_and_no_other_student(graded):
     assert "`" not in page.partition("<script>")[0].partition("</style>")[2]
     assert "script-src &#39;sha256-" in page or "script-src 'sha256-" in page
     assert not re.findall(r"""(?:src|href)=["'](?!data:)""", page)
-    (bundle,) = re.findall(r'<catch-replay id="player" bundle="([^"]+)"', page)
-    facts = json.loads(gzip.decompress(base64.b64decode(bundle)).partition(b"\n")[0])
+    facts = facts_in(page)
     assert facts["seed"] == "hidden"
     assert [one["text"] for one in facts["moments"]] == ["crash crashed here, step 1"]
-    assert [one["name"] for one in facts["hunters"]] == ["crash", "idle"]
     assert " data-stopped>" in page
     assert "c0ffee" not in page
     assert not [name for name in NAMES if name != "crash" and re.search(rf"\b{name}\b", page.partition("<catch-")[0])]
@@ -164,13 +169,15 @@ def test_a_page_without_failures_and_without_output_says_so(graded):
     assert ("wins" in solo, "wins 100 %" in duel) == (False, True)
 
 
-def test_the_log_on_a_page_is_the_last_whole_lines(tmp_path, monkeypatch):
+def test_a_page_has_the_last_whole_lines_of_the_log_of_the_match_that_it_plays(tmp_path, monkeypatch):
     write_class(
         tmp_path, {"a.py": source("print(f'line {self.step}'); return 0 if self.step < 46 else view.targets[99]")}
     )
     monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC.replace("points = 2", "points = 0.5"))
     assert call("class", "--spec", "spec.toml", "--jobs", "1").exit_code == 0
     page = Path("class_spec_grades/pages/a.html").read_text()
+    assert [one["name"] for one in facts_in(page)["hunters"]] == ["a", "idle"]
     log = html.unescape(re.search("<pre[^>]*>(.*?)</pre>", page, re.DOTALL)[1]).splitlines()
     assert len(log) == 40
     assert all(re.match(r"line \d|Traceback| |IndexError", line) for line in log)
