@@ -37,7 +37,7 @@ def check_agent(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.agent_spec import resolve_spec
+    from catch_arena.tournament.agent_spec import resolve, unique_names
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
@@ -46,12 +46,12 @@ def check_agent(
     with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
-                print_level(quotas, [resolve_spec(agent)])
+                print_level(quotas, [resolve(agent).spec])
             errors += finding.level == "error"
             echo(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if errors:
         raise typer.Exit(EXIT_NO)
-    echo(f"{agent} is fit to play")
+    echo(f"{unique_names([resolve(agent)])[0]} is fit to play")
 
 
 @dataclass(frozen=True)
