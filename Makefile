@@ -86,7 +86,7 @@ window: $(VENV)/ready-dev ## play in a real window, on an X server without a scr
 	@(for one in Xvfb xdotool xwd; do command -v $$one >/dev/null || exit 1; done) || { echo "X11 programs are missing: apt-get install xvfb xdotool x11-apps"; exit 1; }
 	$(BIN)/pytest tests/window
 
-ros: $(VENV)/ready-dev ## play and grade with real ROS 2 nodes (needs a compiler, and 500 MB in .venv-ros)
+ros: $(VENV)/ready-dev ## play and grade with real ROS 2 nodes (needs a compiler, and 700 MB in .venv-ros)
 	$(BIN)/python scripts/ros_nodes.py
 
 pythons: $(VENV)/ready-dev ## try each installed CPython, with the newest and the oldest dependencies

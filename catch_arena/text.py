@@ -14,6 +14,8 @@ LONGEST_NAME: Final = 100
 LONGEST_LINE: Final = 300
 """Largest length of a failure's description [characters]."""
 _MAX_READ: Final = 8 * LONGEST_LINE
+_LONGEST_LOG_LINE: Final = 200
+"""Largest length of a line that is shown of a log [characters]."""
 _FOLDERS: Final = re.compile(
     r"""(?<=['"])/(?:[^/'"]+/+)+|(?<![\w<.~/])~?/(?:[^\s/'"<>]+/+)+|\b[A-Za-z]:[\\/](?:[^\s\\/'"<>]+[\\/]+)*"""
 )
@@ -42,6 +44,12 @@ def printable_lines(text: str) -> str:
 def one_line(text: str) -> str:
     """Return the text's words in one line of at most LONGEST_LINE characters."""
     return printable(" ".join(text[:_MAX_READ].split()))[:LONGEST_LINE]
+
+
+def last_lines(log: str, count: int = 40) -> str:
+    """Return the last lines of a log, whole, except that a very long line is cut at its end."""
+    lines = log.rstrip().splitlines()[-count:]
+    return "\n".join(line if len(line) <= _LONGEST_LOG_LINE else f"{line[:_LONGEST_LOG_LINE]} …" for line in lines)
 
 
 def shortened(value: object) -> str:

@@ -91,7 +91,7 @@ def make(folder: Path, python: Path, version: str) -> None:
     run(folder, UV, "venv", "--python", python, folder)
     index = output(sys.executable, "-m", "pip", "config", "get", "global.index-url") or os.environ.get("PIP_INDEX_URL")
     chosen = ("--default-index", index) if index else ()
-    run(folder, UV, "pip", "install", *chosen, "--python", own, *WHEELS, "--editable", ROOT)
+    run(folder, UV, "pip", "install", *chosen, "--python", own, *WHEELS, "--editable", f"{ROOT}[render]")
     include = output(own, "-c", "import numpy, sysconfig; print(sysconfig.get_path('include'), numpy.get_include())")
     built_with = f"/opt/python/cp{version.replace('.', '')}-cp{version.replace('.', '')}/"
     for file in (folder / "share").rglob("*.cmake"):

@@ -16,6 +16,7 @@ from catch_arena.classroom.submissions import Submission
 from catch_arena.config import RULESET
 from catch_arena.errors import AgentError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
+from catch_arena.text import last_lines
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Executor
@@ -30,8 +31,6 @@ KEPT: Final = "json"
 """Folder of the kept grades, in the folder of results."""
 _MOST_TRIES: Final = 3
 """Number of tries for a submission that fails on our side."""
-LOG_SHOWN: Final = 4000
-"""Length of the shown end of a log [characters]."""
 
 
 class Graded(msgspec.Struct, frozen=True, kw_only=True):
@@ -83,7 +82,7 @@ def grade_submission(
         return Graded(name=submission.name, digest=submission.digest(), grades=grades)
     if student.fault is not None:
         grades = tuple(unplayed_grade(test, student.fault) for test in spec.tests)
-        return Graded(name=submission.name, digest=student.digest, grades=grades, log=inspection.log[-LOG_SHOWN:])
+        return Graded(name=submission.name, digest=student.digest, grades=grades, log=last_lines(inspection.log))
     student = replace(student, name=submission.name)
     found: list[tuple[TestGrade, WorstMatch]] = []
     try:
@@ -98,7 +97,7 @@ def grade_submission(
         name=submission.name,
         digest=student.digest,
         grades=tuple(grade for grade, _ in found),
-        log=worst.log[-LOG_SHOWN:],
+        log=last_lines(worst.log),
         moment=worst.moment(),
     )
 

@@ -15,7 +15,7 @@ from catch_arena.text import spreadsheet_cell, without_folders
 
 MARKS: Final = "marks.csv"
 EXCEL: Final = "marks_excel.csv"
-"""Copy of marks.csv with a byte order mark, without which Excel does not read UTF-8."""
+"""Copy of marks.csv in the form that Excel reads in all languages: UTF-16, with tabs."""
 
 
 def write_marks(
@@ -39,30 +39,31 @@ def write_marks(
     Raises:
         OutputError: if a file cannot be written.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     titles = [test if tests.index(test) == number else f"{test} ({number + 1})" for number, test in enumerate(tests)]
     heading = ["student", "points", "possible", *titles, "reason", "changed", "hours_late", "look_at", "digest"]
-    writer.writerow(map(spreadsheet_cell, heading))
+    rows = [heading]
     for submission in submissions:
         one = graded[submission.name]
         points = [f"{grade.points:g}" for grade in one.grades] or [""] * len(tests)
         failures = dict.fromkeys(grade.failures[0] for grade in one.grades if grade.failures)
         reason = f"not graded: {one.fault}" if one.fault else without_folders("; ".join(failures))
-        row = [
-            one.name,
-            f"{one.points:g}" if one.grades else "",
-            f"{one.possible:g}" if one.grades else "",
-            *points,
-            reason,
-            submission.changed.isoformat(sep=" "),
-            hours_late(submission.changed, deadline),
-            look_at.get(one.name, ""),
-            one.digest,
-        ]
-        writer.writerow(map(spreadsheet_cell, row))
-    write_whole(folder / MARKS, text.getvalue().encode())
-    write_whole(folder / EXCEL, text.getvalue().encode("utf-8-sig"))
+        rows.append(
+            [
+                one.name,
+                f"{one.points:g}" if one.grades else "",
+                f"{one.possible:g}" if one.grades else "",
+                *points,
+                reason,
+                f"{submission.changed:%Y-%m-%d %H:%M:%S}",
+                hours_late(submission.changed, deadline),
+                look_at.get(one.name, ""),
+                one.digest,
+            ]
+        )
+    for name, delimiter, encoding in ((MARKS, ",", "utf-8"), (EXCEL, "\t", "utf-16")):
+        text = io.StringIO()
+        csv.writer(text, delimiter=delimiter, lineterminator="\n").writerows(map(spreadsheet_cell, row) for row in rows)
+        write_whole(folder / name, text.getvalue().encode(encoding))
 
 
 def hours_late(changed: datetime, deadline: datetime | None) -> str:

@@ -1,7 +1,7 @@
 """Worst moment of a student's matches, for the student's page: a failure, a lost contest, refusals, or a long wait."""
 
 import json
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Final
 
 import msgspec
@@ -17,8 +17,12 @@ from catch_arena.replay.fileformat import decode_replay
 from catch_arena.tournament.match import Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
 
-_BEFORE_MS: Final = 2000
-"""Time that the page plays before the moment [ms]."""
+_FAILED: Final = {
+    "FORFEIT_CRASH": "crashed",
+    "FORFEIT_TIMEOUT": "took too long",
+    "FORFEIT_ILLEGAL": "gave an illegal action",
+}
+"""Captions of failures."""
 
 
 class Moment(msgspec.Struct, frozen=True):
@@ -27,15 +31,18 @@ class Moment(msgspec.Struct, frozen=True):
     title: str
     """Test and match."""
     text: str
-    start_ms: int
+    at_ms: int
+    """Time of the moment, from the reset [ms]."""
     seat: int | None
     """The student's seat; None for prey, which the player cannot select."""
+    stopped: bool
+    """True if the agent failed in that moment."""
     bundle: str
     """Replay bundle of the match, without its seed."""
 
 
 class WorstMatch:
-    """Worst match of a student in a test so far: a forfeit, else the one with the worst score against the best other.
+    """Worst match of a student in a test so far: the first forfeit, else the worst score against the best other.
 
     Its method `keep` is for `grade_agent`.
 
@@ -57,7 +64,8 @@ class WorstMatch:
         hunting, own = self._parties.hunting, result.scores[party]
         rivals = [score for other, score in enumerate(result.scores[:hunting]) if other != party]
         forfeit = result.forfeits[party]
-        badness = forfeit is not None, float(own if party >= hunting else max(rivals, default=0) - own)
+        behind = own if party >= hunting else max(rivals, default=0) - own
+        badness = (True, 0.0) if forfeit is not None else (False, float(behind))
         if self._worst is None or badness > self._worst:
             self._worst, self._replay, self._forfeit, self.log = badness, replay, forfeit, result.logs[party]
             self._seat = self._parties.seats[party][0] if forfeit is None or forfeit.seat < 0 else forfeit.seat
@@ -71,15 +79,23 @@ class WorstMatch:
         if self._worst is None or (self._forfeit is not None and not self._forfeit.step):
             return None
         replay = decode_replay(self._replay)
-        at_ms, text = _worst_moment(replay, self._seat)
-        if self._forfeit is not None:
-            at_ms, text = (self._forfeit.step - 1) * replay.config.control_period_ms, str(self._forfeit)
-        facts, _, tracks = encode_bundle(replay).partition(b"\n")
-        content = json.dumps(json.loads(facts) | {"seed": "hidden"}, separators=(",", ":"), ensure_ascii=False)
+        head, _, tracks = encode_bundle(replay).partition(b"\n")
+        facts = json.loads(head) | {"seed": "hidden"}
         seat = self._seat if self._seat < replay.config.hunters else None
-        return Moment(
-            replay.title, text, max(0, at_ms - _BEFORE_MS), seat, packed_text(content.encode() + b"\n" + tracks)
-        )
+        if self._forfeit is None:
+            at_ms, text = _worst_moment(replay, self._seat)
+        else:
+            at_ms, text = (self._forfeit.step - 1) * replay.config.control_period_ms, str(self._forfeit)
+            if seat is not None:
+                failed = f"{_FAILED[self._forfeit.code]} here, step {self._forfeit.step}"
+                caption = f"{facts['hunters'][seat]['label']} {failed}"
+                world = next(islice(replay.worlds(), self._forfeit.step - 1, None))
+                low = world.hunters[seat].y < replay.config.side_m / 2  # the caption must not cover the hunter
+                moment = {"time": at_ms, "agent": seat, "text": caption, "atTop": low, "contest": None}
+                facts["moments"] = sorted([*facts["moments"], moment], key=lambda one: int(one["time"]))
+        content = json.dumps(facts, separators=(",", ":"), ensure_ascii=False)
+        bundle = packed_text(content.encode() + b"\n" + tracks)
+        return Moment(replay.title, text, at_ms, seat, self._forfeit is not None, bundle)
 
 
 def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:

@@ -14,12 +14,12 @@ from threading import Thread
 from typing import IO, Final
 
 from catch_arena import interrupts
-from catch_arena.classroom.grading import LOG_SHOWN, Graded
+from catch_arena.classroom.grading import Graded
 from catch_arena.classroom.submissions import Submission
 from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
-from catch_arena.text import one_line, printable_lines
+from catch_arena.text import last_lines, one_line, printable_lines
 from catch_arena.tournament.execution.executors import ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.grading import TestGrade, unplayed_grade
@@ -58,7 +58,7 @@ def grade_node_of(worker: Worker, spec: GradingSpec, join: Join, submission: Sub
         name=submission.name,
         digest=submission.digest(),
         grades=(*grades, *missing),
-        log=printable_lines(printed)[-LOG_SHOWN:],
+        log=last_lines(printable_lines(printed)),
     )
 
 

@@ -1,7 +1,7 @@
 """Submissions that are equal or nearly equal: a reason to look at them, never a mark.
 
 Python's syntax trees are compared without names, comments, texts, numbers and layout. What most of the class has, such
-as the code of the exercise, is left out.
+as the code of the exercise, is left out, and what `new-agent` writes.
 """
 
 import ast
@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Final, NamedTuple
 
+from catch_arena.classroom.starters import kit_programs
 from catch_arena.classroom.submissions import Submission
 from catch_arena.tournament.agent_spec import content_of
 
@@ -21,7 +22,7 @@ _LEAST: Final = 40
 _ALIKE: Final = 0.5
 """Smallest share of common pieces, in [0, 1], that is reported."""
 _COMMON: Final = 3
-"""Number of submissions that may have a piece in any class; in a large class, half of it may."""
+"""Number of submissions, but not all, that may have a piece in any class; in a large class, half of it may."""
 _LONGEST: Final = 1 << 20
 """Largest size of a file that is compared [bytes]."""
 
@@ -47,9 +48,10 @@ class Pair(NamedTuple):
 def similar_pairs(submissions: Sequence[Submission]) -> list[Pair]:
     """Return the pairs of submissions that are equal or nearly equal, the most similar first."""
     digests = {one.name: one.digest() for one in submissions}
-    shapes = {one.name: _shape(one) for one in submissions}
+    kit = frozenset[tuple[str, ...]]().union(*map(_pieces, kit_programs()))
+    shapes = {one.name: _shape(one) - kit for one in submissions}
     owners = Counter(piece for shape in shapes.values() for piece in shape)
-    most = max(_COMMON, len(submissions) // 2)
+    most = max(2, min(_COMMON, len(submissions) - 1), len(submissions) // 2)
     own = {name: frozenset(piece for piece in shape if owners[piece] <= most) for name, shape in shapes.items()}
     pairs = []
     for first, second in combinations(digests, 2):
@@ -74,16 +76,19 @@ def _shape(submission: Submission) -> Shape:
     pieces: set[tuple[str, ...]] = set()
     for path in submission.files:
         content = content_of(str(path)) if path.suffix.lower() == ".py" else None
-        if content is None or len(content) > _LONGEST:
-            continue
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a student's escapes in texts
-                kinds = list(_kinds(ast.parse(content)))
-        except (SyntaxError, ValueError, RecursionError, MemoryError):  # it is no Python, and cannot play either
-            continue
-        pieces.update(zip(*(kinds[offset:] for offset in range(_NODES)), strict=False))
+        if content is not None and len(content) <= _LONGEST:
+            pieces |= _pieces(content)
     return frozenset(pieces)
+
+
+def _pieces(program: bytes) -> Shape:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a student's escapes in texts
+            kinds = list(_kinds(ast.parse(program)))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):  # it is no Python, and cannot play either
+        return frozenset()
+    return frozenset(zip(*(kinds[offset:] for offset in range(_NODES)), strict=False))
 
 
 def _kinds(tree: ast.AST) -> Iterator[str]:

@@ -8,6 +8,7 @@ from catch_arena.errors import OutputError
 from catch_arena.files import prepare_folder, write_whole
 
 _SPEC = "exercise.toml"
+_PROGRAMS = ("agent.py", "test_agent.py")
 
 
 def write_agent_kit(folder: Path) -> list[Path]:
@@ -19,11 +20,16 @@ def write_agent_kit(folder: Path) -> list[Path]:
     Raises:
         OutputError: if the folder has files, or cannot be written.
     """
-    kit = {name: _content("kit", name) for name in ("agent.py", "test_agent.py")}
+    kit = {name: _content("kit", name) for name in _PROGRAMS}
     kit["README.md"] = _content("kit", "README.md").replace("NAME", folder.name, 1)
     return _write(
         folder, {**kit, _SPEC: _content("sample", _SPEC), ".github/workflows/grade.yml": _content("kit", "grade.yml")}
     )
+
+
+def kit_programs() -> list[bytes]:
+    """Return the programs that `new-agent` writes: the agent and its test."""
+    return [_content("kit", name).encode() for name in _PROGRAMS]
 
 
 def write_sample_class(folder: Path) -> list[Path]:

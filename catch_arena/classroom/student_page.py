@@ -13,7 +13,7 @@ from catch_arena.classroom.grading import Graded
 from catch_arena.classroom.marks import hours_late
 from catch_arena.config import RULESET
 from catch_arena.player import element_script, page_file
-from catch_arena.player.page_template import page_policy, page_template
+from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.text import without_folders
 
 _PAGE: Final = "catch_arena.classroom"
@@ -37,7 +37,7 @@ def student_page(title: str, graded: Graded, changed: datetime, deadline: dateti
         ruleset=RULESET,
         policy=page_policy(element, script),
         element=element,
-        style=page_file(_PAGE, "student.css"),
+        style=page_style(_PAGE, "student.css"),
         script=script,
     )
 

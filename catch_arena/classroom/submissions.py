@@ -2,7 +2,6 @@
 
 import hashlib
 import os
-import pkgutil
 import re
 from collections import Counter
 from dataclasses import dataclass
@@ -10,10 +9,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Final
 
-from catch_arena import agents
 from catch_arena.errors import ConfigError
 from catch_arena.text import composed, name_fault
-from catch_arena.tournament.agent_spec import IN_FOLDER, content_of
+from catch_arena.tournament.agent_spec import IN_FOLDER, content_of, shipped_names
 
 _SUBMITTED: Final = re.compile(r"\.(py|ipynb)$", re.IGNORECASE)
 _IGNORED: Final = re.compile(r"\.|__")
@@ -57,8 +55,7 @@ class Submission:
 def is_class(word: str) -> bool:
     """Return whether a word on the command line names a folder of submissions, and no agent."""
     path = Path(word)
-    is_shipped = any(module.name == word for module in pkgutil.iter_modules(agents.__path__))
-    return path.is_dir() and not (path / IN_FOLDER).is_file() and not is_shipped
+    return path.is_dir() and not (path / IN_FOLDER).is_file() and word not in shipped_names()
 
 
 def find_submissions(folder: Path) -> tuple[list[Submission], list[str]]:

@@ -18,7 +18,6 @@ from catch_arena.scenarios import SCENARIOS
 if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
     from catch_arena.tournament.grading_spec import GradingSpec
-    from catch_arena.tournament.isolation.quotas import Quotas
 
 
 @main.command(name="check-agent")
@@ -38,7 +37,7 @@ def check_agent(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.agent_spec import resolve_spec
+    from catch_arena.tournament.agent_spec import resolve, unique_names
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
@@ -47,12 +46,12 @@ def check_agent(
     with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
-                print_level(quotas, [resolve_spec(agent)])
+                print_level(quotas, [resolve(agent).spec])
             errors += finding.level == "error"
             echo(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if errors:
         raise typer.Exit(EXIT_NO)
-    echo(f"{agent} is fit to play")
+    echo(f"{unique_names([resolve(agent)])[0]} is fit to play")
 
 
 @dataclass(frozen=True)
@@ -138,52 +137,55 @@ def grade(
             raise ConfigError("--junit and --json must be left out with a class: DIR/json has the grades")
         from catch_arena.cli.class_grading import grade_folder
 
-        done = grade_folder(exercise, Path(agent), spec, students, trust, service, force=force)
-        if seeds is not None:
-            write_whole(seeds, seeds_text(exercise).encode(), private=True)
-        if not done:
-            raise typer.Exit(EXIT_NO)
-        return
-    students.refuse()
-    grades: list[TestGrade] = []
-    if agent.startswith(SERVICE):
-        from catch_arena.ros.node_tests.grading import grade_node
-
-        if seeds is not None:
-            raise ConfigError("--seeds must be left out with a service: conformance cases have no seeds")
-        name, digest = agent, None
-        with service.node(agent) as node:
-            for test_grade in grade_node(exercise, node):
-                grades.append(test_grade)
-                echo(str(test_grade))
+        passed = grade_folder(exercise, Path(agent), spec, students, trust, service, force=force)
     else:
-        service.refuse()
-        name, digest = _grade_agent(exercise, agent, trust.quotas(), spec, grades)
-    points, possible = sum(grade.points for grade in grades), sum(grade.possible for grade in grades)
-    echo(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
-    if junit is not None:
-        write_whole(junit, junit_text(exercise, name, grades).encode())
-    if json is not None:
-        write_whole(json, json_text(exercise, name, digest, grades).encode())
+        students.refuse()
+        name, digest, grades = (
+            _grade_service(exercise, agent, service, seeds)
+            if agent.startswith(SERVICE)
+            else _grade_agent(exercise, agent, trust, service, spec)
+        )
+        points, possible = sum(grade.points for grade in grades), sum(grade.possible for grade in grades)
+        echo(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
+        if junit is not None:
+            write_whole(junit, junit_text(exercise, name, grades).encode())
+        if json is not None:
+            write_whole(json, json_text(exercise, name, digest, grades).encode())
+        passed = not any(grade.failures for grade in grades)
     if seeds is not None:
         write_whole(seeds, seeds_text(exercise).encode(), private=True)
-    if any(grade.failures for grade in grades):
+    if not passed:
         raise typer.Exit(EXIT_NO)
 
 
+def _grade_service(
+    exercise: "GradingSpec", agent: str, service: NodeUnderTestOptions, seeds: Path | None
+) -> "tuple[str, None, list[TestGrade]]":
+    """Ask the tests' cases of a node, print each grade, and return the node's name, no digest, and the grades."""
+    from catch_arena.ros.node_tests.grading import grade_node
+
+    if seeds is not None:
+        raise ConfigError("--seeds must be left out with a service: conformance cases have no seeds")
+    grades: list[TestGrade] = []
+    with service.node(agent) as node:
+        for grade in grade_node(exercise, node):
+            grades.append(grade)
+            echo(str(grade))
+    return agent, None, grades
+
+
 def _grade_agent(
-    exercise: "GradingSpec",
-    agent: str,
-    quotas: "Quotas | None",
-    spec: Path,
-    grades: "list[TestGrade]",
-) -> tuple[str, str | None]:
-    """Play the tests, print each grade and add it to `grades`, and return the agent's name and digest."""
+    exercise: "GradingSpec", agent: str, trust: Trust, service: NodeUnderTestOptions, spec: Path
+) -> "tuple[str, str, list[TestGrade]]":
+    """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import enter_opponents, grade_agent
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
+    service.refuse()
+    quotas = trust.quotas()
+    grades: list[TestGrade] = []
     with sandbox_for(quotas) as sandbox:
         inspect = inspector(sandbox)
         rivals = enter_opponents(exercise, spec, inspect)
@@ -193,7 +195,7 @@ def _grade_agent(
             with progress_bar(test.name, test.matches) as show:
                 grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
             echo(str(grades[-1]))
-    return student.name, student.digest
+    return student.name, student.digest, grades
 
 
 @main.command(name="new-agent")

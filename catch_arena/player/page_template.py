@@ -1,4 +1,4 @@
-"""Templates of pages that play replays, and the policy that lets only their own scripts run."""
+"""Templates and style of pages that play replays, and the policy that lets only their own scripts run."""
 
 import base64
 import hashlib
@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import jinja2
+
+from catch_arena.player.element import page_file
 
 
 def page_template(package: str, name: str, filters: Mapping[str, Any]) -> jinja2.Template:
@@ -19,6 +21,11 @@ def page_template(package: str, name: str, filters: Mapping[str, Any]) -> jinja2
     )
     environment.filters |= filters
     return environment.get_template(name)
+
+
+def page_style(package: str, name: str) -> str:
+    """Return the style of a page: the common one, then that of a file in a package's folder `page`."""
+    return page_file("catch_arena.player", "page.css") + page_file(package, name)
 
 
 def page_policy(*scripts: str, connects: bool = False) -> str:

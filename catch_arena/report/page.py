@@ -14,7 +14,7 @@ from catch_arena.config import RULESET
 from catch_arena.explanation.highlights import MatchEvents
 from catch_arena.files import write_whole
 from catch_arena.player import css, element_script, packed_text, page_file, script_json
-from catch_arena.player.page_template import page_policy, page_template
+from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.replay.comparison import flat_settings
@@ -111,7 +111,7 @@ def page(
         watched=watched,
         policy=content_policy(watched=watched),
         element=element_script(),
-        style=page_file(_PAGE, "report.css"),
+        style=page_style(_PAGE, "report.css"),
         script=page_file(_PAGE, "report.js"),
     )
 

@@ -7,6 +7,7 @@ from typing import Final, Literal
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
+from catch_arena.text import last_lines
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
@@ -153,9 +154,10 @@ def _findings(
     timing = f"{mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
     if not failed:
         hunting = Parties.of(config).hunting
-        scores = " ".join(map(str, result.scores[:hunting]))
-        caught = f", caught {' '.join(map(str, result.scores[hunting:]))}" if config.prey else ""
-        yield Finding("ok", f"{name}: {result.steps} steps, scores {scores}{caught}, {timing}")
+        scores = ", ".join(map(str, result.scores[:hunting]))
+        what = "its score is" if hunting == 1 else f"its {hunting} copies score"
+        caught = f"; caught, as prey: {', '.join(map(str, result.scores[hunting:]))}" if config.prey else ""
+        yield Finding("ok", f"{name}: {result.steps} steps; {what} {scores}{caught}; {timing}")
     if longest_ms > step_ms:
         yield Finding("warning", f"{name}: is too slow: {timing}; what is over comes out of the bank of the match")
     if not failed and (printed := next((log for log in result.logs if log), "")):
@@ -186,5 +188,4 @@ def _shown_to(forfeit: Forfeit, config: ArenaConfig) -> str:
 
 
 def _tail(log: str) -> str:
-    lines = log.splitlines()[-_LINES_SHOWN:]
-    return "".join(f"\n| {line[:200]}" for line in lines)
+    return "".join(f"\n| {line}" for line in last_lines(log, _LINES_SHOWN).splitlines())

@@ -64,6 +64,11 @@ def shipped_spec(name: str) -> str:
     return f"{SHIPPED}.{name}:Agent"
 
 
+def shipped_names() -> list[str]:
+    """Return the names of the agents that come with the package."""
+    return sorted(module.name for module in pkgutil.iter_modules(agents.__path__))
+
+
 def is_shipped(spec: str) -> bool:
     """Return whether an agent comes with the package; such an agent is trusted, and plays in this process."""
     return spec.startswith(f"{SHIPPED}.")
@@ -108,8 +113,7 @@ def resolve(word: str) -> AgentSpec:
         raise AgentError(f"{word}: a file is given alone, and its class is called Agent: {file}")
     path = Path(os.path.abspath(Path(word).expanduser()))  # noqa: PTH100 - absolute() keeps ".."; links stay
     is_path = os.sep in word or word.endswith(".py")
-    known = [module.name for module in pkgutil.iter_modules(agents.__path__)]
-    if word in known:
+    if word in (known := shipped_names()):
         return AgentSpec(shipped_spec(word), (word,))
     if is_path or os.path.lexists(path):
         return _resolve_path(word, path)

@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, Side, View, player_limits
-from catch_arena.text import printable, printable_lines
+from catch_arena.text import last_lines, printable, printable_lines
 from catch_arena.tournament.entrants import Entrant, Inspection, enter
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.playing import play_entrants
@@ -24,7 +24,6 @@ from catch_arena.tournament.parties import Parties
 
 _OFTEN: Final = 0.1
 """Share of an agent's requests, in [0, 1], that a verdict must exceed for its hint."""
-_LOG_SHOWN: Final = 4000
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
     "ask when target.distance < view.limits.reach_m",
@@ -153,7 +152,8 @@ def grade_agent(
     config, matches = test.config, spec.matches(test)
     parties = Parties.of(config)
     others = list(islice(cycle(opponents), len(parties) - 1)) if opponents else []
-    others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
+    if len(others) > 1:
+        others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
     played: list[tuple[int, MatchResult]] = []
     forfeited = timeouts = 0
     stopped = ""
@@ -197,7 +197,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
             wins.append(0.0 if forfeit else (result.ranks[party] == 1) / ranks.count(1))
         if forfeit is not None and forfeit.code not in forfeits:
             forfeits[forfeit.code] = forfeit
-            log = log or result.logs[party][-_LOG_SHOWN:]
+            log = log or last_lines(result.logs[party])
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
     figures: dict[str, Any] = {
         "matches": len(played),
@@ -209,6 +209,8 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
     }
     failures = [*map(str, forfeits.values()), *([stopped] if stopped else []), *_missed_bounds(test, figures)]
     counted = "1 match" if len(played) == 1 else f"{len(played)} matches"
+    contested = any(len(parties.seats[parties.on(side)]) > 1 for side in parties.sides)
+    won = f", wins {100 * figures['win_share']:.0f} %" if contested else ""
     caught = "" if figures["mean_caught"] is None else f", caught {figures['mean_caught']:.2f}"
     return TestGrade(
         test=test.name,
@@ -217,8 +219,7 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         failures=tuple(failures),
         hints=_hints(forfeits.values(), verdicts, test.config) if failures else (),
         figures=figures,
-        measured=f"{counted}, score {figures['mean_score']:.2f}, wins {100 * figures['win_share']:.0f} %, "
-        f"refused {figures['mean_refused']:.2f}{caught}",
+        measured=f"{counted}, score {figures['mean_score']:.2f}{won}, refused {figures['mean_refused']:.2f}{caught}",
         log=log,
     )
 

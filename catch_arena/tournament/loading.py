@@ -5,7 +5,6 @@ import importlib
 import importlib.util
 import locale
 import os
-import pkgutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
@@ -15,11 +14,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Final
 
-from catch_arena import agents
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
 from catch_arena.files import wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
-from catch_arena.tournament.agent_spec import COMMAND, IN_FOLDER, SHIPPED, content_of, file_of, folder_of
+from catch_arena.tournament.agent_spec import COMMAND, IN_FOLDER, SHIPPED, content_of, file_of, folder_of, shipped_names
 
 NOT_INSTALLED: Final = "which is not installed here"
 """Part of the error for a missing module that an agent imports."""
@@ -31,8 +29,7 @@ _FILE_MODULE: Final = "catch_arena_agent_"
 
 def shipped() -> dict[str, str]:
     """Return the agents that come with the package, by name, with one line about each."""
-    names = sorted(module.name for module in pkgutil.iter_modules(agents.__path__))
-    return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
+    return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in shipped_names()}
 
 
 def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:

@@ -3,6 +3,7 @@
 import base64
 import csv
 import gzip
+import html
 import json
 import os
 import re
@@ -20,11 +21,15 @@ from tournament.agents import source
 
 import catch_arena
 from catch_arena.classroom.grading import Graded, grade_class
+from catch_arena.classroom.moments import WorstMatch
 from catch_arena.classroom.submissions import find_submissions
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, MatchFailedError
+from catch_arena.scenarios import scenario
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.parties import Parties
 
 SPEC = """
 title = "Exercise 1"
@@ -78,6 +83,12 @@ def marks_in(folder):
     return {row["student"]: row for row in csv.DictReader((folder / "marks.csv").read_text().splitlines())}
 
 
+def facts_in(page):
+    """Return the facts of the replay in a page."""
+    (bundle,) = re.findall(r'<catch-replay id="player" bundle="([^"]+)"', page)
+    return json.loads(gzip.decompress(base64.b64decode(bundle)).partition(b"\n")[0])
+
+
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("graded")
@@ -95,7 +106,8 @@ def test_each_student_has_a_line_and_a_page_and_the_class_is_done(graded):
     assert {row["possible"] for row in marks.values()} == {"3"}
     assert sorted(path.stem for path in (folder / "out" / "pages").iterdir()) == NAMES
     excel = (folder / "out" / "marks_excel.csv").read_bytes()
-    assert excel == b"\xef\xbb\xbf" + (folder / "out" / "marks.csv").read_bytes()
+    assert excel.startswith(b"\xff\xfe")  # without it, Excel puts all in one column where commas are in numbers
+    assert list(csv.DictReader(excel.decode("utf-16").splitlines(), delimiter="\t")) == list(marks.values())
     assert "README.md is no submission" in result.stderr
 
 
@@ -134,14 +146,54 @@ def test_a_page_has_hints_and_a_replay_but_no_seed_and_no_other_student(graded):
     page = (folder / "out" / "pages" / "crash.html").read_text()
     assert "0</b> of 3 points" in page
     assert "Hint: " in page
-    assert "<pre>about to fail\n" in page
+    assert re.search("<pre[^>]*>about to fail\n", page)
+    assert "<code>catch-arena docs agents</code>" in page.partition("<catch-")[0]
+    assert "`" not in page.partition("<script>")[0].partition("</style>")[2]
     assert "script-src &#39;sha256-" in page or "script-src 'sha256-" in page
     assert not re.findall(r"""(?:src|href)=["'](?!data:)""", page)
-    (bundle,) = re.findall(r'<catch-replay id="player" bundle="([^"]+)"', page)
-    facts = json.loads(gzip.decompress(base64.b64decode(bundle)).partition(b"\n")[0])
+    facts = facts_in(page)
     assert facts["seed"] == "hidden"
+    assert [one["text"] for one in facts["moments"]] == ["crash crashed here, step 1"]
+    assert " data-stopped>" in page
     assert "c0ffee" not in page
     assert not [name for name in NAMES if name != "crash" and re.search(rf"\b{name}\b", page.partition("<catch-")[0])]
+
+
+def test_a_page_without_failures_and_without_output_says_so(graded):
+    folder, _ = graded
+    page = (folder / "out" / "pages" / "ann.html").read_text()
+    assert "<h2>A moment to improve</h2>" in page
+    assert "<p>It printed nothing.</p>" in page
+    assert " data-stopped>" not in page
+    solo, duel = re.findall('<p class="quiet">(2 matches.*)</p>', page)
+    assert ("wins" in solo, "wins 100 %" in duel) == (False, True)
+
+
+def test_a_page_has_the_last_whole_lines_of_the_log_of_the_match_that_it_plays(tmp_path, monkeypatch):
+    write_class(
+        tmp_path, {"a.py": source("print(f'line {self.step}'); return 0 if self.step < 46 else view.targets[99]")}
+    )
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC.replace("points = 2", "points = 0.5"))
+    assert call("class", "--spec", "spec.toml", "--jobs", "1").exit_code == 0
+    page = Path("class_spec_grades/pages/a.html").read_text()
+    assert [one["name"] for one in facts_in(page)["hunters"]] == ["a", "idle"]
+    log = html.unescape(re.search("<pre[^>]*>(.*?)</pre>", page, re.DOTALL)[1]).splitlines()
+    assert len(log) == 40
+    assert all(re.match(r"line \d|Traceback| |IndexError", line) for line in log)
+
+
+def test_the_first_forfeit_is_the_worst_match_though_a_later_one_has_fewer_catches():
+    worst = WorstMatch(Parties.of(scenario("duel")))
+    for log, scores, forfeit in (
+        ("no forfeit", (0, 9), None),
+        ("first", (5, 2), Forfeit("FORFEIT_CRASH", 40, "")),
+        ("second", (0, 9), Forfeit("FORFEIT_CRASH", 40, "")),
+    ):
+        both = ({}, {})
+        result = MatchResult(scores, (1, 1), both, (0, 0), (0, 0), 40, "", (forfeit, None), (), (log, ""))
+        worst.keep(0, result, b"")
+    assert worst.log == "first"
 
 
 def test_late_and_similar_submissions_are_for_the_teacher_only(graded):

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from catch_arena.classroom.similarity import similar_pairs
+from catch_arena.classroom.starters import write_agent_kit
 from catch_arena.classroom.submissions import find_submissions
 
 AGENTS = Path(__file__).parents[2] / "agents"
@@ -45,6 +46,19 @@ def test_what_most_of_a_class_has_is_no_sign(tmp_path):
     found = pairs_of(tmp_path, files)
     assert {(first, second) for first, second, equal in found if not equal} == set()
     assert ("copy0", "copy1", True) in found
+
+
+def test_what_new_agent_writes_is_no_sign(tmp_path):
+    """Two students have the kit's files and agents of their own."""
+    for name in ("pure_pursuit", "patrol"):
+        write_agent_kit(tmp_path / name)
+        (tmp_path / name / "own.py").write_text((AGENTS / f"{name}.py").read_text())
+    assert similar_pairs(find_submissions(tmp_path)[0]) == []
+
+
+def test_what_all_three_of_a_class_have_is_no_sign(tmp_path):
+    own = {name: (AGENTS / f"{name}.py").read_text() for name in ("tour", "pid", "triage")}
+    assert pairs_of(tmp_path, {name: f"{ORIGINAL}\n{text}" for name, text in own.items()}) == []
 
 
 @pytest.mark.parametrize("text", ["class Agent(:", "x = 1\0", "(" * 5000, "def f():\n" * 3000])

@@ -32,6 +32,7 @@ def test_a_new_agent_is_fit_to_play_and_passes_strict_checks(kit):
     assert len((kit / "README.md").read_text().splitlines()) == 10
     fit = run("check-agent", ".", "--scenario", "duel")
     assert (fit.exit_code, "warning" in fit.output) == (0, False), fit.output
+    assert fit.stdout.endswith("turtle-eater is fit to play\n")
     for command in (
         ["ruff", "check", "--isolated", "--select", "ALL", "--ignore", "D203,D213,COM812,INP001,PT009,CPY001", "."],
         ["ruff", "format", "--isolated", "--check", "."],

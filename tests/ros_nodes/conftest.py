@@ -77,7 +77,7 @@ class Bus:
         prefixes = [*(environment / "packages" / one for one in ("turtlesim", *packages)), environment]
         libraries = [str(one / "lib" / f"python{environment.name}" / "site-packages") for one in prefixes]
         usual = {key: value for key, value in os.environ.items() if not key.startswith(("ROS_", "RMW_", "AMENT_"))}
-        self._stack, self._folder, self._python = stack, folder, str(environment / "bin" / "python")
+        self._stack, self._folder, self.python = stack, folder, str(environment / "bin" / "python")
         self._environment = usual | {
             "AMENT_PREFIX_PATH": os.pathsep.join(map(str, prefixes)),
             "LD_LIBRARY_PATH": os.pathsep.join(str(one / "lib") for one in prefixes),
@@ -102,10 +102,14 @@ class Bus:
 
     def node(self, name, *words):
         """A node of nodes/, with its arguments."""
-        return self._start(str(ROOT / "tests" / "ros_nodes" / "nodes" / f"{name}.py"), *words)
+        return self._start(str(self.path_of(name)), *words)
+
+    def path_of(self, name):
+        """The file of a node of nodes/."""
+        return ROOT / "tests" / "ros_nodes" / "nodes" / f"{name}.py"
 
     def _start(self, *words):
-        process = Process([self._python, *words], self._environment, self._folder)
+        process = Process([self.python, *words], self._environment, self._folder)
         self._stack.callback(process.kill)
         return process
 

@@ -27,7 +27,9 @@ def test_a_good_agent_is_fit_in_every_scenario(check):
     result = check("patrol", "--set", "time_limit_s=3", "--limit", "step_ms=60000")  # however busy the machine is
     assert result.exit_code == 0, result.output
     for scenario in ("standard", "duel", "crowd", "scarce", "faulty", "capstone"):
-        assert re.search(rf"^ok: +{scenario}: 30 steps, scores [\d ]+, [\d.]+ ms a step", result.output, re.MULTILINE)
+        assert re.search(
+            rf"^ok: +{scenario}: 30 steps; its [^;]*score[^;]* [\d, ]+; [\d.]+ ms a step", result.output, re.MULTILINE
+        )
     assert "standard: plays the same match again" in result.output
     assert result.stdout.endswith("patrol is fit to play\n")
     assert "warning" not in result.output

@@ -13,6 +13,7 @@ from catch_arena.errors import reason
 from catch_arena.text import (
     LONGEST_LINE,
     LONGEST_NAME,
+    last_lines,
     name_fault,
     one_line,
     printable,
@@ -96,3 +97,17 @@ def test_a_name_is_printable_and_short_or_the_fault_says_so_in_one_line(text):
 def test_what_begins_like_a_formula_is_text_to_a_spreadsheet(text):
     assert spreadsheet_cell(text) == f"'{text}"
     assert spreadsheet_cell(f"x{text}") == f"x{text}"
+
+
+@pytest.mark.parametrize(
+    ("log", "shown"),
+    [
+        ("", ""),
+        ("\n \n", ""),
+        ("one\n\ntwo\nthree\n\n", "two\nthree"),
+        ("one\n" + "x" * 200, "one\n" + "x" * 200),
+        ("one\n" + "x" * 201, "one\n" + "x" * 200 + " …"),
+    ],
+)
+def test_the_last_lines_of_a_log_are_whole_unless_one_is_very_long(log, shown):
+    assert last_lines(log, 2) == shown

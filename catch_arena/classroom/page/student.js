@@ -1,10 +1,12 @@
 /** @typedef {import("../../player/page/player.js").CatchReplay} CatchReplay */
 
+/** Time that is played before the moment, in milliseconds. */
+const BEFORE = 2000;
 const player = /** @type {CatchReplay | null} */ (document.getElementById("player"));
-const start = Number(player?.dataset.start);
+const at = Number(player?.dataset.at);
 const seat = player?.dataset.seat ?? "";
 
-/** Show the beginning of the moment, with the student's hunter selected, as soon as the replay has been read. */
+/** Show the moment, with the student's hunter selected, as soon as the replay has been read. */
 function showMoment() {
   if (!player) return;
   if (!player.replay) {
@@ -12,12 +14,13 @@ function showMoment() {
     return;
   }
   if (seat !== "") player.pick(Number(seat));
-  player.seek(start);
+  player.note.hidden = "stopped" in player.dataset || !player.replay.contests.length; // it is about contests
+  player.seek(at);
 }
 
 document.getElementById("again")?.addEventListener("click", () => {
   player?.pause();
-  player?.seek(start);
+  player?.seek(at - BEFORE);
   player?.play();
 });
 showMoment();
