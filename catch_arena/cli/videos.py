@@ -106,6 +106,14 @@ def render(
             "explain --what-if` finds it.",
         ),
     ] = None,
+    hunter: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HUNTER",
+            help="The hunter that lost this contest, a seat or a name.",
+            show_default="the one that was nearest",
+        ),
+    ] = None,
 ) -> None:
     """Turn a recorded match into a video.
 
@@ -117,12 +125,14 @@ def render(
     recorded = Replay.load(replay)
     part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
     if what_if is None:
+        if hunter is not None:
+            raise ConfigError("--hunter needs --what-if, the time of a contest that this hunter lost")
         _render(recorded, replay, output or replay.with_suffix(".mp4"), force, film, **part)
         return
     if start is not None or end is not None:
         raise ConfigError("--from and --to must be left out with --what-if, which shows the part around the contest")
     target = output or replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
-    _render(recorded, replay, target, force, film, **part, lost_at_s=what_if)
+    _render(recorded, replay, target, force, film, **part, lost_at_s=what_if, hunter=hunter)
 
 
 @main.command()
@@ -160,9 +170,12 @@ def _render(
     film: Film,
     *,
     lost_at_s: float | None = None,
+    hunter: str | None = None,
     **part: Any,
 ) -> None:
-    """Write a video of a recorded match, or of a part of it: of the contest lost at `lost_at_s` with its answer."""
+    """Write a video of a recorded match, or of a part of it: of the contest that a hunter lost at `lost_at_s`, with its
+    answer.
+    """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation import lost_contest_at, what_if
     from catch_arena.render.video import render_replay
@@ -171,7 +184,7 @@ def _render(
     output_file(target, *VIDEO, force=force)
     if lost_at_s is not None:
         with progress_bar("searching", late=True) as show:
-            part["what_if"] = what_if(recorded, lost_contest_at(recorded, lost_at_s), progress=show)
+            part["what_if"] = what_if(recorded, lost_contest_at(recorded, lost_at_s, hunter), hunter, show)
         echo(part["what_if"].sentence)
     with progress_bar("rendering") as show:
         report = render_replay(recorded, target, event=_event(path), progress=show, **part, **drawn)

@@ -42,8 +42,9 @@ LEAST_OTHER_MATCHES: Final = 2
 REPEAT_FACTOR: Final = 0.7
 """Factor on the scores of a kind for each highlight of that kind that was already selected."""
 
-_BEFORE_MS: Final = 2000
-_AFTER_MS: Final = 1500
+BEFORE_MS: Final = 2000
+AFTER_MS: Final = 1500
+"""Parts of the match that are shown before and after a decisive instant [ms]."""
 
 
 class Catch(NamedTuple):
@@ -270,7 +271,7 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
     event = f"{', '.join(f'{events.names[contender]} {events.scores[contender]}' for contender in ranked)} at the end"
     lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
     reason = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
-    start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + _AFTER_MS
+    start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + AFTER_MS
     late = [catch.judged_ms for catch in events.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
     yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms=start_ms, end_ms=end_ms)
@@ -311,8 +312,8 @@ def _highlight(
     end_ms: int | None = None,
 ) -> Highlight:
     """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
-    start_ms = max(0, decisive_ms - _BEFORE_MS) if start_ms is None else start_ms
-    end_ms = decisive_ms + _AFTER_MS if end_ms is None else end_ms
+    start_ms = max(0, decisive_ms - BEFORE_MS) if start_ms is None else start_ms
+    end_ms = decisive_ms + AFTER_MS if end_ms is None else end_ms
     return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), event, reason)
 
 

@@ -77,6 +77,14 @@ def test_the_command_writes_the_video_and_says_the_answer(match, answer, tmp_pat
     assert said.exit_code == 0, said.output
     assert said.stdout.splitlines()[0] == answer.sentence
     assert (tmp_path / f"a-what-if-{at}s.mp4").is_file()
-    refused = CliRunner().invoke(main, [*words, "--from", "1"])
-    assert refused.exit_code == 2
-    assert "--from and --to must be left out with --what-if" in refused.stderr
+    loser, winner = match.names[answer.seat], match.names[answer.contest.claims[0].seat]
+    said = CliRunner().invoke(main, [*words, "--hunter", loser, "-o", "b.gif"])
+    assert said.stdout.splitlines()[0] == answer.sentence
+    for refused, error in (
+        ([*words, "--from", "1"], "--from and --to must be left out with --what-if"),
+        ([*words, "--hunter", winner, "-o", "c.gif"], f"the time of a contest that was lost by {winner}"),
+        (["render", "a.replay", "--hunter", loser], "--hunter needs --what-if"),
+    ):
+        result = CliRunner().invoke(main, refused)
+        assert result.exit_code == 2
+        assert error in result.stderr
