@@ -201,24 +201,27 @@ def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> l
     return chosen[::-1]
 
 
+def has_loser(contest: Contest) -> bool:
+    """Return whether the distance, or a lot among equally near hunters, gave the target to another team's hunter."""
+    winner, loser = contest.claims[:2]
+    measured = contest.margin_um is not None and contest.clause in ("R5.4", "R5.5")
+    return measured and winner.verdict is Verdict.GRANTED and not loser.mate
+
+
 def _contests(events: MatchEvents) -> Iterable[Highlight]:
-    for contest in events.contests:
+    for contest in filter(has_loser, events.contests):
         winner, loser = contest.claims[:2]
-        if contest.margin_um is None or winner.verdict is not Verdict.GRANTED or contest.clause not in ("R5.4", "R5.5"):
-            continue
-        if loser.mate:
-            continue  # no team has lost the target
-        first, second = events.hunters[winner.seat], events.hunters[loser.seat]
+        first, second, margin_um = events.hunters[winner.seat], events.hunters[loser.seat], contest.margin_um or 0
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             event = f"{first} beats {second} by lot"
             reason = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
-            event = f"{first} beats {second} by {short_length(contest.margin_um)}"
+            event = f"{first} beats {second} by {short_length(margin_um)}"
             reason = (
                 f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
             )
-        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, event, reason)
+        yield _highlight("contest", (margin_um, events.reach_um), contest.judged_ms, event, reason)
 
 
 def _captures(events: MatchEvents) -> Iterable[Highlight]:
