@@ -9,6 +9,7 @@ from typing import Any, Final
 from catch_arena.explanation import highlights
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.player.bundle import bundle_text, css
+from catch_arena.player.page_template import page_policy, page_template
 from catch_arena.render import annotations, cards, hud, lens, scene, shapes, viewport
 from catch_arena.replay import Replay
 
@@ -36,6 +37,19 @@ def player_html(replay: Replay, what_if: WhatIf | None = None) -> str:
     if what_if is not None:
         shown = f' what-if start="{max(0, what_if.contest.judged_ms - highlights.BEFORE_MS)}"'
     return f'{element_script()}<catch-replay bundle="{bundle}"{shown}>{_FALLBACK}</catch-replay>'
+
+
+def player_page(replay: Replay, what_if: WhatIf | None = None) -> str:
+    """Return a page that plays a replay, as one file that loads nothing.
+
+    It takes the arguments and raises the errors of `player_html`.
+    """
+    return page_template("catch_arena.player", "replay.html", {}).render(
+        title=replay.title or "Match",
+        what_if=what_if,
+        policy=page_policy(element_script()),
+        player=player_html(replay, what_if),
+    )
 
 
 @cache
