@@ -24,12 +24,12 @@ from catch_arena.explanation.what_if import WhatIf
 from catch_arena.render.annotations import annotations_of
 from catch_arena.render.captions import Commentary
 from catch_arena.render.cards import result
-from catch_arena.render.ghost import is_low
+from catch_arena.render.ghost import ghost_track, is_low
 from catch_arena.render.lens import Lens, lens_of, result_text
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
 from catch_arena.replay import Replay
-from catch_arena.replay.motion import Pose2D, poses_of
+from catch_arena.replay.motion import Pose2D
 from catch_arena.world import World
 
 GRID: Final = 1 << 13
@@ -117,7 +117,7 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
     if other := next((answer.contest for answer in answers if answer.contest not in contests), None):
         raise ConfigError(f"answers must be about contests of this match, got one about {other}")
     answers = sorted(answers, key=lambda answer: answer.contest.step)
-    ghosts = [_ghost(answer) for answer in answers]
+    ghosts = [ghost_track(answer) for answer in answers]
     facts = {
         "title": replay.title,
         "seed": str(replay.seed),  # seeds may exceed JavaScript's exact integers
@@ -162,7 +162,8 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
         "moments": moments,
         "result": result(info, last.team_scores) if last is not None else "",
     }
-    bodies = [*hunters, *(poses for _, poses in targets.values()), *ghosts]
+    bodies = [*hunters, *(poses for _, poses in targets.values())]
+    bodies += [[pose for _, pose in ghost] for ghost in ghosts]
     head = json.dumps(facts, separators=(",", ":"), ensure_ascii=False).encode()
     return head + b"\n" + _tracks(bodies, config.side_m)
 
@@ -186,14 +187,6 @@ def _contest(contest: Contest, info: MatchInfo, lens: Lens | None, sentence: str
             "result": result_text(info, lens),
         },
     }
-
-
-def _ghost(answer: WhatIf) -> Track:
-    """Return the poses of the loser from its first changed step on; none if no change helps."""
-    if answer.alternative is None:
-        return []
-    worlds = [world for world in answer.alternative.worlds() if world.step >= min(answer.actions)]
-    return [poses_of(world).hunters[answer.seat] for world in worlds]
 
 
 def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:

@@ -5,16 +5,14 @@ The page's player shows the same ghost (player/page/overlays.js).
 
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
 
-from catch_arena.core.physics import TICK_MS
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.render.captions import LOW, panel_shapes
 from catch_arena.render.encoders import Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import WHITE, Color, Path, Shape, Turtle, mix
 from catch_arena.render.viewport import Viewport
-from catch_arena.replay.motion import Pose2D, interpolate, poses_of, step_motion
+from catch_arena.replay.motion import Pose2D, interpolate, poses_of
 
 
 def with_ghost(
@@ -31,7 +29,7 @@ def with_ghost(
     """
     viewport = Viewport(renderer.arena.width, renderer.arena.height, renderer.info.config.side_m)
     color, track = renderer.info.color(answer.seat), ghost_track(answer)
-    at_top = is_low([pose for _, pose in track], viewport.side_m)
+    at_top = is_low(track, viewport.side_m)
     for pixels, time_ms in zip(pictures, times_ms, strict=True):
         renderer.draw_over(ghost_shapes(viewport, color, track, time_ms))
         if words:
@@ -39,23 +37,17 @@ def with_ghost(
         yield pixels
 
 
-def is_low(way: Sequence[Pose2D], side_m: float) -> bool:
+def is_low(track: Sequence[tuple[float, Pose2D]], side_m: float) -> bool:
     """Return whether a ghost's way ends so low in the arena that the answer stands at the top."""
-    return bool(way) and way[-1][1] < LOW * side_m
+    return bool(track) and track[-1][1][1] < LOW * side_m
 
 
 def ghost_track(answer: WhatIf) -> list[tuple[float, Pose2D]]:
-    """Return the ghost's poses, each with its instant [ms]: at the first changed step, and then at each tick."""
+    """Return the ghost's poses in each state from the first changed step on, with their instants [ms]."""
     if answer.alternative is None:
         return []
-    first, seat = min(answer.actions), answer.seat
-    worlds = [world for world in answer.alternative.worlds() if world.step >= first]
-    track = [(float(worlds[0].time_ms), poses_of(worlds[0]).hunters[seat])]
-    for before, after in pairwise(worlds):
-        tick = before.time_ms // TICK_MS
-        poses = step_motion(before, after).poses[1:]
-        track += [(float((tick + count) * TICK_MS), pose.hunters[seat]) for count, pose in enumerate(poses, start=1)]
-    return track
+    worlds = [world for world in answer.alternative.worlds() if world.step >= min(answer.actions)]
+    return [(float(world.time_ms), poses_of(world).hunters[answer.seat]) for world in worlds]
 
 
 def ghost_shapes(

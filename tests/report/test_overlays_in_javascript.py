@@ -15,11 +15,10 @@ from catch_arena.player.bundle import css
 from catch_arena.player.element import player_look
 from catch_arena.render import annotations, captions, hud, lens, text
 from catch_arena.render.cards import podium_shapes
-from catch_arena.render.ghost import ghost_shapes, is_low
+from catch_arena.render.ghost import ghost_shapes, ghost_track, is_low
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Path, Ring, Stroke, Turtle
 from catch_arena.render.viewport import Viewport
-from catch_arena.replay.motion import poses_of
 from catch_arena.verdicts import Verdict
 
 DRAWER = pathlib.Path(__file__).with_name("draw_overlays.js")
@@ -197,19 +196,12 @@ def test_captions_and_lenses_are_those_of_videos(matches, drawn, scenario):
 
 @pytest.mark.parametrize("scenario", MATCHES)
 def test_the_ghost_and_its_answer_are_those_of_videos(matches, answers, drawn, scenario):
-    """A bundle has the ghost's poses in states, a video has them in ticks."""
     replay, (given, times) = matches[scenario], answers[scenario]
     info, viewport = MatchInfo.of_replay(replay), Viewport(SIDE, SIDE, replay.config.side_m)
     ghosts = 0
     for answer, instants in zip(given, drawn[scenario]["answers"], strict=True):
-        track = []
-        if answer.alternative is not None:
-            worlds = list(answer.alternative.worlds())[min(answer.actions) :]
-            poses = [poses_of(world).hunters[answer.seat] for world in worlds]
-            track = [
-                (world.step * replay.config.control_period_ms, pose) for world, pose in zip(worlds, poses, strict=True)
-            ]
-        at_top = is_low([pose for _, pose in track], replay.config.side_m)
+        track = ghost_track(answer)
+        at_top = is_low(track, replay.config.side_m)
         words = captions.panel_shapes(viewport, info.color(answer.seat), answer.sentence, at_top=at_top, whole=True)
         for time_ms, one in zip(times, instants, strict=True):
             ghost = ghost_shapes(viewport, info.color(answer.seat), track, time_ms)
