@@ -13,6 +13,7 @@ from catch_arena.files import prepare_folder, regular_file, unwritable
 Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
 
 REPLAY: Final = (".replay",)
+PAGE: Final = ".html"
 VIDEO: Final = (".mp4", ".webm", ".gif", ".webp")
 _RESERVED: Final[list[Path]] = []
 """Files that the running command has reserved."""

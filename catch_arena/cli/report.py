@@ -7,7 +7,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import PAGE, Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 
@@ -52,6 +52,6 @@ def report(
     from catch_arena.report import BUDGET, write_report
 
     if output is not None:
-        output_file(output, ".html", force=force)
+        output_file(output, PAGE, force=force)
     size = BUDGET if budget is None else round(1e6 * budget)
     echo(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")

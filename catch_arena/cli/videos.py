@@ -10,9 +10,10 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import VIDEO, Force, output_file
+from catch_arena.cli.outputs import PAGE, VIDEO, Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError, ReplayError
+from catch_arena.files import write_whole
 from catch_arena.text import printable
 from catch_arena.tournament.store import STORE
 
@@ -83,7 +84,14 @@ def render(
     replay: Recorded,
     *,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file next to the replay")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="File to write: a video, if its name ends in .mp4, .webm, .gif or .webp, or a page with a player, "
+            ".html.",
+            show_default="an MP4 file next to the replay",
+        ),
     ] = None,
     force: Force = False,
     film: Film,
@@ -106,23 +114,53 @@ def render(
             "explain --what-if` finds it.",
         ),
     ] = None,
+    hunter: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HUNTER",
+            help="The hunter that lost this contest, a seat or a name.",
+            show_default="the one that was nearest",
+        ),
+    ] = None,
 ) -> None:
-    """Turn a recorded match into a video.
+    """Turn a recorded match into a video, or into a page that plays it.
 
     A whole match has a title at its beginning and a podium at its end; a part, by --from, --to or --what-if, has
     neither.
     """
+    from catch_arena import explanation
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
     part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
-    if what_if is None:
-        _render(recorded, replay, output or replay.with_suffix(".mp4"), force, film, **part)
+    usual = replay.with_suffix(".mp4")
+    if what_if is not None:
+        usual = replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
+        if start is not None or end is not None:
+            raise ConfigError(
+                "--from and --to must be left out with --what-if, which shows the part around the contest"
+            )
+    elif hunter is not None:
+        raise ConfigError("--hunter needs --what-if, the time of a contest that this hunter lost")
+    target = output or usual
+    paged = target.suffix.lower() == PAGE
+    if paged and (film != Film() or any(value is not None for value in part.values())):
+        raise ConfigError(f"{target}: options of a video must be left out for a page, whose player has controls")
+    drawn = film.arguments()
+    output_file(target, *VIDEO, PAGE, force=force)
+    if what_if is not None:
+        with progress_bar("searching", late=True) as show:
+            contest = explanation.lost_contest_at(recorded, what_if, hunter)
+            part["what_if"] = explanation.what_if(recorded, contest, hunter, show)
+        echo(part["what_if"].sentence)
+    if not paged:
+        _write_video(recorded, replay, target, **part, **drawn)
         return
-    if start is not None or end is not None:
-        raise ConfigError("--from and --to must be left out with --what-if, which shows the part around the contest")
-    target = output or replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
-    _render(recorded, replay, target, force, film, **part, lost_at_s=what_if)
+    from catch_arena.player import player_page
+
+    write_whole(target, player_page(recorded, part.get("what_if")).encode())
+    echo(f"page: {target}")
 
 
 @main.command()
@@ -149,32 +187,19 @@ def clip(
         raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
-    _render(recorded, replay, target, force, film, start_s=start, end_s=min(whole_s, start + seconds), view_of=view_of)
-
-
-def _render(
-    recorded: "Replay",
-    path: Path,
-    target: Path,
-    force: bool,
-    film: Film,
-    *,
-    lost_at_s: float | None = None,
-    **part: Any,
-) -> None:
-    """Write a video of a recorded match, or of a part of it: of the contest lost at `lost_at_s` with its answer."""
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.explanation import lost_contest_at, what_if
-    from catch_arena.render.video import render_replay
-
     drawn = film.arguments()
     output_file(target, *VIDEO, force=force)
-    if lost_at_s is not None:
-        with progress_bar("searching", late=True) as show:
-            part["what_if"] = what_if(recorded, lost_contest_at(recorded, lost_at_s), progress=show)
-        echo(part["what_if"].sentence)
+    end = min(whole_s, start + seconds)
+    _write_video(recorded, replay, target, start_s=start, end_s=end, view_of=view_of, **drawn)
+
+
+def _write_video(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
+    """Write a video of a recorded match, which was loaded from `path`, with options of `render_replay`."""
+    from catch_arena.cli.progress import progress_bar
+    from catch_arena.render.video import render_replay
+
     with progress_bar("rendering") as show:
-        report = render_replay(recorded, target, event=_event(path), progress=show, **part, **drawn)
+        report = render_replay(recorded, target, event=_event(path), progress=show, **options)
     print_report(report)
 
 

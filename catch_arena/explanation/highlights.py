@@ -42,8 +42,9 @@ LEAST_OTHER_MATCHES: Final = 2
 REPEAT_FACTOR: Final = 0.7
 """Factor on the scores of a kind for each highlight of that kind that was already selected."""
 
-_BEFORE_MS: Final = 2000
-_AFTER_MS: Final = 1500
+BEFORE_MS: Final = 2000
+AFTER_MS: Final = 1500
+"""Parts of the match that are shown before and after a decisive instant [ms]."""
 
 
 class Catch(NamedTuple):
@@ -200,24 +201,27 @@ def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> l
     return chosen[::-1]
 
 
+def has_loser(contest: Contest) -> bool:
+    """Return whether the distance, or a lot among equally near hunters, gave the target to another team's hunter."""
+    winner, loser = contest.claims[:2]
+    measured = contest.margin_um is not None and contest.clause in ("R5.4", "R5.5")
+    return measured and winner.verdict is Verdict.GRANTED and not loser.mate
+
+
 def _contests(events: MatchEvents) -> Iterable[Highlight]:
-    for contest in events.contests:
+    for contest in filter(has_loser, events.contests):
         winner, loser = contest.claims[:2]
-        if contest.margin_um is None or winner.verdict is not Verdict.GRANTED or contest.clause not in ("R5.4", "R5.5"):
-            continue
-        if loser.mate:
-            continue  # no team has lost the target
-        first, second = events.hunters[winner.seat], events.hunters[loser.seat]
+        first, second, margin_um = events.hunters[winner.seat], events.hunters[loser.seat], contest.margin_um or 0
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             event = f"{first} beats {second} by lot"
             reason = f"Both were {distances}: the lowest lot wins (R5.5)"
         else:
-            event = f"{first} beats {second} by {short_length(contest.margin_um)}"
+            event = f"{first} beats {second} by {short_length(margin_um)}"
             reason = (
                 f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
             )
-        yield _highlight("contest", (contest.margin_um, events.reach_um), contest.judged_ms, event, reason)
+        yield _highlight("contest", (margin_um, events.reach_um), contest.judged_ms, event, reason)
 
 
 def _captures(events: MatchEvents) -> Iterable[Highlight]:
@@ -270,7 +274,7 @@ def _finish(events: MatchEvents) -> Iterable[Highlight]:
     event = f"{', '.join(f'{events.names[contender]} {events.scores[contender]}' for contender in ranked)} at the end"
     lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
     reason = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
-    start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + _AFTER_MS
+    start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + AFTER_MS
     late = [catch.judged_ms for catch in events.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
     decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
     yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms=start_ms, end_ms=end_ms)
@@ -311,8 +315,8 @@ def _highlight(
     end_ms: int | None = None,
 ) -> Highlight:
     """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
-    start_ms = max(0, decisive_ms - _BEFORE_MS) if start_ms is None else start_ms
-    end_ms = decisive_ms + _AFTER_MS if end_ms is None else end_ms
+    start_ms = max(0, decisive_ms - BEFORE_MS) if start_ms is None else start_ms
+    end_ms = decisive_ms + AFTER_MS if end_ms is None else end_ms
     return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), event, reason)
 
 

@@ -371,17 +371,22 @@ class _Search:
             former = dict.fromkeys(self._goals[step] for step in run)
             old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
             slower = self._speeds[run.start]
-            braking = f", which brakes less ({faster:.1f} m/s instead of {slower:.1f} m/s)"
-            return f"For {length} from {begin}: {new} instead of {old}{braking if faster > slower + 0.05 else ''}"
+            if faster > slower + 0.05:
+                speeds = f"{faster:.1f} m/s instead of {slower:.1f} m/s"
+                return f"Brake less ({speeds}): for {length} from {begin}, {new} instead of {old}"
+            return f"For {length} from {begin}: {new} instead of {old}"
         config = self._replay.config
         limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
         commands = np.array([self._recorded_command(step) for step in run]) * limits
         average = "" if (commands == commands[0]).all() else " on average"
         (speed, turn), parts = commands.mean(axis=0).tolist(), []
         if change.linear is not None:
-            parts.append(f"drive at {change.linear * limits[0]:.2f} m/s instead of {speed:.2f} m/s{average}")
+            new, old = _distinct(change.linear * limits[0], speed)
+            parts.append(f"drive at {new} m/s instead of {old} m/s{average}")
         if change.angular is not None:
-            parts.append(f"turn {_turn(change.angular * limits[1])} instead of {_turn(turn)}{average}")
+            rate = change.angular * limits[1]
+            new, old = _distinct(abs(rate), abs(turn))
+            parts.append(f"turn {_turn(rate, new)} instead of {_turn(turn, old)}{average}")
         if change.goal is not None:
             parts.append(f"request {self.target_label}")
         return f"For {length} from {begin}: {listed(parts)}"
@@ -390,10 +395,15 @@ class _Search:
         return self.target_label if number == self._number else self._replay.config.target_name(number)
 
 
-def _turn(rate: float) -> str:
-    """Return a turn rate [rad/s] in words; positive is to the left."""
-    shown = f"{abs(rate):.2f}"
-    side = "" if shown == "0.00" else "left " if rate > 0.0 else "right "
+def _distinct(new: float, old: float) -> tuple[str, str]:
+    """Return two numbers with two decimals, or with up to six if they look the same."""
+    pairs = [(f"{new:.{digits}f}", f"{old:.{digits}f}") for digits in range(2, 7)]
+    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[0])
+
+
+def _turn(rate: float, shown: str) -> str:
+    """Return a turn rate [rad/s] in words, with its shown number; positive is to the left."""
+    side = "left " if rate > 0.0 else "right " if rate < 0.0 else ""
     return f"{side}at {shown} rad/s"
 
 

@@ -6,9 +6,19 @@
 """
 
 from catch_arena.player.bundle import bundle_text, css, packed_text
-from catch_arena.player.element import element_script, page_file, player_html, script_json
+from catch_arena.player.element import element_script, page_file, player_html, player_page, script_json
 from catch_arena.replay import Replay
 
-__all__ = ["Replay", "bundle_text", "css", "element_script", "packed_text", "page_file", "player_html", "script_json"]
+__all__ = [
+    "Replay",
+    "bundle_text",
+    "css",
+    "element_script",
+    "packed_text",
+    "page_file",
+    "player_html",
+    "player_page",
+    "script_json",
+]
 
 Replay.html_formatter = player_html

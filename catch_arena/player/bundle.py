@@ -9,19 +9,22 @@ import base64
 import gzip
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.errors import ConfigError
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.seats import labels, prey_labels
 from catch_arena.explanation.sentences import contest_sentence
+from catch_arena.explanation.what_if import WhatIf
 from catch_arena.render.annotations import annotations_of
 from catch_arena.render.captions import Commentary
 from catch_arena.render.cards import result
+from catch_arena.render.ghost import ghost_track, is_low
 from catch_arena.render.lens import Lens, lens_of, result_text
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
@@ -38,13 +41,18 @@ Track = list[Pose2D]
 """Poses of one body, one for each state."""
 
 
-def bundle_text(replay: Replay) -> str:
+def bundle_text(replay: Replay, answers: Sequence[WhatIf] = ()) -> str:
     """Return a replay's bundle, in base64.
 
+    Args:
+        replay: the recorded match.
+        answers: answers to contests that hunters of this match lost, which the page shows on demand.
+
     Raises:
+        ConfigError: for an answer about another match.
         ReplayError: if the match does not play as recorded.
     """
-    return packed_text(encode_bundle(replay))
+    return packed_text(encode_bundle(replay, answers))
 
 
 def packed_text(content: bytes) -> str:
@@ -52,19 +60,16 @@ def packed_text(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, mtime=0)).decode()
 
 
-def encode_bundle(replay: Replay) -> bytes:
-    """Return a replay's bundle before it is packed.
-
-    Raises:
-        ReplayError: if it is no replay, or a damaged one.
-    """
+def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
+    """Return a replay's bundle before it is packed. Takes the arguments and raises the errors of `bundle_text`."""
     config, info = replay.config, MatchInfo.of_replay(replay)
     names, prey_names = labels(replay.hunter_names), prey_labels(replay)
     hunters: list[Track] = [[] for _ in names]
     lives: list[list[int]] = [[] for _ in prey_names]
     targets: dict[int, tuple[int, Track]] = {}
     rulings: list[list[Any]] = []
-    contests: list[dict[str, Any]] = []
+    contests: list[Contest] = []
+    judged: list[dict[str, Any]] = []
     lenses: list[Lens | None] = []
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
@@ -83,9 +88,11 @@ def encode_bundle(replay: Replay) -> bytes:
         ]
         if last is not None:
             for contest in contests_of(replay, world):
-                lens = _lens(contest, last, config.side_m)
+                claims = [(claim.seat, claim.distance_um) for claim in contest.claims if claim.distance_um is not None]
+                lens = lens_of(last, contest.target, claims) if claims else None  # R9.1: capstone does not measure
+                contests.append(contest)
                 lenses.append(lens)
-                contests.append(
+                judged.append(
                     _contest(contest, info, lens, contest_sentence(contest, names, played.get(contest.target)))
                 )
             shown = commentary.caption
@@ -107,6 +114,10 @@ def encode_bundle(replay: Replay) -> bytes:
             if prey.target is not None and prey.target not in played:
                 played[prey.target] = name
                 numbers_of.append(numbers[prey.target])
+    if other := next((answer.contest for answer in answers if answer.contest not in contests), None):
+        raise ConfigError(f"answers must be about contests of this match, got one about {other}")
+    answers = sorted(answers, key=lambda answer: answer.contest.step)
+    ghosts = [ghost_track(answer) for answer in answers]
     facts = {
         "title": replay.title,
         "seed": str(replay.seed),  # seeds may exceed JavaScript's exact integers
@@ -136,11 +147,23 @@ def encode_bundle(replay: Replay) -> bytes:
         "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
         "withdrawals": [[before, agent] for agent, before in left.items()],
         "rulings": rulings,
-        "contests": contests,
+        "contests": judged,
+        "answers": [
+            {
+                "contest": contests.index(answer.contest),
+                "agent": answer.seat,
+                "text": answer.sentence,
+                "atTop": is_low(ghost, config.side_m),
+                "first": min(answer.actions, default=0),
+                "states": len(ghost),
+            }
+            for answer, ghost in zip(answers, ghosts, strict=True)
+        ],
         "moments": moments,
         "result": result(info, last.team_scores) if last is not None else "",
     }
     bodies = [*hunters, *(poses for _, poses in targets.values())]
+    bodies += [[pose for _, pose in ghost] for ghost in ghosts]
     head = json.dumps(facts, separators=(",", ":"), ensure_ascii=False).encode()
     return head + b"\n" + _tracks(bodies, config.side_m)
 
@@ -166,13 +189,6 @@ def _contest(contest: Contest, info: MatchInfo, lens: Lens | None, sentence: str
     }
 
 
-def _lens(contest: Contest, before: World, side_m: float) -> Lens | None:
-    """Return the lens of a contest; None under the policy `capstone`, which measures no distances (R9.1)."""
-    place = next((target.x, target.y) for target in before.targets if target.name == contest.target)
-    claims = [(claim.seat, claim.distance_um) for claim in contest.claims if claim.distance_um is not None]
-    return lens_of(place, claims, [(one.x, one.y, one.theta) for one in before.hunters], side_m) if claims else None
-
-
 def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
     """Add the targets' poses in a state to their tracks."""
     for target in world.targets:
@@ -184,7 +200,7 @@ def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track
 def _tracks(bodies: Iterable[Track], side_m: float) -> bytes:
     parts: list[NDArray[np.int16]] = []
     for poses in bodies:
-        x, y, theta = np.array(poses).T
+        x, y, theta = np.array(poses).reshape(-1, 3).T
         ways = [np.diff(np.rint(metres * (GRID / side_m)), prepend=0.0) for metres in (x, y)]
         turns = np.diff(np.rint(theta * (TURN / (2.0 * math.pi))), prepend=0.0)
         ways.append((turns + TURN // 2) % TURN - TURN // 2)

@@ -6,7 +6,10 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
+from catch_arena.explanation import highlights
+from catch_arena.explanation.what_if import WhatIf
 from catch_arena.player.bundle import bundle_text, css
+from catch_arena.player.page_template import page_policy, page_template
 from catch_arena.render import annotations, cards, hud, lens, scene, shapes, viewport
 from catch_arena.replay import Replay
 
@@ -18,13 +21,35 @@ _EVERY: Final = 2
 _FALLBACK: Final = "Allow scripts to see this replay."
 
 
-def player_html(replay: Replay) -> str:
+def player_html(replay: Replay, what_if: WhatIf | None = None) -> str:
     """Return HTML that plays a replay, for a page or a notebook's output; several may stand on one page.
 
+    Args:
+        replay: the recorded match.
+        what_if: answer to a lost contest; the page begins at this contest, and shows the answer.
+
     Raises:
+        ConfigError: for an answer about another match.
         ReplayError: if the match does not play as recorded.
     """
-    return f'{element_script()}<catch-replay bundle="{bundle_text(replay)}">{_FALLBACK}</catch-replay>'
+    bundle = bundle_text(replay, () if what_if is None else (what_if,))
+    shown = ""
+    if what_if is not None:
+        shown = f' what-if start="{max(0, what_if.contest.judged_ms - highlights.BEFORE_MS)}"'
+    return f'{element_script()}<catch-replay bundle="{bundle}"{shown}>{_FALLBACK}</catch-replay>'
+
+
+def player_page(replay: Replay, what_if: WhatIf | None = None) -> str:
+    """Return a page that plays a replay, as one file that loads nothing.
+
+    It takes the arguments and raises the errors of `player_html`.
+    """
+    return page_template("catch_arena.player", "replay.html", {}).render(
+        title=replay.title or "Match",
+        what_if=what_if,
+        policy=page_policy(element_script()),
+        player=player_html(replay, what_if),
+    )
 
 
 @cache
@@ -73,6 +98,7 @@ def player_look() -> dict[str, Any]:
         "lens": lens.SIZE,
         "caption": hud.CAPTION,
         "captionMs": lens.LENS_MS,
+        "answerMs": [highlights.BEFORE_MS, highlights.AFTER_MS],
         "leastArena": lens.LEAST_ARENA,
         "lensGrowsMs": lens.GROWS_MS,
         "mostNames": annotations.MOST_NAMES,

@@ -110,8 +110,7 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
                 before.hunters[seat].team != hunter.team for seat, _ in claims
             ):  # among team-mates there is no loser
                 claims.insert(0, (ruling.hunter, ruling.distance_um or 0))
-                hunters = [(other.x, other.y, other.theta) for other in before.hunters]
-                lens = lens_of((x, y), claims, hunters, before.side_m)
+                lens = lens_of(before, str(ruling.target), claims)
             annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]

@@ -10,14 +10,14 @@ from catch_arena.render import hud
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.lens import LEAST_ARENA, LENS_MS, Lens, lens_shapes, millimetres
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import Box, Label, Shape
-from catch_arena.render.text import ELLIPSIS, text_width
+from catch_arena.render.shapes import Box, Color, Label, Shape
+from catch_arena.render.text import ELLIPSIS, text_width, wrapped
 from catch_arena.render.timeline import lead
 from catch_arena.render.viewport import Viewport
 
 Captions = Literal["plain", "clauses", "none"]
 """Kind of captions: in plain words, with the clause of the rulebook, or none."""
-_LOW: Final = 0.25
+LOW: Final = 0.25
 """Part of the arena's height below which an event's caption stands at the top."""
 _LONGEST_NAME: Final = 16
 """Greatest number of characters of a name in a caption."""
@@ -41,7 +41,7 @@ class Caption(NamedTuple):
 def caption_of(annotation: Annotation, info: MatchInfo) -> Caption | None:
     """Return the caption of a contest or of a catch of prey; None for other annotations."""
     hunter, lens = annotation.seat, annotation.lens
-    name, low = _shortened(info.label(hunter)), annotation.y < _LOW * info.config.side_m
+    name, low = _shortened(info.label(hunter)), annotation.y < LOW * info.config.side_m
     if lens is not None:
         winner, rival = lens.claimants[:2]
         other, behind = _shortened(info.label(rival.seat)), rival.distance_um - winner.distance_um
@@ -105,16 +105,30 @@ def caption_shapes(
     if kind == "none":
         return shapes
     text = f"{caption.text} ({caption.clause})" if kind == "clauses" else caption.text
-    height = 0.78 * hud.CAPTION * room
-    size, dot = hud.font_size(0.5 * height, 11), 0.5 * height
-    around = 2.2 * height
-    width = min(viewport.width - dot, text_width(text, size, 700) + around)
-    left, gap = (viewport.width - width) / 2.0, 0.12 * height
-    top = gap if caption.at_top else viewport.height - gap - height
-    middle = top + 0.5 * height
+    return [*shapes, *panel_shapes(viewport, info.color(caption.agent), text, at_top=caption.at_top)]
+
+
+def panel_shapes(viewport: Viewport, color: Color, text: str, *, at_top: bool, whole: bool = False) -> list[Shape]:
+    """Return the shapes of a text in a panel at the bottom or top of the arena, after a dot in a colour.
+
+    The text is one line, which is cut if it is too long. A `whole` text is smaller, and has as many lines as it needs.
+    """
+    height = 0.78 * hud.CAPTION * min(viewport.width, viewport.height)
+    dot, around, weight = 0.5 * height, 2.2 * height, 600 if whole else 700
+    size = hud.font_size((0.43 if whole else 0.5) * height, 11)
+    most, lines = viewport.width - dot, [text]
+    if whole:
+        lines = wrapped(text, size, weight, most - around)
+    width = min(most, max(text_width(line, size, weight) for line in lines) + around)
+    left, gap, spacing = (viewport.width - width) / 2.0, 0.12 * height, 1.35 * size
+    tall = height + spacing * (len(lines) - 1)
+    top = gap if at_top else viewport.height - gap - tall
+    middle, start = top + 0.5 * height, left + 1.15 * height
     return [
-        *shapes,
-        Box(left, top, width, height, hud.PANEL, 0.5 * height),
-        Box(left + 0.4 * height, middle - 0.5 * dot, dot, dot, info.color(caption.agent), 0.5 * dot),
-        Label(left + 1.15 * height, middle, text, size, hud.BRIGHT, 700, max_width=width - 1.7 * height),
+        Box(left, top, width, tall, hud.PANEL, 0.5 * height),
+        Box(left + 0.4 * height, middle - 0.5 * dot, dot, dot, color, 0.5 * dot),
+        *(
+            Label(start, middle + spacing * row, line, size, hud.BRIGHT, weight, max_width=width - 1.7 * height)
+            for row, line in enumerate(lines)
+        ),
     ]

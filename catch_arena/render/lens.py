@@ -12,7 +12,7 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Box, Label, Ring, Shape, Stroke, Turtle
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import GROUND, TARGET, Viewport
-from catch_arena.replay.motion import Pose2D
+from catch_arena.world import World
 
 LENS_MS: Final = 2500.0
 """Time for which a lens is shown [ms]."""
@@ -49,25 +49,23 @@ class Lens(NamedTuple):
     """Corner of the arena that is farthest from all hunters: 0 or 1 for left or right, and for bottom or top."""
 
 
-def lens_of(
-    place: tuple[float, float], claims: Sequence[tuple[int, int]], hunters: Sequence[Pose2D], side_m: float
-) -> Lens:
+def lens_of(before: World, target: str, claims: Sequence[tuple[int, int]]) -> Lens:
     """Return the lens of a contest.
 
     Args:
-        place: x and y of the target [m].
+        before: the world on which the contest was judged.
+        target: name of the target.
         claims: (seat, distance [micrometres]) of each claimant, the winner first.
-        hunters: poses of all hunters, by seat.
-        side_m: side of the arena [m].
     """
-    shown = claims[:MOST_CLAIMANTS]
-    true = [math.atan2(hunters[seat][1] - place[1], hunters[seat][0] - place[0]) for seat, _ in shown]
+    hunters, side_m, shown = before.hunters, before.side_m, claims[:MOST_CLAIMANTS]
+    place = next((one.x, one.y) for one in before.targets if one.name == target)
+    true = [math.atan2(hunters[seat].y - place[1], hunters[seat].x - place[0]) for seat, _ in shown]
     directions = spread_directions(true)
     claimants = tuple(
-        Claimant(seat, distance, direction, hunters[seat][2])
+        Claimant(seat, distance, direction, hunters[seat].theta)
         for (seat, distance), direction in zip(shown, directions, strict=True)
     )
-    occupied = [place, *((x, y) for x, y, _ in hunters)]
+    occupied = [place, *((hunter.x, hunter.y) for hunter in hunters)]
     corners = [(right, top) for top in (1, 0) for right in (1, 0)]
     return Lens(
         claimants,

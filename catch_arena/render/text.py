@@ -70,6 +70,19 @@ def truncated(text: str, size: int, weight: int, max_width: float) -> str:
     return text[:short].rstrip() + ELLIPSIS if short else ""
 
 
+def wrapped(text: str, size: int, weight: int, max_width: float) -> list[str]:
+    """Return a text as lines that fit; a word that is too long has a line of its own."""
+    first, *words = text.split() or [""]
+    lines = [first]
+    for word in words:
+        longer = f"{lines[-1]} {word}"
+        if text_width(longer, size, weight) <= max_width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
 def coverage(text: str, size: int, weight: int) -> Coverage:
     """Return a text's coverage in one line, with `size` pixels of room at each side, the baseline at BASELINE sizes."""
     width, height = text_width(text, size, weight) + 2 * size, math.ceil(1.55 * size)

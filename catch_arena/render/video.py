@@ -9,13 +9,14 @@ from typing import Final
 
 from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, require_type
+from catch_arena.explanation.highlights import AFTER_MS, BEFORE_MS
 from catch_arena.explanation.seats import find_seat
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.plain import whole_number
 from catch_arena.render import cards, hud
 from catch_arena.render.captions import Captions
 from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
-from catch_arena.render.ghost import AFTER_MS, BEFORE_MS, with_ghost
+from catch_arena.render.ghost import with_ghost
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, frame_spans

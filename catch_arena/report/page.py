@@ -13,7 +13,7 @@ import jinja2
 from catch_arena.config import RULESET
 from catch_arena.explanation.highlights import MatchEvents
 from catch_arena.files import write_whole
-from catch_arena.player import css, element_script, packed_text, page_file, script_json
+from catch_arena.player import bundle_text, css, element_script, packed_text, page_file, script_json
 from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
@@ -21,6 +21,7 @@ from catch_arena.replay.comparison import flat_settings
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
 from catch_arena.report.glance import best_moment, figures
+from catch_arena.report.lost_contests import LostContest, answer_to, find_lost_contests
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
 from catch_arena.tournament.entrants import SHIPPED_PREY
@@ -55,12 +56,21 @@ def write_report(
     path = output or folder / REPORT
     selected = select_matches(data, budget, matches)
     events = {match: choice.events for match, choice in selected.items()}
-    write_whole(path, page(data, selected, events).encode())
+    lost = find_lost_contests(data, events)
+    for match in {one.match for one in lost}:
+        answers = [one.answer for one in lost if one.match == match]
+        selected[match] = selected[match]._replace(bundle=bundle_text(data.replay(match), answers))
+    write_whole(path, page(data, selected, events, lost).encode())
     return path
 
 
 def page(
-    data: ReportData, selected: dict[str, SelectedMatch], events: Mapping[str, MatchEvents], *, watched: bool = False
+    data: ReportData,
+    selected: dict[str, SelectedMatch],
+    events: Mapping[str, MatchEvents],
+    lost: Sequence[LostContest] = (),
+    *,
+    watched: bool = False,
 ) -> str:
     """Return the report as HTML.
 
@@ -68,9 +78,11 @@ def page(
         data: the tournament's data.
         selected: the matches that the page plays, by their ids.
         events: the events of matches, by their ids, from which the best moment is chosen.
+        lost: contests that agents lost, with their answers.
         watched: whether the page is served; it then requests news, and the replays that it shows.
     """
     forfeits, size = _forfeits(data), data.parties.block_size
+    moment = best_moment(events)
     titles = {one.match.id: one.match.title(size) for one in data.played}
     colors = [agent_color(data.tournament.config, number) for number in range(len(data.tournament.entrants))]
     return _template().render(
@@ -89,7 +101,9 @@ def page(
             for side in data.sides
         ],
         figures=figures(data, events),
-        moment=best_moment(events),
+        moment=moment,
+        answer=answer_to(moment, lost),
+        lost=lost,
         titles=titles,
         colors={name: css(color) for side in data.sides for name, color in zip(side.names, colors, strict=True)},
         turtles={name: _turtle(color) for side in data.sides for name, color in zip(side.names, colors, strict=True)},

@@ -12,8 +12,8 @@ from command_line import run
 from report.synthetic import tournament
 
 import catch_arena
-from catch_arena.explanation import explain
-from catch_arena.player import bundle_text, player_html
+from catch_arena.explanation import explain, what_if
+from catch_arena.player import bundle_text, element_script, player_html, player_page
 from catch_arena.render import hud, viewport
 from catch_arena.render.cards import GOLD, result
 from catch_arena.render.match_info import MatchInfo
@@ -206,6 +206,49 @@ def test_a_close_up_is_drawn_again_after_the_page_changes_its_size(player):
     assert share_of(picture(player, "canvas.close-up"), viewport.GROUND) > 0.2
 
 
+@pytest.fixture(scope="module")
+def answer(crowd):
+    """What would have won the second contest."""
+    return what_if(crowd, explain(crowd).contests[1])
+
+
+def test_a_page_of_an_answer_begins_at_its_contest_with_the_ghost_which_a_key_hides(quiet, crowd, answer, tmp_path):
+    path = tmp_path / "answer.html"
+    path.write_text(player_page(crowd, answer), encoding="utf-8")
+    quiet.goto(path.as_uri())
+    until(quiet, "document.querySelector('catch-replay').replay")
+    judged = answer.contest.judged_ms
+    assert quiet.evaluate("document.querySelector('catch-replay').time") == max(0, judged - 2000)
+    assert answer.sentence in quiet.locator("main > p").inner_text()
+    quiet.evaluate("time => document.querySelector('catch-replay').seek(time)", judged)
+    arena, button = quiet.locator("canvas.arena"), quiet.get_by_role("button", name="What if?")
+    assert button.get_attribute("aria-pressed") == "true"
+    assert answer.sentence in arena.get_attribute("aria-label")
+    shown = picture(quiet, "canvas.arena")
+    arena.press("w")
+    assert button.get_attribute("aria-pressed") == "false"
+    assert answer.sentence not in arena.get_attribute("aria-label")
+    assert (picture(quiet, "canvas.arena") != shown).any(axis=2).mean() > 0.01
+    assert f"What if? {answer.sentence}" in quiet.locator(".contest").inner_text()  # as text, in any case
+
+
+def test_the_button_goes_to_the_next_contest_with_an_answer_and_says_it(quiet, crowd, answer, tmp_path):
+    page = opened(quiet, tmp_path, f'{element_script()}<catch-replay bundle="{bundle_text(crowd, [answer])}">')
+    page.evaluate("document.querySelector('catch-replay').seek(8000)")
+    button = page.get_by_role("button", name="What if?")
+    button.click()
+    assert clock(page) == pytest.approx(answer.contest.judged_ms / 1000)
+    assert page.locator("[aria-live]").inner_text() == answer.sentence
+    button.click()
+    assert button.get_attribute("aria-pressed") == "false"
+
+
+def test_without_an_answer_there_is_no_button_and_the_key_says_so(player):
+    assert not player.get_by_role("button", name="What if?").is_visible()
+    player.locator("canvas.arena").press("w")
+    assert player.locator("[aria-live]").inner_text() == "This replay has no answer to a lost contest."
+
+
 @pytest.fixture
 def half_blind(quiet, tmp_path):
     """A page with a match in which targets flee and hunters see a part."""
@@ -383,6 +426,25 @@ def test_a_copied_link_opens_the_match_at_its_instant(chromium, report):
     visitor.evaluate("location.hash = '#match=nothing&t=1'")
     until(visitor, _SHOWING, arg="Match nothing does not play in this page")
     context.close()
+
+
+def test_a_link_to_an_answer_opens_its_match_with_the_ghost(chromium, report):
+    page = chromium.new_page()
+    page.goto(report.as_uri())
+    until(page, "document.getElementById('player').replay")
+    link = page.locator("#what-if a").last
+    title, at_s = re.fullmatch(r"(round .*), at ([\d.]+)\ss", link.inner_text()).groups()
+    link.click()
+    until(page, _SHOWING, arg=title.capitalize())
+    until(page, "time => document.getElementById('player').time === time", arg=1000 * float(at_s))
+    button = page.locator("#player").get_by_role("button", name="What if?")
+    assert button.get_attribute("aria-pressed") == "true"
+    sentence = page.locator("#what-if li p:last-child").last.inner_text()
+    assert sentence in page.locator("#player canvas.arena").get_attribute("aria-label")
+    page.locator("#list li button").first.click()
+    until(page, "document.getElementById('player').time === 0")
+    assert not page.evaluate("document.getElementById('player').asked")
+    page.close()
 
 
 def test_a_link_that_may_not_be_copied_is_in_the_address_bar(quiet, report):

@@ -191,7 +191,7 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
         (["match", "nearest", "idle", *QUICK, "-o", "m.mkv"], "must end in .replay, got .mkv"),
         (["match", "nearest", "idle", *QUICK, "-o", "m"], "must end in .replay, got no ending"),
         (["play", "nearest", "--record", "m.gif"], ".replay, got .gif"),
-        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif or .webp, got .png"),
+        (["render", "{r}", "-o", "v.png"], ".mp4, .webm, .gif, .webp or .html, got .png"),
         (["mosaic", "{o}/replays", "-o", "g.html"], ".webp, got .html"),
         (["highlights", "{o}/replays", "-o", "g.json"], ".webp, got .json"),
         (["export", "{o}", "-o", "e.replay"], ".json, got .replay"),

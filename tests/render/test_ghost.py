@@ -1,5 +1,7 @@
 """`render --what-if` shows what would have won a contest as a ghost."""
 
+from pathlib import Path
+
 import pytest
 from render.videos import decoded
 from typer.testing import CliRunner
@@ -7,8 +9,9 @@ from typer.testing import CliRunner
 from catch_arena import explain, what_if
 from catch_arena.cli import main
 from catch_arena.errors import ConfigError
+from catch_arena.player import player_page
+from catch_arena.render import shapes
 from catch_arena.render.ghost import ghost_shapes, ghost_track
-from catch_arena.render.shapes import Path, Turtle
 from catch_arena.render.video import render_replay
 from catch_arena.render.viewport import Viewport
 
@@ -44,8 +47,8 @@ def test_the_ghost_appears_with_the_change_and_stays_at_the_end(answer):
     assert ghost_shapes(viewport, WHITE, track, track[0][0] - 1.0) == []
     begun, last = (ghost_shapes(viewport, WHITE, track, time_ms) for time_ms in (track[0][0], track[-1][0] + 900.0))
     for (way, turtle), (_, pose) in ((begun, track[0]), (last, track[-1])):
-        assert isinstance(way, Path)
-        assert isinstance(turtle, Turtle)
+        assert isinstance(way, shapes.Path)
+        assert isinstance(turtle, shapes.Turtle)
         assert way.points[-1] == (turtle.x, turtle.y) == viewport.to_pixels(*pose[:2])
         assert turtle.faded
     assert len(last[0].points) > len(begun[0].points)
@@ -68,7 +71,7 @@ def test_the_video_shows_the_part_around_the_contest(match, answer, tmp_path):
         render_replay(match, tmp_path / "x.gif", what_if=answer, start_s=1.0)
 
 
-def test_the_command_writes_the_video_and_says_the_answer(match, answer, tmp_path, monkeypatch):
+def test_the_command_writes_the_video_or_a_page_and_says_the_answer(match, answer, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     match.save("a.replay")
     at = f"{answer.contest.judged_ms / 1000.0:g}"
@@ -77,6 +80,19 @@ def test_the_command_writes_the_video_and_says_the_answer(match, answer, tmp_pat
     assert said.exit_code == 0, said.output
     assert said.stdout.splitlines()[0] == answer.sentence
     assert (tmp_path / f"a-what-if-{at}s.mp4").is_file()
-    refused = CliRunner().invoke(main, [*words, "--from", "1"])
-    assert refused.exit_code == 2
-    assert "--from and --to must be left out with --what-if" in refused.stderr
+    page = CliRunner().invoke(main, [*words[:4], "-o", "a.html"])
+    assert page.stdout.splitlines() == [answer.sentence, "page: a.html"]
+    assert Path("a.html").read_text(encoding="utf-8") == player_page(match, answer)
+    loser, winner = match.names[answer.seat], match.names[answer.contest.claims[0].seat]
+    said = CliRunner().invoke(main, [*words, "--hunter", loser, "-o", "b.gif"])
+    assert said.stdout.splitlines()[0] == answer.sentence
+    for refused, error in (
+        ([*words, "--from", "1"], "--from and --to must be left out with --what-if"),
+        ([*words, "--hunter", winner, "-o", "c.gif"], f"the time of a contest that was lost by {winner}"),
+        (["render", "a.replay", "--hunter", loser], "--hunter needs --what-if"),
+        ([*words, "-o", "b.html"], "b.html: options of a video must be left out for a page"),
+        (["render", "a.replay", "-o", "b.html", "--to", "3"], "options of a video must be left out for a page"),
+    ):
+        result = CliRunner().invoke(main, refused)
+        assert result.exit_code == 2
+        assert error in result.stderr

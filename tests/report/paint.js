@@ -29,7 +29,7 @@ function gridLines(look, side, pixels) {
     captionAt: () => null,
   }));
   const painter = new Painter({ ...look, turtle: [] });
-  painter.paint(canvas, replay, 0, { picked: null, viewed: false, calm: true, grows: 0, over: false });
+  painter.paint(canvas, replay, 0, { picked: null, viewed: false, calm: true, grows: 0, over: false, asked: false });
   return lines;
 }
 

@@ -21,6 +21,14 @@ async function read(text) {
       moving: replay.targets.filter(({ moves }) => moves).map(({ number }) => number),
       rulings: replay.rulings.map((ruling) => ({ ...ruling, target: ruling.target?.number ?? null })),
       contests: replay.contests.map((contest) => ({ ...contest, place: contest.place.number })),
+      answers: replay.answers.map(({ ghost, ...answer }) => ({
+        ...answer,
+        contest: replay.contests.indexOf(answer.contest),
+        way: ghost && { first: ghost.first, track: tracks(ghost) },
+      })),
+      shown: replay.answers.map(({ contest }) =>
+        [-2001, -2000, 0, 1500, 1501].map((later) => replay.answerAt(contest.time + later, [2000, 1500])?.text ?? null)
+      ),
       moments: replay.moments.map((moment) => ({
         ...moment,
         contest: moment.contest && replay.contests.indexOf(moment.contest),

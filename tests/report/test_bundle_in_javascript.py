@@ -12,7 +12,8 @@ import pytest
 from report.javascript import deno
 
 import catch_arena
-from catch_arena.explanation import explain
+from catch_arena.errors import ConfigError
+from catch_arena.explanation import explain, what_if
 from catch_arena.player import bundle_text, packed_text
 from catch_arena.player.bundle import GRID, TURN, css, encode_bundle
 from catch_arena.player.element import element_script
@@ -210,6 +211,56 @@ def test_a_contest_without_measured_distances_has_no_lens():
 
 
 @pytest.fixture(scope="module")
+def answered(replays):
+    """(match, answers to two contests, the later one first)."""
+    replay = replays["crowd"]
+    contests = explain(replay).contests
+    return replay, [what_if(replay, contests[-1]), what_if(replay, contests[0])]
+
+
+def test_answers_are_about_their_contests_and_have_the_alternative_way_of_the_loser(answered):
+    replay, answers = answered
+    (shown,) = read([bundle_text(replay, answers)])
+    for one, answer in zip(shown["answers"], answers[::-1], strict=True):  # in the order of time
+        assert (one["agent"], one["text"]) == (answer.seat, answer.sentence)
+        assert shown["contests"][one["contest"]]["target"] == answer.contest.target
+        assert shown["contests"][one["contest"]]["time"] == answer.contest.judged_ms
+        worlds = list(answer.alternative.worlds())[min(answer.actions) :]
+        assert one["way"]["first"] == min(answer.actions)
+        x, y, _ = one["way"]["track"]
+        hunters = [world.hunters[answer.seat] for world in worlds]
+        assert x == pytest.approx([hunter.x for hunter in hunters], abs=0.51 * shown["side"] / GRID)
+        assert y == pytest.approx([hunter.y for hunter in hunters], abs=0.51 * shown["side"] / GRID)
+
+
+def test_there_is_no_ghost_where_no_change_helps():
+    poses = ((5.0, 5.0, 0.0), (5.0, 5.0, 0.0))
+    env = catch_arena.parallel_env("duel", time_limit_s=1.0, control="target", hunter_poses=poses, reach_m=9.0)
+    env.record()
+    _, infos = env.reset(seed=1)
+    while env.agents:
+        _, _, _, _, infos = env.step(chase(env, infos))
+    replay = env.replay()
+    answer = what_if(replay, explain(replay).contests[0])
+    (shown,) = read([bundle_text(replay, [answer])])
+    assert [(one["text"], one["way"]) for one in shown["answers"]] == [(answer.sentence, None)]
+    assert answer.sentence.startswith("No change of ")
+
+
+def test_an_answer_is_shown_around_its_contest(answered):
+    replay, answers = answered
+    for answer in answers:
+        (shown,) = read([bundle_text(replay, [answer])])
+        assert shown["shown"] == [[None, answer.sentence, answer.sentence, answer.sentence, None]]
+
+
+def test_an_answer_of_another_match_is_refused(answered, replays):
+    _, answers = answered
+    with pytest.raises(ConfigError, match="answers must be about contests of this match, got one about Contest"):
+        bundle_text(replays["duel"], answers)
+
+
+@pytest.fixture(scope="module")
 def small():
     """(facts, tracks) of a short bundle with something in each list."""
     teams = ((0, 1, 2), (3, 4, 5))
@@ -253,6 +304,14 @@ def packed(facts, tracks):
         ),
         ({"withdrawals": [[0, 99]]}, "withdrawals[0] must be a step and an agent, got [0,99]"),
         ({"rulings": [[0, 0, "GRANTED", 999]]}, "rulings[0] is about target 999, which is not in the replay"),
+        (
+            {"answers": [{"contest": 0, "agent": 0, "text": "", "first": 9, "states": 99}]},
+            "answers[0] must be a contest's index, a seat, a text, the first state of a way, and the number of its ",
+        ),
+        (
+            {"answers": [{"contest": 999, "agent": 0, "text": "", "first": 0, "states": 0}]},
+            "answers[0] is about contest 999, which is not in the replay",
+        ),
         (
             {"moments": [{"time": 0, "agent": 99, "text": "", "contest": None}]},
             "moments[0] must be a time, a seat, a text, and a contest's index or null, got {",

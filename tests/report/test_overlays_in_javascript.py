@@ -1,24 +1,27 @@
-"""The player draws captions, lenses, podiums, names and numbers from the same shapes as videos."""
+"""The player draws captions, lenses, ghosts, podiums, names and numbers from the same shapes as videos."""
 
 import itertools
 import json
 import math
-from pathlib import Path
+import pathlib
 
 import pytest
 from report.javascript import deno
 
 import catch_arena
+from catch_arena.explanation import explain, what_if
 from catch_arena.player import bundle_text
 from catch_arena.player.bundle import css
 from catch_arena.player.element import player_look
 from catch_arena.render import annotations, captions, hud, lens, text
 from catch_arena.render.cards import podium_shapes
+from catch_arena.render.ghost import ghost_shapes, ghost_track, is_low
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import Box, Label, Ring, Stroke, Turtle
+from catch_arena.render.shapes import Box, Label, Path, Ring, Stroke, Turtle
 from catch_arena.render.viewport import Viewport
+from catch_arena.verdicts import Verdict
 
-DRAWER = Path(__file__).with_name("draw_overlays.js")
+DRAWER = pathlib.Path(__file__).with_name("draw_overlays.js")
 SIDE = 610
 MATCHES = {
     # more than four claimants, too many agents for names
@@ -50,6 +53,23 @@ def matches():
     return replays
 
 
+@pytest.fixture(scope="module")
+def answers(matches):
+    """By scenario: answers to the first lost contests, and the instants at which they are drawn [ms]."""
+    found = {}
+    for scenario, replay in matches.items():
+        lost = [
+            contest
+            for contest in explain(replay).contests
+            if any(claim.verdict is Verdict.LOST_CONTEST for claim in contest.claims)
+        ]
+        given = [what_if(replay, contest) for contest in lost[:3]]
+        times = [contest.judged_ms + shift for contest in lost[:3] for shift in (-650.0, -100.0, 0.0, 900.0)]
+        found[scenario] = given, times
+    assert any(answer.alternative is None for given, _ in found.values() for answer in given)
+    return found
+
+
 @pytest.fixture(scope="module", autouse=True)
 def widths():
     """Each letter is half as wide as the text's size, as in the JavaScript under test."""
@@ -74,7 +94,7 @@ def places(replay):
 
 
 @pytest.fixture(scope="module")
-def drawn(matches):
+def drawn(matches, answers):
     """By scenario: the shapes that the player draws."""
     given = []
     for scenario, replay in matches.items():
@@ -96,7 +116,8 @@ def drawn(matches):
             )
         given.append(
             {
-                "bundle": bundle_text(replay),
+                "bundle": bundle_text(replay, answers[scenario][0]),
+                "instants": answers[scenario][1],
                 "age": AGES[scenario],
                 "agents": agents,
                 "length": viewport.hunter_length,
@@ -119,7 +140,10 @@ def row(shape):
             color = f"{css(shape.color)}{round(255 * shape.opacity):02x}"
             return ["ring", shape.x, shape.y, shape.radius, shape.width, color, shape.pieces]
         case Turtle():
-            return ["turtle", shape.x, shape.y, shape.theta, shape.length, css(shape.color), shape.contrast]
+            size, color, faded = shape.length, css(shape.color), float(shape.faded)
+            return ["turtle", shape.x, shape.y, shape.theta, size, color, shape.contrast, faded]
+        case Path():
+            return ["path", *itertools.chain(*shape.points), shape.width, css(shape.color)]
         case Label():
             shown = text.truncated.__wrapped__(shape.text, shape.size, shape.weight, shape.max_width)
             outline = "" if shape.outline is None else css(shape.outline)
@@ -132,7 +156,9 @@ def parts_of(values):
     """Return the words, the numbers and the colours' channels of a drawing call; angles are within one turn."""
     words, numbers, channels = [], [], []
     for value in values:
-        if isinstance(value, str) and value.startswith("#"):
+        if isinstance(value, list):
+            numbers += itertools.chain(*value)
+        elif isinstance(value, str) and value.startswith("#"):
             given = bytes.fromhex(value[1:])
             channels += [*given, *[255] * (4 - len(given))]
         else:
@@ -166,6 +192,22 @@ def test_captions_and_lenses_are_those_of_videos(matches, drawn, scenario):
     for one, caption in zip(drawn[scenario]["captions"], expected, strict=True):
         now = caption.time_ms + AGES[scenario]
         assert_same(one, captions.caption_shapes(viewport, info, caption, "plain", now))
+
+
+@pytest.mark.parametrize("scenario", MATCHES)
+def test_the_ghost_and_its_answer_are_those_of_videos(matches, answers, drawn, scenario):
+    replay, (given, times) = matches[scenario], answers[scenario]
+    info, viewport = MatchInfo.of_replay(replay), Viewport(SIDE, SIDE, replay.config.side_m)
+    ghosts = 0
+    for answer, instants in zip(given, drawn[scenario]["answers"], strict=True):
+        track = ghost_track(answer)
+        at_top = is_low(track, replay.config.side_m)
+        words = captions.panel_shapes(viewport, info.color(answer.seat), answer.sentence, at_top=at_top, whole=True)
+        for time_ms, one in zip(times, instants, strict=True):
+            ghost = ghost_shapes(viewport, info.color(answer.seat), track, time_ms)
+            ghosts += bool(ghost)
+            assert_same(one, [*ghost, *words])
+    assert ghosts
 
 
 @pytest.mark.parametrize("scenario", MATCHES)

@@ -1,4 +1,4 @@
-import { drawCaption, drawLens, drawNames, drawNumbers, drawPodium } from "./overlays.js";
+import { drawCaptionLens, drawGhost, drawLens, drawNames, drawNumbers, drawPanel, drawPodium } from "./overlays.js";
 import { mixed, Pen, Turtle } from "./shapes.js";
 
 /** @typedef {import("./shapes.js").Look} Look */
@@ -19,6 +19,7 @@ import { mixed, Pen, Turtle } from "./shapes.js";
  * @property {boolean} calm true to paint nothing that pulses
  * @property {number} grows match time in which a lens grows, in milliseconds; 0 to show it in full
  * @property {boolean} over true to show the podium
+ * @property {boolean} asked true to show what would have won a contest
  */
 
 /**
@@ -55,7 +56,7 @@ export class Painter {
    * @param {number} time
    * @param {Manner} manner
    */
-  paint(canvas, replay, time, { picked, viewed, calm, grows, over }) {
+  paint(canvas, replay, time, { picked, viewed, calm, grows, over, asked }) {
     const pen = new Pen(canvas, this.turtle);
     const side = canvas.clientWidth;
     const scale = side / (replay.side * (1 + 2 * this.look.margin));
@@ -82,8 +83,16 @@ export class Painter {
     drawNames(pen, this.look, agents, side, length);
     drawNumbers(pen, this.look, agents, length);
     const caption = replay.captionAt(time, this.look.captionMs);
-    if (over) drawPodium(pen, this.look, replay, side);
-    else if (caption) drawCaption(pen, this.look, replay, caption, side, time - caption.time, grows);
+    if (over) {
+      drawPodium(pen, this.look, replay, side);
+      return;
+    }
+    if (caption) drawCaptionLens(pen, this.look, replay, caption, side, time - caption.time, grows);
+    const answer = asked ? replay.answerAt(time, this.look.answerMs) : null;
+    if (answer) {
+      drawGhost(pen, replay, answer, time, place, length);
+      drawPanel(pen, this.look, replay, answer, side, true);
+    } else if (caption) drawPanel(pen, this.look, replay, caption, side);
   }
 
   /**
@@ -152,21 +161,7 @@ export class Painter {
       const color = mixed("#ffffff", "#ffffff", 0, 0.9);
       pen.ring(...place(pose), 0.62 * length, Math.max(1.5, 0.05 * length), color, this.look.preyPieces);
     }
-    this.#body(scene, pose, length, this.look.target, gone);
-  }
-
-  /**
-   * Paint the turtle of a hunter or prey.
-   * @param {Scene} scene
-   * @param {Pose} pose
-   * @param {number} length
-   * @param {string} color
-   * @param {boolean} gone true if it is withdrawn
-   */
-  #body({ pen, context, place }, pose, length, color, gone) {
-    context.globalAlpha = gone ? 0.55 : 1;
-    pen.turtle(...place(pose), pose.theta, length, gone ? mixed(color, this.look.ink, 0.5) : color);
-    context.globalAlpha = 1;
+    pen.turtle(...place(pose), pose.theta, length, this.look.target, 1, gone);
   }
 
   /** @param {Scene} scene */
@@ -264,7 +259,7 @@ export class Painter {
       pen.ring(x, y, hunter.reach * scale, picked === seat ? 3 : hunter.pieces > 1 ? 2 : 1.3, color, hunter.pieces);
       this.#heading(scene, hunter, pose);
     }
-    this.#body(scene, pose, length, hunter.color, gone);
+    pen.turtle(x, y, pose.theta, length, hunter.color, 1, gone);
   }
 
   /**

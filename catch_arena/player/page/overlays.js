@@ -5,6 +5,7 @@ import { legible, mixed, readableOn } from "./shapes.js";
 /** @typedef {import("./replay.js").Replay} Replay */
 /** @typedef {import("./replay.js").Contest} Contest */
 /** @typedef {import("./replay.js").Moment} Moment */
+/** @typedef {import("./replay.js").Answer} Answer */
 
 const WHITE = "#ffffff";
 
@@ -117,7 +118,7 @@ export function drawNames(pen, look, agents, side, length) {
 }
 
 /**
- * Draw a caption over the arena, and the lens of its contest.
+ * Draw the lens of a caption's contest over the arena.
  * @param {Pen} pen
  * @param {Look} look
  * @param {Replay} replay
@@ -126,28 +127,63 @@ export function drawNames(pen, look, agents, side, length) {
  * @param {number} age of the caption, in milliseconds
  * @param {number} grows time in which a lens grows and shrinks, in milliseconds; 0 to show it in full
  */
-export function drawCaption(pen, look, replay, moment, side, age, grows) {
+export function drawCaptionLens(pen, look, replay, { contest }, side, age, grows) {
+  if (side < look.leastArena || !contest?.lens) return;
+  const [right, top] = contest.lens.corner;
+  const part = grows ? Math.min(1, (age + 20) / grows, (look.captionMs - age) / grows) : 1;
+  const size = look.lens * side * part * (2 - part);
+  const gap = 0.025 * side;
+  const away = gap + look.caption * side; // a caption may stand there
+  drawLens(pen, look, replay, contest, right ? side - gap - size : gap, top ? away : side - away - size, size);
+}
+
+/**
+ * Draw a text in a panel over the arena, after a dot in its agent's colour, as panel_shapes in render/captions.py does.
+ * @param {Pen} pen
+ * @param {Look} look
+ * @param {Replay} replay
+ * @param {{ agent: number, text: string, atTop: boolean }} caption
+ * @param {number} side of the picture
+ * @param {boolean} [whole] true for smaller letters in as many lines as the text needs
+ */
+export function drawPanel(pen, look, replay, { agent, text, atTop }, side, whole = false) {
   if (side < look.leastArena) return;
-  const { contest, agent, atTop } = moment;
-  if (contest?.lens) {
-    const [right, top] = contest.lens.corner;
-    const part = grows ? Math.min(1, (age + 20) / grows, (look.captionMs - age) / grows) : 1;
-    const size = look.lens * side * part * (2 - part);
-    const gap = 0.025 * side;
-    const away = gap + look.caption * side; // a caption may stand there
-    drawLens(pen, look, replay, contest, right ? side - gap - size : gap, top ? away : side - away - size, size);
-  }
   const height = 0.78 * look.caption * side;
-  const [size, dot] = [fontSize(0.5 * height, 11), 0.5 * height];
-  const width = Math.min(side - dot, pen.width(moment.text, size, 700) + 2.2 * height);
-  const [left, gap] = [(side - width) / 2, 0.12 * height];
-  const top = atTop ? gap : side - gap - height;
+  const [dot, around, weight] = [0.5 * height, 2.2 * height, whole ? 600 : 700];
+  const size = fontSize((whole ? 0.43 : 0.5) * height, 11);
+  const most = side - dot;
+  const lines = whole ? pen.wrapped(text, size, weight, most - around) : [text];
+  const width = Math.min(most, Math.max(...lines.map((line) => pen.width(line, size, weight))) + around);
+  const [left, gap, spacing] = [(side - width) / 2, 0.12 * height, 1.35 * size];
+  const tall = height + spacing * (lines.length - 1);
+  const top = atTop ? gap : side - gap - tall;
   const middle = top + 0.5 * height;
-  const color = replay.hunters[agent].color;
-  pen.box(left, top, width, height, look.panel, 0.5 * height);
-  pen.box(left + 0.4 * height, middle - 0.5 * dot, dot, dot, color, 0.5 * dot);
-  const style = { color: look.bright, weight: 700, most: width - 1.7 * height };
-  pen.label(left + 1.15 * height, middle, moment.text, size, style);
+  pen.box(left, top, width, tall, look.panel, 0.5 * height);
+  pen.box(left + 0.4 * height, middle - 0.5 * dot, dot, dot, replay.hunters[agent].color, 0.5 * dot);
+  const style = { color: look.bright, weight, most: width - 1.7 * height };
+  lines.forEach((line, row) => pen.label(left + 1.15 * height, middle + spacing * row, line, size, style));
+}
+
+/**
+ * Draw a ghost, as render/ghost.py does: its way up to an instant, and a faded turtle, which stays at its end.
+ * @param {Pen} pen
+ * @param {Replay} replay
+ * @param {Answer} answer
+ * @param {number} time
+ * @param {(pose: { x: number, y: number }) => [number, number]} place
+ * @param {number} length of a hunter
+ */
+export function drawGhost(pen, replay, { agent, ghost }, time, place, length) {
+  if (!ghost || time < ghost.first * replay.period) return;
+  const { color } = replay.hunters[agent];
+  const pose = replay.pose(ghost, time);
+  /** @type {[x: number, y: number][]} */
+  const points = [];
+  for (let state = ghost.first; state <= ghost.last && state * replay.period <= time; state++) {
+    points.push(place(replay.pose(ghost, state * replay.period)));
+  }
+  pen.path([...points, place(pose)], Math.max(1.6, 0.1 * length), mixed(color, WHITE, 0.5));
+  pen.turtle(...place(pose), pose.theta, length, color, 1, true);
 }
 
 /**

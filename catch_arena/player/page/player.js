@@ -12,6 +12,7 @@ const KEYS = [
   ["P N", "previous, next contest"],
   ["H, 0 to 9, Esc", "select the next hunter, one by number, none"],
   ["V", "view of the selected hunter, if views are limited"],
+  ["W", "what would have won a lost contest, if the page has an answer"],
   ["+ −", "faster, slower"],
   ["Home End", "the beginning, the end"],
 ];
@@ -51,6 +52,7 @@ const CLIP_SIDE = 720;
  *
  * With `start`, it begins at this instant. With `end` too, it repeats the part between them, and shows only the arena.
  * With `address`, such as "#match=1", it has a button that copies a link to the instant that is shown.
+ * With `what-if`, it shows the replay's answers to lost contests; without it, it does so on demand.
  */
 export class CatchReplay extends HTMLElement {
   /** `film` is the former name of `bundle`, which saved notebooks contain. */
@@ -68,6 +70,8 @@ export class CatchReplay extends HTMLElement {
   picked = null;
   /** True if the view of the selected hunter is shown. */
   viewed = false;
+  /** True if answers to lost contests are shown. */
+  asked = false;
   speed = 1;
   playing = false;
   /** True if playing begins when the replay has been read. */
@@ -93,7 +97,8 @@ export class CatchReplay extends HTMLElement {
   closeUp = make("canvas", { className: "close-up", role: "img" });
   claims = make("ol", { className: "claims" });
   reason = make("p", { className: "reason" });
-  contest = make("div", { className: "contest", hidden: true }, this.closeUp, this.claims, this.reason);
+  answer = make("p", { className: "reason" });
+  contest = make("div", { className: "contest", hidden: true }, this.closeUp, this.claims, this.reason, this.answer);
   spoken = make("p", { className: "spoken", ariaLive: "polite" });
   strip = make("canvas", { className: "strip", ariaHidden: "true" });
   scrub = make("input", { type: "range", min: "0", value: "0", ariaLabel: "Time" });
@@ -108,6 +113,13 @@ export class CatchReplay extends HTMLElement {
   });
   link = make("button", { type: "button", className: "share", textContent: "Copy link", hidden: true });
   sight = make("button", { type: "button", textContent: "Show its view", ariaPressed: "false", hidden: true });
+  whatIf = make("button", {
+    type: "button",
+    className: "asks",
+    textContent: "What if?",
+    ariaPressed: "false",
+    hidden: true,
+  });
   clock = make("output", { className: "clock" });
   pace = make("select", { ariaLabel: "Speed" });
   whole = make("div", { className: "player", role: "group", ariaLabel: "Replay" });
@@ -139,6 +151,8 @@ export class CatchReplay extends HTMLElement {
     }
     this.time = Math.min(this.#milliseconds("start") ?? 0, this.replay.duration);
     this.link.hidden = !this.hasAttribute("address");
+    this.whatIf.hidden = !this.#answers(this.replay).length;
+    this.asked = this.hasAttribute("what-if");
     this.#cast(this.replay);
     this.#fit();
     this.#describe();
@@ -204,6 +218,36 @@ export class CatchReplay extends HTMLElement {
     this.#draw();
   }
 
+  /**
+   * Show or hide what would have won lost contests.
+   * @param {boolean} asked
+   */
+  ask(asked) {
+    this.asked = asked;
+    this.#draw();
+    this.#describe();
+  }
+
+  /** Show what would have won a contest, of the next one that has an answer if none is near; or hide it. */
+  toggleAnswer() {
+    const { replay } = this;
+    if (!replay) return;
+    const answers = this.#answers(replay);
+    if (!answers.length) {
+      this.spoken.textContent = "This replay has no answer to a lost contest.";
+      return;
+    }
+    this.ask(!this.asked);
+    if (!this.asked) return;
+    let answer = replay.answerAt(this.time, CatchReplay.look.answerMs);
+    if (!answer) {
+      answer = answers.find(({ contest }) => contest.time > this.time) ?? answers[0];
+      this.pause();
+      this.seek(answer.contest.time);
+    }
+    this.spoken.textContent = answer.text;
+  }
+
   /** Save the part around the instant that is shown as a video: it is played once and recorded. */
   async save() {
     const { replay, arena, time, playing } = this;
@@ -243,7 +287,7 @@ export class CatchReplay extends HTMLElement {
   async share() {
     const address = this.getAttribute("address") ?? "";
     const at = this.hasAttribute("end") ? "" : `&t=${this.time / 1000}`;
-    const { href } = new URL(address + at, location.href);
+    const { href } = new URL(address + at + (this.asked ? "&what-if" : ""), location.href);
     try {
       await navigator.clipboard.writeText(href);
       this.link.textContent = "Copied";
@@ -280,6 +324,7 @@ export class CatchReplay extends HTMLElement {
     this.previous.addEventListener("click", () => this.jump(-1));
     this.next.addEventListener("click", () => this.jump(1));
     this.sight.addEventListener("click", () => this.toggleView());
+    this.whatIf.addEventListener("click", () => this.toggleAnswer());
     this.clip.addEventListener("click", () => this.save());
     this.link.addEventListener("click", () => this.share());
     this.pace.append(...SPEEDS.map((speed) => make("option", { value: String(speed), textContent: `${speed} ×` })));
@@ -299,6 +344,7 @@ export class CatchReplay extends HTMLElement {
           this.previous,
           this.next,
           this.sight,
+          this.whatIf,
           this.clip,
           this.link,
           this.clock,
@@ -381,6 +427,15 @@ export class CatchReplay extends HTMLElement {
     return !this.playing && duration > 0 && this.time === duration;
   }
 
+  /**
+   * Return the answers to contests of the part that plays.
+   * @param {Replay} replay
+   */
+  #answers({ answers }) {
+    const [start, end] = [this.#milliseconds("start") ?? 0, this.#milliseconds("end")];
+    return end === null ? answers : answers.filter(({ contest }) => start <= contest.time && contest.time <= end);
+  }
+
   #button() {
     this.toggle.textContent = this.playing ? "Pause" : "Play";
   }
@@ -431,12 +486,13 @@ export class CatchReplay extends HTMLElement {
   }
 
   #draw() {
-    const { replay, time, picked, viewed, playing, speed } = this;
+    const { replay, time, picked, viewed, playing, speed, asked } = this;
     if (!replay || !this.arena.clientWidth) return;
     const calm = this.calm.matches;
     const grows = playing && !calm ? CatchReplay.look.lensGrowsMs * speed : 0;
     const over = this.#over(replay);
-    this.painter.paint(this.arena, replay, time, { picked, viewed, calm, grows, over });
+    this.painter.paint(this.arena, replay, time, { picked, viewed, calm, grows, over, asked });
+    this.whatIf.ariaPressed = String(asked);
     this.painter.strip(this.strip, replay, picked);
     const scores = replay.scores(time);
     this.cast.querySelectorAll(".score").forEach((node, seat) => (node.textContent = String(scores[seat])));
@@ -475,6 +531,9 @@ export class CatchReplay extends HTMLElement {
     if (!contest || contest === this.explained) return;
     this.explained = contest;
     this.reason.textContent = contest.sentence;
+    const answers = replay.answers.filter((answer) => answer.contest === contest).map(({ text }) => text);
+    this.answer.textContent = answers.length ? `What if? ${answers.join(" ")}` : "";
+    this.answer.hidden = !answers.length;
     this.claims.replaceChildren(...contest.claims.map((claim) => this.#claim(replay, claim)));
     this.closeUp.hidden = !contest.lens;
     if (!contest.lens) return;
@@ -525,7 +584,9 @@ export class CatchReplay extends HTMLElement {
       sentences.push(`Prey: ${prey.map(({ label }, index) => `${label} ${preyStatus(hunted[index])}`).join(", ")}.`);
     }
     const caption = replay.captionAt(time, CatchReplay.look.captionMs);
+    const answer = this.asked ? replay.answerAt(time, CatchReplay.look.answerMs) : null;
     if (this.#over(replay)) sentences.unshift(`${replay.result}.`);
+    else if (answer) sentences.unshift(`What if? ${answer.text}`);
     else if (caption) sentences.unshift(`${caption.text}.`);
     this.arena.ariaLabel = `The arena at ${seconds(this.time)}. ${sentences.join(" ")}`;
   }
@@ -569,6 +630,7 @@ export class CatchReplay extends HTMLElement {
       h: () => this.pick(following),
       escape: () => this.pick(null),
       v: () => this.toggleView(),
+      w: () => this.toggleAnswer(),
       "+": () => pace(1),
       "=": () => pace(1),
       "-": () => pace(-1),

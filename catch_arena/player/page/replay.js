@@ -16,6 +16,7 @@
  * @property {[step: number, agent: number][]} withdrawals agents are the hunters by seat, then the prey by index
  * @property {[state: number, seat: number, verdict: string, number: number | null][]} rulings
  * @property {Judged[]} contests
+ * @property {Answered[]} answers to lost contests, in the order of time
  * @property {{ time: number, agent: number, text: string, atTop: boolean, contest: number | null }[]} moments captions,
  *   and the index of the contest that each is about
  * @property {string} result the winner and its margin in words
@@ -30,6 +31,17 @@
  * @property {Claim[]} claims
  * @property {string} sentence
  * @property {Lens | null} lens null if no distances were measured
+ */
+
+/**
+ * What would have won a contest, as bundle.py writes it.
+ * @typedef {object} Answered
+ * @property {number} contest its index
+ * @property {number} agent the seat of the loser
+ * @property {string} text
+ * @property {boolean} atTop true if the text stands at the top of the arena
+ * @property {number} first state of the ghost's way
+ * @property {number} states number of states in the ghost's way; 0 if no change would have won the contest
  */
 
 /**
@@ -58,6 +70,7 @@
 /** @typedef {{ time: number, seat: number, verdict: string, target: Target | null }} Ruling */
 /** @typedef {Judged & { time: number, parties: number[], place: Target }} Contest */
 /** @typedef {{ time: number, agent: number, text: string, atTop: boolean, contest: Contest | null }} Moment */
+/** @typedef {{ agent: number, text: string, atTop: boolean, contest: Contest, ghost: Body | null }} Answer */
 
 /** Largest size of an unpacked replay, in bytes. */
 const LARGEST = 256 << 20;
@@ -130,7 +143,8 @@ export class Replay {
     this.withdrawals = facts.withdrawals;
     this.duration = this.steps * this.period;
     const states = facts.hunters.length * (this.steps + 1) +
-      facts.targets.reduce((sum, [, , length]) => sum + length, 0);
+      facts.targets.reduce((sum, [, , length]) => sum + length, 0) +
+      facts.answers.reduce((sum, { states }) => sum + states, 0);
     if (tracks.length !== 6 * states) throw damaged(`its tracks must have ${6 * states} bytes, got ${tracks.length}`);
     const numbers = Replay.numbers(tracks);
     const metres = this.side / facts.grid;
@@ -183,6 +197,12 @@ export class Replay {
       const place = this.rulings.find((ruling) => ruling.time === time && parties.includes(ruling.seat))?.target;
       if (!place) throw damaged(`contests[${index}] belongs to no ruling in the replay`);
       return { ...contest, time, parties, place };
+    });
+    /** @type {Answer[]} */
+    this.answers = facts.answers.map(({ contest: number, agent, text, atTop, first, states }, index) => {
+      const contest = this.contests[number];
+      if (!contest) throw damaged(`answers[${index}] is about contest ${number}, which is not in the replay`);
+      return { agent, text, atTop, contest, ghost: states ? body(first, states) : null };
     });
     /** @type {Moment[]} */
     this.moments = facts.moments.map((moment, index) => {
@@ -281,6 +301,18 @@ export class Replay {
   }
 
   /**
+   * Return the answer to the contest that is nearest to an instant, if it is shown then.
+   * @param {number} time
+   * @param {number[]} shown time for which an answer is shown before and after its contest, in milliseconds
+   */
+  answerAt(time, [before, after]) {
+    /** @type {(answer: Answer) => number} */
+    const age = ({ contest }) => time - contest.time;
+    const shown = this.answers.filter((answer) => -before <= age(answer) && age(answer) <= after);
+    return shown.sort((one, other) => Math.abs(age(one)) - Math.abs(age(other))).at(0) ?? null;
+  }
+
+  /**
    * Return the contests of a hunter; all contests if no hunter is selected.
    * @param {number | null} seat
    */
@@ -371,6 +403,13 @@ function check(facts) {
         isState(one?.state) && [one.target, one.clause, one.sentence].every(isText) && isListOf(isClaim)(one.claims) &&
         (one.lens === null || isLens(one.lens) && one.lens.directions.length <= one.claims.length),
       "a state, a target, a clause, claims, a sentence, and a lens or null",
+    ],
+    [
+      "answers",
+      (one) =>
+        isCount(one?.contest) && isSeat(one.agent) && isText(one.text) && isState(one.first) && isCount(one.states) &&
+        one.first + one.states <= facts.steps + 1,
+      "a contest's index, a seat, a text, the first state of a way, and the number of its states",
     ],
     [
       "moments",

@@ -21,6 +21,7 @@
  * @property {number} lens part of the picture's side
  * @property {number} caption part of the picture's side
  * @property {number} captionMs time for which a caption and its lens are shown
+ * @property {number[]} answerMs times for which an answer is shown before and after its contest
  * @property {number} leastArena side of the smallest picture with captions, in pixels
  * @property {number} lensGrowsMs
  * @property {number} mostNames greatest number of agents that have their names next to them
@@ -51,6 +52,7 @@ const OUTLINE = 0.11;
 export class Turtle {
   /** @param {Look} look */
   constructor({ ink, turtle }) {
+    this.ink = ink;
     this.shadow = mixed(ink, ink, 0, 0.33);
     this.parts = turtle.map(([own, white, points]) => {
       const path = new Path2D();
@@ -135,6 +137,22 @@ export class Pen {
   }
 
   /**
+   * Draw a line through points.
+   * @param {[x: number, y: number][]} points
+   * @param {number} width
+   * @param {string} color
+   */
+  path(points, width, color) {
+    const { context } = this;
+    context.strokeStyle = color;
+    context.lineWidth = width;
+    context.lineCap = context.lineJoin = "round";
+    context.beginPath();
+    points.forEach((point) => context.lineTo(...point));
+    context.stroke();
+  }
+
+  /**
    * Draw the line of a circle, as a number of arcs.
    * @param {number} x
    * @param {number} y
@@ -169,10 +187,12 @@ export class Pen {
    * @param {number} length
    * @param {string} color
    * @param {number} [contrast] from 0 to 1
+   * @param {boolean} [faded] true to draw it dark and translucent
    */
-  turtle(x, y, theta, length, color, contrast = 1) {
+  turtle(x, y, theta, length, color, contrast = 1, faded = false) {
     const { context, shape } = this;
     context.save();
+    context.globalAlpha = faded ? 0.55 : 1;
     context.translate(x, y);
     context.fillStyle = shape.shadow;
     context.beginPath();
@@ -180,7 +200,7 @@ export class Pen {
     context.fill();
     context.rotate(-theta);
     context.scale(length, length);
-    const inks = shape.dyed(color, contrast);
+    const inks = shape.dyed(faded ? mixed(color, shape.ink, 0.5) : color, contrast);
     for (const [index, { path }] of shape.parts.entries()) {
       context.fillStyle = inks[index];
       context.fill(path);
@@ -237,6 +257,24 @@ export class Pen {
     let count = letters.length - 1;
     while (count > 0 && this.width(cut(count), size, weight) > most) count -= 1;
     return count > 0 ? cut(count) : "";
+  }
+
+  /**
+   * Return a text as lines that fit; a word that is too long has a line of its own.
+   * @param {string} text
+   * @param {number} size
+   * @param {number} weight
+   * @param {number} most
+   */
+  wrapped(text, size, weight, most) {
+    const [first, ...words] = text.split(" ");
+    const lines = [first];
+    for (const word of words) {
+      const longer = `${lines.at(-1)} ${word}`;
+      if (this.width(longer, size, weight) <= most) lines[lines.length - 1] = longer;
+      else lines.push(word);
+    }
+    return lines;
   }
 }
 

@@ -160,16 +160,19 @@ class Matches {
    * @param {string} id
    * @param {boolean} moved true to scroll to the player
    * @param {number} time at which it begins, in milliseconds
+   * @param {boolean} asked true to show what would have won a contest
    */
-  async open(id, moved = false, time = 0) {
+  async open(id, moved = false, time = 0, asked = false) {
     const player = /** @type {CatchReplay} */ (at("player"));
     const bundle = await this.bundle(id, at("showing"));
     if (!bundle) return;
     this.shown = id;
     player.setAttribute("address", address(id));
     player.setAttribute("start", String(time));
+    player.toggleAttribute("what-if", asked);
     player.setAttribute("bundle", bundle);
     player.pause();
+    player.ask(asked);
     player.seek(time); // if it has been read already
     at("showing").textContent = capital(this.title(id));
     this.show(this.first);
@@ -273,7 +276,7 @@ function follow() {
   const words = new URLSearchParams(location.hash.slice(1));
   const id = words.get("match");
   if (!id || !document.getElementById("player")) return false;
-  matches.open(id, true, 1000 * Number(words.get("t")) || 0);
+  matches.open(id, true, 1000 * Number(words.get("t")) || 0, words.has("what-if"));
   return true;
 }
 addEventListener("hashchange", follow);

@@ -1,0 +1,62 @@
+"""Closest contests that agents lost in the report's replays, and what would have won them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from catch_arena.explanation.facts import Contest
+from catch_arena.explanation.formatting import short_length
+from catch_arena.explanation.highlights import MatchEvents, has_loser
+from catch_arena.explanation.what_if import WhatIf, what_if
+from catch_arena.report.data import ReportData
+from catch_arena.report.glance import Moment
+
+MOST_ANSWERS: Final = 8
+"""Greatest number of answers in a report, since each takes up to some seconds to find."""
+
+
+@dataclass(frozen=True, slots=True)
+class LostContest:
+    """Contest that an agent lost, and the answer."""
+
+    agent: str
+    winner: str
+    reason: str
+    """Margin of the winner, such as "by 11 mm", or "by lot"."""
+    match: str
+    answer: WhatIf
+
+
+def find_lost_contests(data: ReportData, events: Mapping[str, MatchEvents]) -> list[LostContest]:
+    """Return for each agent the closest contest that it lost in some matches, the closest of all first.
+
+    Args:
+        data: the tournament's data.
+        events: the events of recorded matches, by their ids.
+
+    Raises:
+        ReplayError: if a match does not play as recorded.
+    """
+    players = {one.match.id: [data.names[entrant] for entrant in one.match.seating] for one in data.played}
+    party = data.tournament.config.team_by_seat
+    closest: dict[str, tuple[int, str, Contest]] = {}
+    for match, one in events.items():
+        for contest in filter(has_loser, one.contests):
+            loser, margin_um = players[match][party[contest.claims[1].seat]], contest.margin_um or 0
+            if loser not in closest or margin_um < closest[loser][0]:
+                closest[loser] = margin_um, match, contest
+    found = []
+    for loser, (margin_um, match, contest) in sorted(closest.items(), key=lambda item: item[1][0])[:MOST_ANSWERS]:
+        winner = players[match][party[contest.claims[0].seat]]
+        answer = what_if(data.replay(match), contest)
+        reason = f"by {short_length(margin_um)}" if contest.clause == "R5.4" else "by lot"
+        found.append(LostContest(loser, winner, reason, match, answer))
+    return found
+
+
+def answer_to(moment: Moment | None, lost: Sequence[LostContest]) -> WhatIf | None:
+    """Return the answer to the contest that a moment shows; None without one."""
+    if moment is None or moment.highlight.kind != "contest":
+        return None
+    shown = moment.match, moment.highlight.decisive_ms
+    return next((one.answer for one in lost if (one.match, one.answer.contest.judged_ms) == shown), None)
