@@ -6,7 +6,8 @@
 """
 
 from catch_arena.player.bundle import bundle_text, css, packed_text
-from catch_arena.player.element import element_script, page_file, player_html, player_page, script_json
+from catch_arena.player.element import element_script, player_html, player_page, script_json
+from catch_arena.player.page_template import page_file
 from catch_arena.replay import Replay
 
 __all__ = [

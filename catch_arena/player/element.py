@@ -3,13 +3,12 @@
 import json
 import re
 from functools import cache
-from importlib.resources import files
 from typing import Any, Final
 
 from catch_arena.explanation import highlights
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.player.bundle import bundle_text, css
-from catch_arena.player.page_template import page_policy, page_template
+from catch_arena.player.page_template import page_file, page_policy, page_style, page_template
 from catch_arena.render import annotations, cards, hud, lens, scene, shapes, viewport
 from catch_arena.replay import Replay
 
@@ -48,6 +47,7 @@ def player_page(replay: Replay, what_if: WhatIf | None = None) -> str:
         title=replay.title or "Match",
         what_if=what_if,
         policy=page_policy(element_script()),
+        style=page_style("catch_arena.player", "replay.css"),
         player=player_html(replay, what_if),
     )
 
@@ -63,11 +63,6 @@ def element_script() -> str:
         f"CatchReplay.style = {script_json(page_file('catch_arena.player', 'player.css'))};\n"
         'customElements.define("catch-replay", CatchReplay);\n})();\n}</script>'
     )
-
-
-def page_file(package: str, name: str) -> str:
-    """Return the text of a file in a package's folder `page`."""
-    return (files(package) / "page" / name).read_text(encoding="utf-8")
 
 
 def script_json(value: object) -> str:

@@ -3,11 +3,10 @@
 import base64
 import hashlib
 from collections.abc import Mapping
+from importlib.resources import files
 from typing import Any
 
 import jinja2
-
-from catch_arena.player.element import page_file
 
 
 def page_template(package: str, name: str, filters: Mapping[str, Any]) -> jinja2.Template:
@@ -21,6 +20,11 @@ def page_template(package: str, name: str, filters: Mapping[str, Any]) -> jinja2
     )
     environment.filters |= filters
     return environment.get_template(name)
+
+
+def page_file(package: str, name: str) -> str:
+    """Return the text of a file in a package's folder `page`."""
+    return (files(package) / "page" / name).read_text(encoding="utf-8")
 
 
 def page_style(package: str, name: str) -> str:
