@@ -78,24 +78,45 @@ class WorstMatch:
         """
         if self._worst is None or (self._forfeit is not None and not self._forfeit.step):
             return None
-        replay = decode_replay(self._replay)
-        head, _, tracks = encode_bundle(replay).partition(b"\n")
-        facts = json.loads(head) | {"seed": "hidden"}
-        seat = self._seat if self._seat < replay.config.hunters else None
-        if self._forfeit is None:
-            at_ms, text = _worst_moment(replay, self._seat)
-        else:
-            at_ms, text = (self._forfeit.step - 1) * replay.config.control_period_ms, str(self._forfeit)
-            if seat is not None:
-                failed = f"{_FAILED[self._forfeit.code]} here, step {self._forfeit.step}"
-                caption = f"{facts['hunters'][seat]['label']} {failed}"
-                world = next(islice(replay.worlds(), self._forfeit.step - 1, None))
-                low = world.hunters[seat].y < replay.config.side_m / 2  # the caption must not cover the hunter
-                moment = {"time": at_ms, "agent": seat, "text": caption, "atTop": low, "contest": None}
-                facts["moments"] = sorted([*facts["moments"], moment], key=lambda one: int(one["time"]))
-        content = json.dumps(facts, separators=(",", ":"), ensure_ascii=False)
-        bundle = packed_text(content.encode() + b"\n" + tracks)
-        return Moment(replay.title, text, at_ms, seat, self._forfeit is not None, bundle)
+        return worst_moment(decode_replay(self._replay), self._seat, self._forfeit)
+
+
+def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None = None) -> Moment:
+    """Return the moment of an agent's failure, or else its worst moment in a match.
+
+    Raises:
+        ReplayError: if the match does not play as recorded.
+    """
+    if forfeit is None:
+        return moment_of(replay, seat, *_worst_moment(replay, seat))
+    at_ms = (forfeit.step - 1) * replay.config.control_period_ms
+    return moment_of(replay, seat, at_ms, str(forfeit), f"{_FAILED[forfeit.code]} here, step {forfeit.step}")
+
+
+def moment_of(replay: Replay, seat: int, at_ms: int, text: str, failed: str = "") -> Moment:
+    """Return a moment of a match, whose bundle has no seed.
+
+    Args:
+        replay: the match.
+        seat: the agent's seat; prey come after the hunters.
+        at_ms: time of the moment [ms since reset].
+        text: text about the moment.
+        failed: caption for the picture if the agent failed.
+
+    Raises:
+        ReplayError: if the match does not play as recorded.
+    """
+    head, _, tracks = encode_bundle(replay).partition(b"\n")
+    facts = json.loads(head) | {"seed": "hidden"}
+    hunter = seat if seat < replay.config.hunters else None
+    if failed and hunter is not None:
+        caption = f"{facts['hunters'][hunter]['label']} {failed}"
+        world = next(islice(replay.worlds(), at_ms // replay.config.control_period_ms, None))
+        low = world.hunters[hunter].y < replay.config.side_m / 2  # the caption must not cover the hunter
+        moment = {"time": at_ms, "agent": hunter, "text": caption, "atTop": low, "contest": None}
+        facts["moments"] = sorted([*facts["moments"], moment], key=lambda one: int(one["time"]))
+    content = json.dumps(facts, separators=(",", ":"), ensure_ascii=False)
+    return Moment(replay.title, text, at_ms, hunter, bool(failed), packed_text(content.encode() + b"\n" + tracks))
 
 
 def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:

@@ -28,7 +28,7 @@ def student_page(title: str, graded: Graded, changed: datetime, deadline: dateti
         changed: time of the last change of the submission.
         deadline: last moment at which a submission is in time; None for no deadline.
     """
-    element, script = (element_script() if graded.moment else ""), page_file(_PAGE, "student.js")
+    element, script = (element_script() if graded.moment else ""), page_file("catch_arena.player", "moment.js")
     return _template().render(
         title=title,
         graded=graded,

@@ -58,6 +58,24 @@ def is_class(word: str) -> bool:
     return path.is_dir() and not (path / IN_FOLDER).is_file() and word not in shipped_names()
 
 
+def submission_at(path: Path) -> Submission | None:
+    """Return the submission in a file or folder; None if it is none, such as a README or a folder .git.
+
+    Raises:
+        ConfigError: for a name that cannot be used.
+        OSError: for a folder that cannot be read.
+    """
+    if _IGNORED.match(path.name) or (not path.is_dir() and not _SUBMITTED.search(path.name)):
+        return None
+    inside = sorted(path.iterdir()) if path.is_dir() else []
+    files = [one for one in inside if _SUBMITTED.search(one.name) and not _IGNORED.match(one.name)]
+    alone = len(files) == 1 and files[0].name != IN_FOLDER
+    name = composed(path.name if path.is_dir() else path.stem)
+    if (wrong := name_fault(name)) is not None:
+        raise ConfigError(f"{str(path)!a}: {wrong}; rename it")
+    return Submission(name, path, str(files[0] if alone else path))
+
+
 def find_submissions(folder: Path) -> tuple[list[Submission], list[str]]:
     """Return the submissions in a folder by name, and the names of the files that are none.
 
@@ -67,18 +85,11 @@ def find_submissions(folder: Path) -> tuple[list[Submission], list[str]]:
     found: list[Submission] = []
     others: list[str] = []
     for path in sorted(folder.iterdir()):
-        if _IGNORED.match(path.name):
-            continue
-        if not path.is_dir() and not _SUBMITTED.search(path.name):
+        submission = submission_at(path)
+        if submission is not None:
+            found.append(submission)
+        elif not _IGNORED.match(path.name):
             others.append(path.name)
-            continue
-        inside = sorted(path.iterdir()) if path.is_dir() else []
-        files = [one for one in inside if _SUBMITTED.search(one.name) and not _IGNORED.match(one.name)]
-        alone = len(files) == 1 and files[0].name != IN_FOLDER
-        name = composed(path.name if path.is_dir() else path.stem)
-        if (wrong := name_fault(name)) is not None:
-            raise ConfigError(f"{str(path)!a}: {wrong}; rename it")
-        found.append(Submission(name, path, str(files[0] if alone else path)))
     if not found:
         raise ConfigError(f"{folder}: has no submission; it needs a .py file or a sub-folder for each student")
     name, times = Counter(one.name.casefold() for one in found).most_common(1)[0]

@@ -31,7 +31,7 @@ _UsageError = cast(type[Exception], typer.BadParameter.__bases__[0])
 GROUPS: Final = {
     "Play": ("match", "play", "watch", "agents", "scenarios", "docs"),
     "Look": ("explain", "verify", "diff", "render", "clip", "highlights", "mosaic"),
-    "Tournaments": ("tournament", "report", "export", "compare", "suite"),
+    "Tournaments": ("tournament", "league", "report", "export", "compare", "suite"),
     "Teach": ("new-agent", "check-agent", "grade", "new-class", "conformance"),
     "ROS 2": ("ros",),
 }

@@ -15,12 +15,11 @@ from catch_arena.cli.options import (
     Agents,
     Arena,
     ArenaSeed,
-    Jobs,
+    Cores,
     Resume,
     Seed,
     Trust,
     enter_agents,
-    jobs_or_all,
     print_missing_prey,
     print_seed,
     secret_of,
@@ -75,14 +74,7 @@ def tournament(
         ),
     ] = None,
     seed: Seed = None,
-    jobs: Jobs = None,
-    executor: Annotated[
-        Literal["local", "ray"], typer.Option(help="Play on this machine (local) or with Ray (ray).")
-    ] = "local",
-    address: Annotated[
-        str | None,
-        typer.Option(help="Address of a running Ray cluster; all its cores play.", show_default="a new one here"),
-    ] = None,
+    cores: Cores,
     trust: Trust,
     max_forfeits: Annotated[
         int,
@@ -119,13 +111,9 @@ def tournament(
     from catch_arena.tournament.statistics.standings import standings_of_sides
     from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
-    if address is not None and executor != "ray":
-        raise ConfigError(f"--address must come with --executor ray, got --executor {executor}")
-    if address is not None and jobs is not None:
-        raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {jobs}")
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
-    config, quotas, jobs = arena.config(), trust.quotas(), jobs_or_all(jobs)
+    config, quotas, jobs = arena.config(), trust.quotas(), cores.number()
     parties = Parties.of(config)
     given = None if seed is None else secret_of(seed)
     entrants = enter_agents(agents, quotas)
@@ -150,7 +138,7 @@ def tournament(
         echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
         print_missing_prey(entrants, config)
         with noting_kept_results(kept):
-            with _executor(worker, jobs, executor, address) as ready:
+            with cores.of(worker) as ready:
                 _play_tournament(store, plan, ready, max_forfeits, out)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
@@ -201,16 +189,6 @@ def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int,
     with progress_bar("planning", late=True) as show:
         table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
     own_console(err=True).print(table)
-
-
-def _executor(worker: "Worker", jobs: int, kind: str, address: str | None) -> "Executor":
-    if kind == "ray":
-        from catch_arena.tournament.execution.ray_executor import RayExecutor
-
-        return RayExecutor(worker, jobs, address)
-    from catch_arena.tournament.execution.executors import local_executor
-
-    return local_executor(worker, jobs)
 
 
 def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_forfeits: int, out: Path) -> None:

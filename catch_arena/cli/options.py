@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -18,6 +18,8 @@ from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.entrants import Entrant, Inspection
+    from catch_arena.tournament.execution.executors import Executor
+    from catch_arena.tournament.execution.worker import Worker
 
 MAX_FORFEITS = 10
 
@@ -121,6 +123,46 @@ class Trust:
         quotas = Quotas.of(**dict(_pairs("--limit", self.limit)))
         available_level(quotas.isolation)
         return quotas
+
+
+@dataclass(frozen=True)
+class Cores:
+    """Options for the cores that play."""
+
+    jobs: Jobs = None
+    executor: Annotated[
+        Literal["local", "ray"], typer.Option(help="Play on this machine (local) or with Ray (ray).")
+    ] = "local"
+    address: Annotated[
+        str | None,
+        typer.Option(help="Address of a running Ray cluster; all its cores play.", show_default="a new one here"),
+    ] = None
+
+    def number(self) -> int:
+        """Return the number of processes on this machine.
+
+        Raises:
+            ConfigError: for options that exclude each other, or a number of processes below 1.
+        """
+        if self.address is not None and self.executor != "ray":
+            raise ConfigError(f"--address must come with --executor ray, got --executor {self.executor}")
+        if self.address is not None and self.jobs is not None:
+            raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {self.jobs}")
+        return jobs_or_all(self.jobs)
+
+    def of(self, worker: "Worker") -> "Executor":
+        """Return the executor of these options.
+
+        Raises:
+            ConfigError: if Ray cannot be used.
+        """
+        if self.executor == "ray":
+            from catch_arena.tournament.execution.ray_executor import RayExecutor
+
+            return RayExecutor(worker, self.number(), self.address)
+        from catch_arena.tournament.execution.executors import local_executor
+
+        return local_executor(worker, self.number())
 
 
 def arena(name: str, settings: list[str] | None) -> ArenaConfig:

@@ -29,9 +29,14 @@ def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one
             _append(folder, entrants[index].name, f"== {where}{why}\n{printed}")
 
 
-def _append(folder: Path, name: str, text: str) -> None:
+def log_file(folder: Path, name: str) -> Path:
+    """Return the log file of an entrant."""
     *folders, last = name.split("/")  # a name may be ann/agent
-    path = Path(folder, *folders, f"{last.encode()[:_LONGEST].decode(errors='ignore')}.log")
+    return Path(folder, *folders, f"{last.encode()[:_LONGEST].decode(errors='ignore')}.log")
+
+
+def _append(folder: Path, name: str, text: str) -> None:
+    path = log_file(folder, name)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("ab") as file:

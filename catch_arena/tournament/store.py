@@ -7,7 +7,7 @@ match. Storing a match twice changes nothing.
 import os
 import platform
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, fields
 from importlib.metadata import version
@@ -234,6 +234,32 @@ class Store:
         ]
         parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
         self._db.execute(_ADD, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
+
+    def replace_entrants(self, entrants: Sequence[Entrant]) -> None:
+        """Write the entrants of a tournament that others join, in a transaction of the caller.
+
+        Args:
+            entrants: the present ones in their order, and new ones at the end.
+        """
+        self._db.execute("INSERT OR REPLACE INTO fact VALUES ('entrants', ?)", (_json(entrants),))
+
+    def next_block(self) -> tuple[int, int]:
+        """Return the number of rounds so far, and the number of the next block, from 0."""
+        with self._store_errors():
+            row = self._db.execute("SELECT id, block FROM match ORDER BY id DESC LIMIT 1").fetchone()
+        return (int(row[0][1:].partition("-")[0]), row[1] + 1) if row else (0, 0)
+
+    def remove_waiting(self) -> None:
+        """Remove the matches that are planned and not played."""
+        with self.transaction() as db:
+            db.execute("DELETE FROM match WHERE id NOT IN (SELECT match FROM result)")
+
+    def remove_old(self, most: int) -> None:
+        """Remove the oldest blocks, so that at most `most` played matches are left."""
+        with self.transaction() as db:
+            old = "(SELECT id FROM match WHERE block <= (SELECT block FROM match ORDER BY id DESC LIMIT 1 OFFSET ?))"
+            db.execute(f"DELETE FROM result WHERE match IN {old}", (most,))  # noqa: S608 - ours
+            db.execute(f"DELETE FROM match WHERE id IN {old}", (most,))  # noqa: S608 - ours
 
     def waiting(self) -> Iterator[Block]:
         """Yield the blocks that are planned and not played, in the order of the plan."""

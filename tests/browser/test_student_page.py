@@ -37,7 +37,7 @@ def test_the_worst_moment_is_shown_and_plays(page, pages):
     until(page, "document.getElementById('player').time === 6900")
     shown = page.evaluate("(({ replay, picked }) => replay.hunters[picked].label)(document.getElementById('player'))")
     assert shown == "ann"
-    page.click("#again")
+    page.click("[data-plays]")
     until(page, "document.getElementById('player').time > 7200")
     assert page.evaluate("document.getElementById('player').playing")
 

@@ -43,6 +43,11 @@ class ForfeitStreaks:
                     self._excluded.setdefault(index, why)
         return len(self._excluded) > before
 
+    @property
+    def excluded(self) -> Mapping[int, Fault]:
+        """All excluded entrants, by index, with the reason."""
+        return self._excluded
+
     def excluded_from(self, block: Block) -> Mapping[int, Fault]:
         """Return the excluded entrants of a block, by index, with the reason, after the blocks that were added."""
         players = players_of(block)

@@ -51,20 +51,7 @@ def play_plan(
         OutputError: for logs and replays that cannot be written.
         StoreError: for results that cannot be written.
     """
-    tournament = store.tournament
-    parties = Parties.of(tournament.config)
     streaks = ForfeitStreaks(max_forfeits)
-
-    def store_block(recorded: Sequence[RecordedMatch]) -> None:
-        for one, replay in recorded:  # files first, so that every match in the store has its files
-            if folder is not None:
-                if replay:
-                    write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
-                add_to_logs(folder / LOGS, tournament.entrants, parties, one)
-        played = [one for one, _ in recorded]
-        store.add(played)
-        on_results(played)
-
     if folder is not None:
         _remove_replays(store, folder / REPLAYS)
     before = list(store.played())
@@ -85,7 +72,31 @@ def play_plan(
             store.end()
             return
         planned += stage
-        play_blocks(store.waiting(), executor, streaks, store_block)
+        play_waiting(store, executor, streaks, folder, on_results)
+
+
+def play_waiting(
+    store: Store,
+    executor: Executor,
+    streaks: ForfeitStreaks,
+    folder: Path | None,
+    on_results: Callable[[Sequence[PlayedMatch]], None],
+) -> None:
+    """Play the blocks that are planned and not played; the arguments and errors are those of `play_plan`."""
+    tournament = store.tournament
+    parties = Parties.of(tournament.config)
+
+    def store_block(recorded: Sequence[RecordedMatch]) -> None:
+        for one, replay in recorded:  # files first, so that every match in the store has its files
+            if folder is not None:
+                if replay:
+                    write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
+                add_to_logs(folder / LOGS, tournament.entrants, parties, one)
+        played = [one for one, _ in recorded]
+        store.add(played)
+        on_results(played)
+
+    play_blocks(store.waiting(), executor, streaks, store_block)
 
 
 def _remove_replays(store: Store, folder: Path) -> None:

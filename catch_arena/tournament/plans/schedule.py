@@ -117,7 +117,7 @@ def plan_of(
         for turn in range(turns):
             for index, group in enumerate(next(drawn) if sampled else combinations(range(others), free)):
                 players = (*first, *(player + len(first) for player in group))
-                yield _block(players, secret, turn * count + index, f"r{turn + 1:05d}-g{index + 1:06d}", parties)
+                yield block_of(players, secret, turn * count + index, f"r{turn + 1:05d}-g{index + 1:06d}", parties)
 
     return FixedPlan({"format": "balanced" if sampled and not first else wanted, "rounds": rounds}, size, blocks)
 
@@ -158,7 +158,7 @@ def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournam
     )
 
 
-def _block(players: Sequence[int], secret: Secret, number: int, name: str, parties: Parties) -> Block:
+def block_of(players: Sequence[int], secret: Secret, number: int, name: str, parties: Parties) -> Block:
     """Return the matches of block `number`, from 0: every seating of a drawn circle of these players.
 
     The ids of the matches begin with `name`.

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS, Estimate, estimates
-from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
+from catch_arena.tournament.statistics.outcomes import Floats, Ints, Outcomes, Pairs, sums_by
 
 ELO: Final = 400.0 / math.log(10.0)
 """Points per unit of log strength: with 400 points more, wins are ten times as likely as defeats."""
@@ -37,13 +37,14 @@ class Ratings:
     blocks_above: Floats
     """Number of blocks in which the first ranked above the second more often than below: (entrants, entrants)."""
 
-    def estimates(self) -> list[Estimate]:
-        """Return each rating with its interval."""
+    def estimates(self, entrants: Ints | slice = slice(None)) -> list[Estimate]:
+        """Return the ratings with their intervals, of all entrants or of those with these indices."""
+        influence = self.influence[:, entrants]
         return estimates(
-            self.points,
-            self.influence * len(self.influence),
-            np.where(self.blocks >= FEWEST_BLOCKS, np.ones_like(self.influence), 0.0),
-            (self.pseudo_influence**2).sum(axis=0),
+            self.points[entrants],
+            influence * len(influence),
+            np.where(self.blocks[entrants] >= FEWEST_BLOCKS, np.ones_like(influence), 0.0),
+            (self.pseudo_influence[:, entrants] ** 2).sum(axis=0),
         )
 
     def distances(self) -> Floats:

@@ -1,0 +1,112 @@
+"""`catch-arena league`: a league that runs from a folder, once or again and again."""
+
+import re
+import time
+from datetime import datetime, timezone
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from catch_arena import interrupts
+from catch_arena.cli.app import main
+from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level, secret_of
+from catch_arena.cli.terminal import echo
+from catch_arena.errors import CatchArenaError, ConfigError
+
+if TYPE_CHECKING:
+    from catch_arena.league.update import Rules
+    from catch_arena.tournament.secret import Secret
+
+_UNITS_S: Final = {"s": 1, "m": 60, "h": 3600, "d": 86400}
+
+
+@main.command()
+def league(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder with a file or sub-folder for each person.")],
+    *,
+    arena: Arena,
+    every: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Run again and again, such as every 15m, until Ctrl-C.", show_default="once"),
+    ] = None,
+    precision: Annotated[
+        float,
+        typer.Option(
+            metavar="POINTS",
+            min=1.0,
+            help="A new version plays until the 95 % interval of its rating is at most this wide to either side.",
+        ),
+    ] = 100.0,
+    max_matches: Annotated[int, typer.Option(min=1, help="Maximum number of matches of a version until then.")] = 200,
+    secret_opponents: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Folder with further opponents, whose names are not shown."),
+    ] = None,
+    seed: Seed = None,
+    cores: Cores,
+    trust: Trust,
+) -> None:
+    """Run a league: new and changed agents are checked and placed, and FOLDER/site shows the table.
+
+    The same command goes on after a change or an interruption; no match is played twice. See `catch-arena docs league`.
+    """
+    from catch_arena.league.update import Rules
+
+    quotas = trust.quotas()
+    if quotas is None:
+        raise ConfigError("--trusted must be left out with a league: one agent that hangs would stop all others")
+    pause_s = None if every is None else _seconds(every)
+    cores.number()
+    print_level(quotas, ["an entry"])
+    rules = Rules(arena.config(), arena.scenario, quotas, precision, max_matches, secret_opponents)
+    secret = None if seed is None else secret_of(seed)
+    _run_once(folder, rules, cores, secret)
+    if pause_s is not None:
+        interrupts.run_until_signal(partial(_run_again, folder, rules, cores, secret, pause_s))
+
+
+def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | None") -> None:
+    """Run a league once, and print what is new and where its pages are."""
+    from catch_arena.cli.progress import noting_kept_results, progress_bar
+    from catch_arena.league.site import write_site
+    from catch_arena.league.update import update_league
+
+    with noting_kept_results(lambda: "what was played is kept; the same command goes on"):
+        with progress_bar("playing until each has its place", late=True) as show:
+            league = update_league(
+                folder,
+                rules,
+                cores.number(),
+                cores.of,
+                now=datetime.now(timezone.utc),
+                secret=secret,
+                report=echo,
+                on_progress=show,
+            )
+        page = write_site(league)
+    echo(f"{league.new_matches} new matches")
+    echo(f"site: {page}")
+
+
+def _run_again(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | None", pause_s: float) -> None:
+    """Run a league again and again; an error is printed, and the next run tries again."""
+    while True:
+        time.sleep(pause_s)
+        try:
+            _run_once(folder, rules, cores, secret)
+        except CatchArenaError as error:
+            echo(f"catch-arena: {error}", err=True)
+
+
+def _seconds(text: str) -> float:
+    """Return the seconds of a time such as 15m.
+
+    Raises:
+        ConfigError: for other texts.
+    """
+    found = re.fullmatch(r"(\d+)([smhd])", text)
+    if found is None or not int(found[1]):
+        raise ConfigError(f"--every must be a number with s, m, h or d, such as 15m, got {text!r}")
+    return int(found[1]) * float(_UNITS_S[found[2]])

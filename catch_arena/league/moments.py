@@ -1,0 +1,74 @@
+"""Matches of an entrant that its page plays and whose replays stay: the worst, the best, and the newest ones."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import Final, NamedTuple
+
+from catch_arena.classroom.moments import Moment, moment_of
+from catch_arena.explanation import explain
+from catch_arena.explanation.highlights import extract_events
+from catch_arena.explanation.sentences import contest_sentence
+from catch_arena.replay import Replay
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
+
+_NEWEST: Final = 3
+"""Number of the newest matches of an entrant whose replays stay."""
+
+
+class Part(NamedTuple):
+    """Match of an entrant, and the party that it played."""
+
+    one: PlayedMatch
+    party: int
+
+    def lead(self, hunting: int) -> int:
+        """Return the score minus the best score of the others, among the `hunting` parties that hunt."""
+        scores = self.one.result.scores
+        return scores[self.party] - max((scores[other] for other in range(hunting) if other != self.party), default=0)
+
+
+def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]:
+    """Return the matches of each entrant, in the order of the plan."""
+    found: dict[int, list[Part]] = defaultdict(list)
+    for one in played:
+        for party, index in enumerate(one.match.seating):
+            found[index].append(Part(one, party))
+    return found
+
+
+def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part] | None:
+    """Return the matches in which an entrant was best and worst as a hunter; None if it played none.
+
+    A forfeit is worst, if the agent began; otherwise the score counts, compared with the best other one.
+    """
+    hunted = [part for part in parts if part.party < parties.hunting]
+    if not hunted:
+        return None
+
+    def goodness(part: Part) -> tuple[bool, int]:
+        forfeit = part.one.result.forfeits[part.party]
+        return forfeit is None or not forfeit.step, part.lead(parties.hunting)
+
+    return max(hunted, key=goodness), min(hunted, key=goodness)
+
+
+def matches_kept(parts: Sequence[Part], parties: Parties) -> set[str]:
+    """Return the ids of the matches of an entrant whose replays stay."""
+    return {part.one.match.id for part in (*(best_and_worst(parts, parties) or ()), *parts[-_NEWEST:])}
+
+
+def best_moment(replay: Replay, seat: int) -> Moment:
+    """Return the contest of a match that a hunter won by least, or its last catch, or the match's start."""
+    match = explain(replay, seat)
+    won = [contest for contest in match.contests if contest.claims[0].seat == seat and not contest.claims[1].mate]
+    caught = [catch for catch in extract_events(replay).catches if catch.seat == seat]
+    if won:
+        closest = min(won, key=lambda contest: contest.margin_um or 0)
+        text = contest_sentence(closest, match.names, match.prey_by_target.get(closest.target))
+        return moment_of(replay, seat, closest.judged_ms, text)
+    if caught:
+        return moment_of(
+            replay, seat, caught[-1].judged_ms, f"Catch {len(caught)} of {len(caught)}, without a contest."
+        )
+    return moment_of(replay, seat, 0, "The start of the match; it catches nothing.")

@@ -1,0 +1,105 @@
+"""Versions of a league's entries, and their ratings over time: two tables in the league's store."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Final
+
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.store import Store
+
+_TABLES: Final = """
+CREATE TABLE IF NOT EXISTS league_version (
+    entry TEXT, number INTEGER, digest TEXT, entered TEXT, entrant INTEGER, fault TEXT, log TEXT,
+    PRIMARY KEY (entry, number)
+) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS league_rating (
+    entrant INTEGER, time TEXT, place INTEGER, rating REAL, low REAL, high REAL,
+    PRIMARY KEY (entrant, time)
+) WITHOUT ROWID
+"""
+_REMOVE_OLD: Final = """
+DELETE FROM league_rating WHERE
+    time NOT IN (SELECT DISTINCT time FROM league_rating ORDER BY time DESC LIMIT ?)
+    AND EXISTS (
+        SELECT 1 FROM league_rating AS later WHERE later.entrant = league_rating.entrant
+        AND later.time > league_rating.time AND substr(later.time, 1, 10) = substr(league_rating.time, 1, 10)
+    )
+"""
+_RUNS_KEPT: Final = 100
+"""Number of the newest runs whose ratings are kept; of each day before, the last ratings are kept."""
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """Version of an entry."""
+
+    entry: str
+    """Key of the entry."""
+    number: int
+    """Number of the version, from 1."""
+    digest: str
+    entered: str
+    """Time at which the league first found it: ISO 8601, UTC."""
+    entrant: int | None
+    """Index of its entrant in the store; None if it did not pass the check."""
+    fault: str = ""
+    """Reason for which it did not pass."""
+    log: str = ""
+    """End of what it printed in the check."""
+
+
+@dataclass(frozen=True, slots=True)
+class RatingThen:
+    """Rating of an entrant after a run [points]; `low` and `high` are the ends of its interval."""
+
+    entrant: int
+    time: str
+    """Time of the run: ISO 8601, UTC."""
+    place: int | None
+    """Place among the persons; None for other entrants, and for an entrant whose interval is unknown."""
+    rating: float
+    low: float | None
+    high: float | None
+
+
+class Records:
+    """Tables of a league in its store."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        with store.transaction() as db:
+            for statement in _TABLES.split(";"):
+                db.execute(statement)
+
+    def versions(self) -> list[Version]:
+        """Return all versions, by entry and number."""
+        with self._store.transaction() as db:
+            return [Version(*row) for row in db.execute("SELECT * FROM league_version ORDER BY entry, number")]
+
+    def ratings(self) -> list[RatingThen]:
+        """Return the ratings of all entrants after each run that is kept, in the order of time."""
+        with self._store.transaction() as db:
+            return [RatingThen(*row) for row in db.execute("SELECT * FROM league_rating ORDER BY time, entrant")]
+
+    def add_versions(self, versions: Iterable[Version], entrants: Sequence[Entrant]) -> None:
+        """Write new versions, and all entrants with theirs at the end: all or none."""
+        rows = [(one.entry, one.number, one.digest, one.entered, one.entrant, one.fault, one.log) for one in versions]
+        with self._store.transaction() as db:
+            self._store.replace_entrants(entrants)
+            db.executemany("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+
+    def add_ratings(self, ratings: Iterable[RatingThen]) -> None:
+        """Write the ratings after a run, and remove those of old runs except the last ones of each day."""
+        rows = [(one.entrant, one.time, one.place, one.rating, one.low, one.high) for one in ratings]
+        with self._store.transaction() as db:
+            db.executemany("INSERT INTO league_rating VALUES (?, ?, ?, ?, ?, ?)", rows)
+            db.execute(_REMOVE_OLD, (_RUNS_KEPT,))
+
+    def time_after(self, now: datetime) -> str:
+        """Return the time of a run as text; a second after the last run's if the clock was set back."""
+        with self._store.transaction() as db:
+            (last,) = db.execute("SELECT max(time) FROM league_rating").fetchone()
+        if last is not None:
+            now = max(now, datetime.fromisoformat(last) + timedelta(seconds=1))
+        return now.isoformat(timespec="seconds")

@@ -1,0 +1,280 @@
+"""Static pages of a league: the table over time, and a page for each person, which shows no log of others."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import jinja2
+
+from catch_arena.classroom.moments import Moment, worst_moment
+from catch_arena.config import RULESET
+from catch_arena.errors import ReplayError
+from catch_arena.files import prepare_folder, write_whole
+from catch_arena.league.entries import SITE, Entry
+from catch_arena.league.moments import Part, best_and_worst, best_moment
+from catch_arena.league.records import RatingThen, Version
+from catch_arena.league.update import League
+from catch_arena.player import css, element_script, page_file
+from catch_arena.player.page_template import page_policy, page_style, page_template
+from catch_arena.render.match_info import agent_color
+from catch_arena.replay import Replay
+from catch_arena.report.charts import Axis
+from catch_arena.text import last_lines, without_folders
+from catch_arena.tournament.agent_logs import log_file
+from catch_arena.tournament.execution.runner import LOGS, REPLAYS
+
+_PAGE: Final = "catch_arena.league"
+_CURVES: Final = 8
+"""Largest number of curves in the chart of the table."""
+_MATCHES: Final = 20
+"""Number of the newest matches in the list of a person's page."""
+_LOG_READ: Final = 100_000
+"""Part of a log that is read, from its end [bytes]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """Line of an entry in the table."""
+
+    entry: Entry
+    page: str
+    """Name of its page; empty for an entry without one."""
+    color: str
+    now: RatingThen | None
+    """Rating after the last run; None before it has played."""
+    change: float | None
+    """Change of the rating since the last day on which the league ran before; None if it is unknown [points]."""
+    status: str
+    """Empty, or why its rating is not precise yet."""
+    matches: int
+    wins: float | None
+    """Share of the matches that it won, in [0, 1]."""
+    versions: Sequence[Version]
+
+
+def write_site(league: League) -> Path:
+    """Write the pages of a league, each whole or not at all, and return the first one; other files stay.
+
+    Raises:
+        OutputError: if a page cannot be written.
+    """
+    folder = prepare_folder(league.folder / SITE)
+    lines = _lines(league)
+    persons = [line for line in lines if line.entry.kind == "person"]
+    common = {"league": league.folder.absolute().name, "scenario": league.rules.scenario, "ruleset": RULESET}
+    written = {"index.html"}
+    for line in persons:
+        written.add(line.page)
+        write_whole(folder / line.page, _person_page(league, line, lines, common).encode())
+    table = _template("table.html").render(
+        common,
+        lines=lines,
+        persons=persons,
+        axis=(axis := _axis([line.now for line in lines if line.now is not None])),
+        whiskers={line.entry.key: _whisker(axis, line.now) for line in lines},
+        chart=_chart(league.ratings, [line for line in persons if line.now][:_CURVES]),
+        updated=league.ratings[-1].time[:16].replace("T", " ") if league.ratings else "",
+        precision=league.rules.precision,
+        policy=page_policy(),
+        style=page_style(_PAGE, "league.css"),
+    )
+    write_whole(folder / "index.html", table.encode())
+    for path in folder.glob("person_*.html"):
+        if path.name not in written:  # of an entry that is gone
+            path.unlink(missing_ok=True)
+    return folder / "index.html"
+
+
+def _lines(league: League) -> list[Line]:
+    """Return the line of each present entry: those with a rating first, the best first."""
+    last = league.ratings[-1].time if league.ratings else ""
+    ratings = {one.entrant: one for one in league.ratings if one.time == last}
+    days = sorted({one.time[:10] for one in league.ratings})
+    earlier = {one.entrant: one.rating for one in league.ratings if len(days) > 1 and one.time[:10] == days[-2]}
+    lines = []
+    for entry in league.entries:
+        index, versions = league.current.get(entry.key), league.versions.get(entry.key, ())
+        before = [earlier[one.entrant] for one in versions if one.entrant in earlier]
+        now = None if index is None else ratings.get(index)
+        parts = [] if index is None else league.parts.get(index, ())
+        won = [part.one.result.ranks[part.party] == 1 for part in parts]
+        lines.append(
+            Line(
+                entry,
+                f"person_{league.numbers[entry.key]}.html" if entry.kind == "person" else "",
+                "" if index is None else css(agent_color(league.rules.config, index)),
+                now,
+                now.rating - before[-1] if now is not None and before else None,
+                _status(league, index),
+                len(parts),
+                sum(won) / len(won) if won else None,
+                versions,
+            )
+        )
+    return sorted(lines, key=lambda line: (line.now is None, 0.0 if line.now is None else -line.now.rating))
+
+
+def _status(league: League, entrant: int | None) -> str:
+    if entrant is None:
+        return "did not pass the check"
+    if entrant in league.excluded:
+        return "stopped: too many forfeits in a row"
+    return "" if league.is_placed(entrant) else "rating is not precise"
+
+
+def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapping[str, Any]) -> str:
+    """Return the page of a person."""
+    index = league.current.get(line.entry.key)
+    parts = [] if index is None else league.parts.get(index, [])
+    moments = _moments(league, parts)
+    element, script = (element_script() if moments else ""), page_file("catch_arena.player", "moment.js")
+    failed = [one for one in line.versions[-1:] if one.entrant is None]
+    return _template("person.html").render(
+        common,
+        line=line,
+        persons=sum(other.entry.kind == "person" and other.now is not None for other in lines),
+        failed=failed[0] if failed else None,
+        excluded="" if index is None or index not in league.excluded else league.excluded[index].reason,
+        versions=[(one, _last_rating(league.ratings, one)) for one in reversed(line.versions)],
+        chart=_chart(league.ratings, [line]),
+        meetings=_meetings(
+            parts, league, {league.current[one.entry.key]: one for one in lines if one.entry.key in league.current}
+        ),
+        matches=[_match(part, league) for part in reversed(parts[-_MATCHES:])],
+        forfeits=[_forfeit(part, league) for part in reversed(parts) if part.one.result.forfeits[part.party]][
+            :_MATCHES
+        ],
+        moments=moments,
+        log="" if index is None else _log(league, index),
+        policy=page_policy(element, script),
+        element=element,
+        style=page_style(_PAGE, "league.css"),
+        script=script,
+    )
+
+
+def _moments(league: League, parts: Sequence[Part]) -> list[tuple[str, Moment]]:
+    """Return the best and the worst moment of an entrant, each with its heading, as far as their replays are there."""
+    found = best_and_worst(parts, league.parties)
+    moments = []
+    for heading, part in zip(("The best moment", "The worst moment"), found or (), strict=False):
+        forfeit, seat = part.one.result.forfeits[part.party], league.parties.seats[part.party][0]
+        if forfeit is not None and (not forfeit.step or heading == "The best moment"):
+            continue
+        try:
+            replay = Replay.load(league.state / REPLAYS / f"{part.one.match.id}.replay")
+            moment = best_moment(replay, seat) if heading == "The best moment" else worst_moment(replay, seat, forfeit)
+        except ReplayError:  # a user removed it
+            continue
+        moments.append((heading, moment))
+    return moments
+
+
+def _meetings(parts: Iterable[Part], league: League, lines: Mapping[int, Line]) -> list[dict[str, Any]]:
+    """Return the results against each present opponent, the one that was met most often first."""
+    found: dict[int, list[int]] = {}
+    for part in parts:
+        ranks, seating = part.one.result.ranks, part.one.match.seating
+        for party in range(league.parties.hunting):
+            if (
+                seating[party] in lines
+                and seating[party] != seating[part.party]
+                and part.party < league.parties.hunting
+            ):
+                order = (ranks[part.party] > ranks[party]) - (ranks[part.party] < ranks[party])
+                found.setdefault(seating[party], [0, 0, 0])[order + 1] += 1
+    return [
+        {"line": lines[other], "name": league.entrants[other].name, "wins": wins, "ties": ties, "losses": losses}
+        for other, (wins, ties, losses) in sorted(found.items(), key=lambda one: -sum(one[1]))
+    ]
+
+
+def _match(part: Part, league: League) -> dict[str, Any]:
+    one, hunting = part.one, league.parties.hunting
+    others = [
+        (league.entrants[index].name, one.result.scores[party])
+        for party, index in enumerate(one.match.seating[:hunting])
+        if party != part.party
+    ]
+    return {
+        "title": one.match.title(league.parties.block_size),
+        "rank": one.result.ranks[part.party],
+        "score": one.result.scores[part.party],
+        "others": others,
+        "prey": part.party >= hunting,
+        "forfeit": one.result.forfeits[part.party],
+    }
+
+
+def _forfeit(part: Part, league: League) -> tuple[str, str]:
+    return part.one.match.title(league.parties.block_size), without_folders(str(part.one.result.forfeits[part.party]))
+
+
+def _log(league: League, entrant: int) -> str:
+    try:
+        with log_file(league.state / LOGS, league.entrants[entrant].name).open("rb") as file:
+            file.seek(-min(_LOG_READ, file.seek(0, 2)), 2)
+            return last_lines(file.read().decode(errors="replace"))
+    except OSError:  # it printed nothing, or a user removed the file
+        return ""
+
+
+def _last_rating(ratings: Sequence[RatingThen], version: Version) -> RatingThen | None:
+    return next((one for one in reversed(ratings) if one.entrant == version.entrant), None)
+
+
+def _axis(ratings: Iterable[RatingThen]) -> Axis:
+    return Axis.over(end for one in ratings for end in (one.rating, one.low, one.high) if end is not None)
+
+
+def _whisker(axis: Axis, now: RatingThen | None) -> dict[str, float] | None:
+    if now is None:
+        return None
+    low, high = (
+        axis.at(now.rating if now.low is None else now.low),
+        axis.at(now.rating if now.high is None else now.high),
+    )
+    return {"left": low, "width": round(high - low, 2), "mean": axis.at(now.rating)}
+
+
+def _chart(ratings: Sequence[RatingThen], lines: Sequence[Line]) -> dict[str, Any] | None:
+    """Return the ratings of some entries over time, as points in a square of 100; None for fewer than two runs."""
+    times = sorted({one.time for one in ratings})
+    if len(times) < 2:
+        return None
+    first, last = (datetime.fromisoformat(times[end]).timestamp() for end in (0, -1))
+    own = {line.entry.key: {one.entrant for one in line.versions if one.entrant is not None} for line in lines}
+    shown = {key: [one for one in ratings if one.entrant in entrants] for key, entrants in own.items()}
+    axis = _axis(one for found in shown.values() for one in found)
+
+    def across(time: str) -> float:
+        return round(100.0 * (datetime.fromisoformat(time).timestamp() - first) / max(last - first, 1.0), 2)
+
+    curves = []
+    for line in lines:
+        points = [(across(one.time), one) for one in shown[line.entry.key]]
+        ends = [(x, one.low, one.high) for x, one in points if one.low is not None and one.high is not None]
+        edge = [(x, high) for x, _, high in ends] + [(x, low) for x, low, _ in reversed(ends)]
+        curves.append(
+            {
+                "name": line.entry.name,
+                "color": line.color,
+                "points": " ".join(f"{x},{100 - axis.at(one.rating)}" for x, one in points),
+                "band": " ".join(f"{x},{round(100 - axis.at(y), 2)}" for x, y in edge),
+            }
+        )
+    return {"curves": curves, "axis": axis, "first": times[0][:10], "last": times[-1][:10]}
+
+
+@cache
+def _template(name: str) -> jinja2.Template:
+    filters = {
+        "points": lambda value: f"{value:+.0f}" if value else "0",
+        "percent": lambda value: f"{100 * value:.0f} %",
+        "without_folders": without_folders,
+        "moment": lambda time: time[:16].replace("T", " "),
+    }
+    return page_template(_PAGE, name, filters)

@@ -1,0 +1,379 @@
+"""One run of a league: find what is new, check it, play until each entry has its place, and remove what is old."""
+
+import math
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from catch_arena.classroom.similarity import similar_pairs
+from catch_arena.config import ArenaConfig
+from catch_arena.errors import AgentError, ConfigError
+from catch_arena.files import prepare_folder
+from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries
+from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
+from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
+from catch_arena.league.records import RatingThen, Records, Version
+from catch_arena.text import one_line, without_folders
+from catch_arena.tournament.agent_check import check_fitness
+from catch_arena.tournament.agent_logs import log_file
+from catch_arena.tournament.agent_spec import is_shipped, resolve_spec
+from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution.executors import Executor, local_executor
+from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_waiting
+from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.isolation.playing import inspector
+from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.plans.schedule import block_of
+from catch_arena.tournament.players import Fault
+from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
+from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.store import STORE, Store, Tournament, only_one_plays_in, terms_of
+
+STATE: Final = ".league"
+"""Folder of the store, the replays, the logs and the copies of versions, in the league's folder."""
+_COPIES: Final = "versions"
+_MATCHES_KEPT: Final = 20_000
+"""Number of the newest matches that are kept; the ratings follow from them."""
+_MOST_FORFEITS: Final = 10
+"""Number of forfeits in a row after which a version plays no more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """Rules of a league."""
+
+    config: ArenaConfig
+    scenario: str
+    """Name of the arena."""
+    quotas: Quotas
+    precision: float = 100.0
+    """Largest half width of a rating's interval with which an entrant has its place in any case [points]."""
+    max_matches: int = 200
+    """Largest number of matches of a version until it has its place."""
+    secret_opponents: Path | None = None
+    """Folder of further opponents, whose names are not shown."""
+
+
+class Checked(NamedTuple):
+    """Result of the check of a new version."""
+
+    entrant: Entrant | None
+    """None if it did not pass."""
+    fault: str = ""
+    log: str = ""
+
+
+@dataclass(frozen=True)
+class League:
+    """A league after a run."""
+
+    folder: Path
+    rules: Rules
+    entries: Sequence[Entry]
+    """Present entries: persons, secret opponents, and agents that come with the package."""
+    versions: Mapping[str, Sequence[Version]]
+    """Versions of each entry, by its key, the oldest first; also of entries that are gone."""
+    current: Mapping[str, int]
+    """Entrant that plays for each present entry, by its key; an entry has none until a version passes the check."""
+    entrants: Sequence[Entrant]
+    played: Sequence[PlayedMatch]
+    """Matches that are kept, in the order of the plan."""
+    evidence: Evidence
+    excluded: Mapping[int, Fault]
+    """Entrants that play no more, since they forfeited too many matches in a row."""
+    ratings: Sequence[RatingThen]
+    """Ratings after each run, in the order of time."""
+    new_matches: int = 0
+    """Number of matches that this run played."""
+
+    @property
+    def state(self) -> Path:
+        """Folder of the league's own files."""
+        return self.folder / STATE
+
+    @property
+    def parties(self) -> Parties:
+        """Parties of a match."""
+        return Parties.of(self.rules.config)
+
+    @cached_property
+    def numbers(self) -> Mapping[str, int]:
+        """Number of each entry, from 1, in the order in which the entries came: the names of their pages."""
+        came = sorted(self.versions, key=lambda key: (self.versions[key][0].entered, key))
+        return {key: number for number, key in enumerate(came, 1)}
+
+    @cached_property
+    def parts(self) -> Mapping[int, Sequence[Part]]:
+        """Matches of each entrant, in the order of the plan."""
+        return parts_of_entrants(self.played)
+
+    def is_placed(self, entrant: int) -> bool:
+        """Return whether the rating of an entrant is precise enough, or its interval has no other present rating."""
+        rating = self.evidence.ratings.get(entrant)
+        if rating is None or math.isnan(rating.low):
+            return False
+        within = [one for one in self.evidence.ratings.values() if rating.low <= one.mean <= rating.high]
+        return rating.margin <= self.rules.precision or len(within) == 1
+
+    def is_waiting(self, entrant: int) -> bool:
+        """Return whether an entrant plays further matches until it has its place."""
+        matches = self.evidence.blocks.get(entrant, 0) * self.parties.block_size
+        return entrant not in self.excluded and not self.is_placed(entrant) and matches < self.rules.max_matches
+
+
+def update_league(
+    folder: Path,
+    rules: Rules,
+    jobs: int,
+    executor_of: Callable[[Worker], Executor],
+    *,
+    now: datetime,
+    secret: Secret | None = None,
+    report: Callable[[str], None] = lambda _: None,
+    on_progress: Callable[[int, int], None] = lambda *_: None,
+) -> League:
+    """Run a league once, and return it.
+
+    Args:
+        folder: the league's folder, with a file or sub-folder for each person.
+        rules: the rules; the arena and the quotas must be those of the runs before.
+        jobs: number of processes that check new versions.
+        executor_of: makes the executor that plays the matches.
+        now: time of the run, with its time zone.
+        secret: source of all seeds; None to draw it for a new league, or to keep that of the runs before.
+        report: called with each piece of news, in one line.
+        on_progress: called with the number of matches played so far, and about the number of all.
+
+    Raises:
+        ConfigError: for a folder without an entry, or an arena in which only one party plays.
+        StoreError: if another run is busy, or for a store that cannot be used.
+        OtherTournamentError: if the league began with other settings.
+        OutputError: if a file cannot be written.
+        MatchFailedError: for a match that failed on our side three times.
+    """
+    parties = Parties.of(rules.config)
+    if parties.group < 2:
+        raise ConfigError(f"scenario must have two parties that compete, got {rules.scenario}")
+    entries, faults = find_entries(folder, "person")
+    for fault in faults:
+        report(f"warning: {fault}")
+    if not entries:
+        raise ConfigError(f"{folder}: has no entry; it needs a .py file or a sub-folder for each person")
+    if rules.secret_opponents is not None:
+        opponents, faults = find_entries(rules.secret_opponents, "secret")
+        for fault in faults:
+            report(f"warning: secret opponent {fault}")
+        entries += opponents
+    entries = [*shipped_entries(parties.group), *entries]
+    with _opened(folder, rules, secret) as (store, key):
+        store.remove_waiting()  # of a run that was killed; the same agents now wait for the same matches
+        records, before = Records(store), store.count_played()
+        _add_versions(store, records, folder, rules, entries, jobs, records.time_after(now), report)
+        league = _play(store, records, key, folder, rules, entries, executor_of, on_progress)
+        last = [replace(one, time="") for one in league.ratings if one.time == league.ratings[-1].time]
+        ratings = sorted(_ratings_now(league), key=lambda one: one.entrant)
+        if last != ratings:  # also if a run before was killed after its matches
+            time = records.time_after(now)
+            records.add_ratings(replace(one, time=time) for one in ratings)
+        _remove_old(store, league)
+        return replace(league, ratings=records.ratings(), new_matches=len(league.played) - before)
+
+
+@contextmanager
+def _opened(folder: Path, rules: Rules, secret: Secret | None) -> Iterator[tuple[Store, Secret]]:
+    """Open the store of a league; a new league gets one. No other run can open it meanwhile."""
+    state = prepare_folder(folder / STATE)
+    with only_one_plays_in(folder):
+        entrants: tuple[Entrant, ...] = ()
+        if (state / STORE).exists():
+            with Store.read(state) as store:
+                entrants, secret = store.tournament.entrants, secret or store.tournament.secret
+        secret = secret or Secret.of(None)
+        terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
+        about = Tournament(rules.config, entrants, {"format": "league"}, terms, secret.text)
+        with Store.begin(about, state, resume=True) as store:
+            yield store, secret
+
+
+def _add_versions(
+    store: Store,
+    records: Records,
+    folder: Path,
+    rules: Rules,
+    entries: Sequence[Entry],
+    jobs: int,
+    now: str,
+    report: Callable[[str], None],
+) -> None:
+    """Check new and changed entries, and write their versions."""
+    known = records.versions()
+    before = {(one.entry, one.digest) for one in known}
+    new = [one for one in entries if (one.key, one.digest) not in before]
+    copies = prepare_folder(folder / STATE / _COPIES)
+    passed = {(one.entry, one.digest) for one in known if one.entrant is not None}
+    for entry in entries:
+        if (entry.key, entry.digest) in passed:
+            entry.copy_to(copies)  # a person may have gone back to an old version
+    if not new:
+        return
+    worker = Worker(rules.config, (), quotas=rules.quotas)
+    entrants, versions = [*store.tournament.entrants], []
+    with local_executor(worker, min(jobs, len(new))) as executor:
+        checks = [executor.run(check_version, worker, one.copy_to(copies), rules.scenario) for one in new]
+        for entry, future in zip(new, checks, strict=True):
+            checked = executor.result(future)
+            number = 1 + sum(one.entry == entry.key for one in known)
+            index = None if checked.entrant is None else len(entrants)
+            versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault, checked.log))
+            if checked.entrant is not None:
+                entrants.append(replace(checked.entrant, name=entrant_name(entry, number, entrants)))
+            if entry.kind != "shipped":
+                result = f"does not pass the check: {checked.fault}" if index is None else "enters"
+                report(f"{entry.key}: version {number} {result}")
+    records.add_versions(versions, entrants)
+    changed = {one.key for one in new}
+    for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
+        if {pair.first, pair.second} & changed:
+            report(f"look at these two: {pair.first} and {pair.second}: {pair}")
+
+
+def check_version(worker: Worker, agent: str, scenario: str) -> Checked:
+    """Inspect a new version, and let it play against itself if it does not come with the package.
+
+    Raises:
+        MatchFailedError: if a match could not be held.
+    """
+    try:
+        spec = resolve_spec(agent)
+        inspection = inspector(worker.sandbox)(spec)
+        (entrant,) = enter([agent], lambda _: inspection)
+        findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, 0, worker.sandbox)
+        for finding in findings:
+            if finding.level == "error":
+                fault, _, log = finding.text.partition("\n")
+                return Checked(None, _without_copies(fault, spec), log)
+        return Checked(entrant)
+    except (AgentError, OSError) as error:
+        return Checked(None, _without_copies(str(error), agent))
+    finally:
+        worker.close()
+
+
+def _without_copies(text: str, agent: str) -> str:
+    """Return a text without the path of the copy that an agent plays from."""
+    return one_line(without_folders(text.replace(f"{agent}: ", "")))
+
+
+def _play(
+    store: Store,
+    records: Records,
+    secret: Secret,
+    folder: Path,
+    rules: Rules,
+    entries: Sequence[Entry],
+    executor_of: Callable[[Worker], Executor],
+    on_progress: Callable[[int, int], None],
+) -> League:
+    """Play until no present entry waits for its place."""
+    entrants, parties = store.tournament.entrants, Parties.of(rules.config)
+    versions: dict[str, list[Version]] = {}
+    for version in records.versions():
+        versions.setdefault(version.entry, []).append(version)
+    current = {one.key: index for one in entries if (index := _current(one, versions[one.key])) is not None}
+    playing = {*current.values()}
+    persons = {current[one.key] for one in entries if one.kind == "person" and one.key in current}
+    able = tuple(
+        replace(one, spec=_present_path(one.spec, folder)) if index in playing else replace(one, fault="is old")
+        for index, one in enumerate(entrants)
+    )
+    played, streaks = list(store.played()), ForfeitStreaks(_MOST_FORFEITS)
+    streaks.add(played)
+    ratings, zero = records.ratings(), current[entries[0].key]
+    before, (rounds, first) = len(played), store.next_block()
+    number = first
+    executor: Executor | None = None
+    with ExitStack() as stack:
+        while True:
+            pool = sorted(playing - {*streaks.excluded})
+            evidence = weigh(Outcomes.of(len(entrants), played), zero, playing)
+            league = League(
+                folder, rules, entries, versions, current, entrants, played, evidence, streaks.excluded, ratings
+            )
+            waiting = sorted(
+                filter(league.is_waiting, persons & {*pool}), key=lambda index: evidence.blocks.get(index, 0)
+            )
+            on_progress(len(played) - before, len(played) - before + _matches_left(league, waiting))
+            if not waiting or len(pool) < parties.group:
+                return league
+            if executor is None:
+                executor = stack.enter_context(executor_of(Worker(rules.config, able, True, rules.quotas)))
+            draw = partial(secret.part("groups", number).seed, "groups")
+            groups = next_blocks(waiting, pool, evidence, parties.group, draw)
+            store.plan(
+                block_of(players, secret, block, f"r{rounds + 1:05d}-g{block - first + 1:06d}", parties)
+                for block, players in enumerate(groups, number)
+            )
+            number += len(groups)
+            play_waiting(store, executor, streaks, league.state, played.extend)
+
+
+def _present_path(spec: str, folder: Path) -> str:
+    """Return the spec of a copied version in the league's folder, which may have been moved since the version came."""
+    _, found, copy = spec.partition(f"/{STATE}/{_COPIES}/")
+    return str(folder.absolute() / STATE / _COPIES / copy) if found else spec
+
+
+def _matches_left(league: League, waiting: Sequence[int]) -> int:
+    """Return about how many matches are left: an interval's width falls with the root of the number of blocks."""
+    size, left = league.parties.block_size, 0.0
+    for index in waiting:
+        blocks, rating = league.evidence.blocks.get(index, 0), league.evidence.ratings.get(index)
+        margin = 0.0 if rating is None or math.isnan(rating.margin) else rating.margin
+        needed = max(FEWEST_BLOCKS, blocks * (margin / league.rules.precision) ** 2)
+        left += max(1.0, min(needed, league.rules.max_matches / size) - blocks)
+    return math.ceil(left / league.parties.group) * size
+
+
+def _current(entry: Entry, versions: Sequence[Version]) -> int | None:
+    """Return the entrant that plays for an entry: its present files, or the newest version that passed the check."""
+    present = [one.entrant for one in versions if one.digest == entry.digest]
+    passed = [one.entrant for one in versions if one.entrant is not None]
+    return next((index for index in (*present, *reversed(passed)) if index is not None), None)
+
+
+def _ratings_now(league: League) -> Iterator[RatingThen]:
+    """Yield the ratings of the present entries, without a time."""
+    found = {index: rating for index in league.current.values() if (rating := league.evidence.ratings.get(index))}
+    persons = {league.current[one.key] for one in league.entries if one.kind == "person" and one.key in league.current}
+    order = sorted(persons & {*found}, key=lambda index: -found[index].mean)
+    for index, rating in found.items():
+        place = order.index(index) + 1 if index in order else None
+        low, high = (None, None) if math.isnan(rating.low) else (rating.low, rating.high)
+        yield RatingThen(index, "", place, rating.mean, low, high)
+
+
+def _remove_old(store: Store, league: League) -> None:
+    """Remove old matches, replays that no page shows, and the files of old versions."""
+    store.remove_old(_MATCHES_KEPT)
+    playing = {*league.current.values()}
+    kept = {match for index in playing for match in matches_kept(league.parts.get(index, ()), league.parties)}
+    for path in (league.state / REPLAYS).glob("*.replay"):
+        if path.stem not in kept:
+            path.unlink(missing_ok=True)
+    digests = {one.digest for versions in league.versions.values() for one in versions if one.entrant in playing}
+    logs = {log_file(league.state / LOGS, league.entrants[index].name) for index in playing}
+    for path in (league.state / LOGS).rglob("*.log"):
+        if path not in logs:
+            path.unlink(missing_ok=True)
+    for path in (league.state / _COPIES).glob("*"):
+        if path.name not in digests:
+            shutil.rmtree(path, ignore_errors=True)

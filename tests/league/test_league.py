@@ -1,0 +1,384 @@
+"""A league runs from a folder: versions are checked and placed, pages show each person, and nothing is lost."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from datetime import datetime, timedelta, timezone
+from pathlib import Path
+
+import pytest
+from command_line import run
+
+from catch_arena.cli import league as league_command
+from catch_arena.errors import StoreError
+from catch_arena.league.entries import shipped_entries
+from catch_arena.league.matchmaking import Evidence, next_blocks
+from catch_arena.league.records import RatingThen, Records
+from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.store import Store, only_one_plays_in
+
+ARENA = ["-s", "duel", "--set", "time_limit_s=3", "--limit", "isolation=processes", "--jobs", "1", "--seed", "5"]
+SHORT = [*ARENA, "--precision", "400", "--max-matches", "20"]
+AGENT = """
+class Agent:
+    control = "target"
+
+    def reset(self, seed):
+        {reset}
+
+    def act(self, view):
+        {act}
+"""
+
+
+def agent(act="return 1 if view.targets else 0", reset="pass"):
+    return AGENT.format(act=act, reset=reset)
+
+
+def entries(made):
+    """A folder with two entries."""
+    for name, content in {
+        "ann": agent(reset="print('ann began with', seed)"),
+        "bob": agent("return len(view.targets)"),
+    }.items():
+        (made / name).mkdir(parents=True)
+        (made / name / "agent.py").write_text(content)
+    return made
+
+
+@pytest.fixture(scope="module")
+def played_league(tmp_path_factory):
+    made = entries(tmp_path_factory.mktemp("league") / "robots")
+    done = league(made)
+    assert done.exit_code == 0, done.output
+    return made
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two entries that have not played yet."""
+    return entries(tmp_path / "robots")
+
+
+@pytest.fixture
+def ran(tmp_path, played_league):
+    """A league of these two after its first run, which was moved to another folder."""
+    return Path(shutil.copytree(played_league, tmp_path / "robots"))
+
+
+def league(folder, *words):
+    return run("league", folder, *SHORT, *words, columns=500)
+
+
+def matches(folder):
+    with sqlite3.connect(folder / ".league" / "tournament.sqlite") as db:
+        return dict(db.execute("SELECT match, digest FROM result"))
+
+
+def page_of(folder, name):
+    """The page of a person."""
+    pages = [path.read_text() for path in (folder / "site").glob("person_*.html")]
+    return next(page for page in pages if f"<title>{name} · robots</title>" in page)
+
+
+def test_a_league_places_each_entry_and_a_second_run_plays_nothing(folder):
+    first = league(folder)
+    assert first.exit_code == 0, first.output
+    assert "ann: version 1 enters" in first.output
+    table = (folder / "site" / "index.html").read_text()
+    assert re.search(r'<a href="person_\d.html">ann</a>', table)
+    assert "comes with Catch Arena" in table
+    played = matches(folder)
+    assert len(played) >= 4
+    second = league(folder)
+    assert "0 new matches" in second.output
+    assert "enters" not in second.output
+    assert matches(folder) == played
+    assert (folder / "site" / "index.html").read_text() == table
+
+
+def test_the_same_seed_and_entries_give_the_same_league_with_any_number_of_jobs(folder, tmp_path):
+    league(folder)
+    other = tmp_path / "again" / "robots"
+    other.parent.mkdir()
+    for name in ("ann", "bob"):
+        (other / name).mkdir(parents=True)
+        (other / name / "agent.py").write_text((folder / name / "agent.py").read_text())
+    league(other, "--jobs", "2")
+    assert matches(other) == matches(folder)
+
+
+def test_a_changed_agent_enters_as_a_new_version_and_the_old_one_plays_no_more(ran):
+    before = matches(ran)
+    (ran / "bob" / "agent.py").write_text(agent("return 0"))
+    changed = league(ran)
+    assert "bob: version 2 enters" in changed.output
+    assert "ann: version" not in changed.output
+    assert before.items() <= matches(ran).items()
+    with Store.read(ran / ".league") as store:
+        names = [one.name for one in store.tournament.entrants]
+        new = [one for one in store.played() if one.match.id not in before]
+    assert {name for one in new for name in (names[index] for index in one.match.seating)} >= {"bob v2"}
+    assert all(names[index] != "bob" for one in new for index in one.match.seating)
+    page = page_of(ran, "bob")
+    assert page.count('<tr><th scope="row">2</th>') == page.count('<tr><th scope="row">1</th>') == 1
+    (ran / "bob" / "agent.py").write_text(agent("return len(view.targets)"))
+    assert "bob: version" not in league(ran).output  # its first version plays again
+
+
+def test_bad_entries_cost_only_themselves(folder):
+    (folder / "syntax.py").write_text("class Agent(:")
+    (folder / "crash.py").write_text(agent("return 1 / 0"))
+    (folder / "hang").mkdir()
+    (folder / "hang" / "agent.py").write_text(agent("\n        while True: pass"))
+    (folder / "flood.py").write_text(agent("print('x' * 100_000); return 0"))
+    shutil.copytree(folder / "ann", folder / "copy")
+    (folder / "book.ipynb").write_text("{}")
+    (folder / "linked").mkdir()
+    (folder / "linked" / "agent.py").symlink_to(folder / "ann" / "agent.py")
+    (folder / "twice").mkdir()
+    (folder / "twice" / "agent.py").write_text(agent())
+    (folder / "twice.py").write_text(agent())
+    (folder / "README.md").write_text("no entry")
+    done = league(folder, "--limit", "step_ms=1000", "--limit", "bank_s=5")
+    assert done.exit_code == 0, done.output
+    for line in (
+        "syntax: version 1 does not pass the check: cannot begin",
+        "crash: version 1 does not pass the check: duel: FORFEIT_CRASH in step 1: act raised ZeroDivisionError",
+        "hang: version 1 does not pass the check: duel: FORFEIT_TIMEOUT in step 1",
+        "flood: version 1 enters",
+        "book: version 1 does not pass the check",
+        "warning: linked is left out: it has no file that can be read; links are not followed",
+        "warning: twice and twice.py are left out: they have one name; rename one of them",
+        "look at these two: ann and copy: equal files",
+    ):
+        assert line in done.output
+    page = page_of(folder, "crash")
+    assert "ZeroDivisionError" in page
+    assert str(folder) not in page
+
+
+def test_the_site_shows_no_seed_no_source_and_no_log_of_others(folder):
+    (folder / "bob" / "agent.py").write_text("SOURCE_OF_BOB = 1\n" + agent(reset="print('log of bob')"))
+    league(folder)
+    with Store.read(folder / ".league") as store:
+        seeds = {str(one.match.seed) for one in store.played()} | {
+            store.tournament.seed,
+            store.tournament.secret.digits,
+        }
+    for path in (folder / "site").iterdir():
+        page = path.read_text()
+        assert "SOURCE_OF_BOB" not in page
+        assert not any(seed in page for seed in seeds - {"5"})
+        assert ("log of bob" in page) == ("<title>bob ·" in page)
+        assert str(folder.parent) not in page
+
+
+def test_names_and_photos_are_optional_and_are_no_new_version(ran):
+    (ran / "ann" / "name.txt").write_text("Ann <the first>\n")
+    (ran / "ann" / "photo.png").write_bytes(b"\x89PNG and so on")
+    assert "enters" not in league(ran).output
+    table = (ran / "site" / "index.html").read_text()
+    assert "Ann &lt;the first&gt;" in table
+    assert "data:image/png;base64," in table
+    (ran / "bob" / "name.txt").write_text("../../bob")
+    assert "bob is left out: name.txt: its name must have no /" in league(ran).output
+    (ran / "ann" / "photo.png").write_bytes(b"<script>")
+    assert "ann is left out: photo.png must be such a picture" in league(ran).output
+
+
+def test_secret_opponents_play_and_are_not_named(folder, tmp_path):
+    (tmp_path / "hidden").mkdir()
+    (tmp_path / "hidden" / "teacher.py").write_text(agent())
+    done = league(folder, "--secret-opponents", tmp_path / "hidden")
+    assert done.exit_code == 0, done.output
+    assert "secret opponent 1" in (folder / "site" / "index.html").read_text()
+    assert not any("teacher" in path.read_text() for path in (folder / "site").iterdir())
+
+
+def test_an_entry_that_is_gone_leaves_the_table(ran):
+    for path in (ran / "bob" / "agent.py", ran / "bob"):
+        path.unlink() if path.is_file() else path.rmdir()
+    assert league(ran).exit_code == 0
+    assert ">bob<" not in (ran / "site" / "index.html").read_text()
+    assert len(list((ran / "site").glob("person_*.html"))) == 1
+
+
+def test_a_killed_run_loses_no_match(ran):
+    """The second run ends by SIGKILL after some of its matches; the third one goes on."""
+    before = matches(ran)
+    for name in ("cid", "dan", "eve"):
+        (ran / f"{name}.py").write_text(agent(f"return 0  # {name}", reset=f"self.name = '{name}'"))
+    words = [sys.executable, "-m", "catch_arena", "league", str(ran), *SHORT]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        while process.poll() is None and len(matches(ran)) < len(before) + 4:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGKILL)
+    kept = matches(ran)
+    assert before.items() <= kept.items()
+    done = league(ran)
+    assert done.exit_code == 0, done.output
+    assert kept.items() <= matches(ran).items()
+    assert "0 new matches" in league(ran).output
+
+
+def test_two_runs_exclude_each_other(folder):
+    with only_one_plays_in(folder):
+        done = league(folder)
+    assert done.exit_code == 2
+    assert "another command is playing in this folder" in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--every", "15"], "--every must be a number with s, m, h or d, such as 15m, got '15'"),
+        (["--every", "0m"], "--every must be a number with s, m, h or d, such as 15m, got '0m'"),
+        (["--trusted"], "--trusted must be left out with a league"),
+        (["-s", "capstone"], "scenario must have two parties that compete, got capstone"),
+        (["--secret-opponents", "nowhere"], "nowhere: cannot be read: No such file or directory"),
+    ],
+)
+def test_wrong_options_are_one_line(folder, words, line):
+    words = [*ARENA[2:4], *(word for word in ARENA[4:] if word != "--trusted" or "--limit" not in words), *words]
+    if "--trusted" in words:
+        words = ["--trusted"]
+    done = run("league", folder, *words, columns=500)
+    assert done.exit_code == 2
+    assert line in done.output
+
+
+def test_a_folder_without_an_entry_is_refused(tmp_path):
+    done = league(tmp_path)
+    assert done.exit_code == 2
+    assert "has no entry; it needs a .py file or a sub-folder for each person" in done.output
+
+
+def test_other_settings_than_before_are_refused_and_nothing_is_lost(ran):
+    before = matches(ran)
+    done = league(ran, "--set", "time_limit_s=4")
+    assert done.exit_code == 2
+    assert "is of another tournament: time_limit_s is 3" in done.output
+    assert matches(ran) == before
+
+
+def test_a_store_of_another_format_is_refused_and_kept(ran):
+    store = ran / ".league" / "tournament.sqlite"
+    with sqlite3.connect(store) as db:
+        db.execute("PRAGMA user_version = 4")
+    done = league(ran)
+    assert done.exit_code == 2
+    assert "is of format 4, and this version reads format 5" in done.output
+    assert store.exists()
+
+
+def test_a_site_that_a_user_edited_is_written_again_and_other_files_stay(ran):
+    table = (ran / "site" / "index.html").read_text()
+    (ran / "site" / "index.html").write_text("edited")
+    (ran / "site" / "notes.txt").write_text("mine")
+    league(ran)
+    assert (ran / "site" / "index.html").read_text() == table
+    assert (ran / "site" / "notes.txt").read_text() == "mine"
+
+
+def test_a_file_in_the_place_of_the_site_costs_no_match(folder):
+    (folder / "site").write_text("a file")
+    done = league(folder)
+    assert done.exit_code == 2
+    assert "site: cannot be written: is a file, not a folder" in done.output
+    played = matches(folder)
+    (folder / "site").unlink()
+    assert "0 new matches" in league(folder).output
+    assert matches(folder) == played
+
+
+def test_only_the_replays_that_pages_need_stay(ran):
+    kept = len(list((ran / ".league" / "replays").glob("*.replay")))
+    agents = 2 + len(shipped_entries(2))
+    assert kept < len(matches(ran))
+    assert kept <= 5 * agents
+    page = page_of(ran, "ann")
+    assert page.count("<catch-replay id=") == 2
+
+
+def test_a_league_that_runs_again_and_again_outlives_an_error(folder, monkeypatch):
+    """The second run fails; the third one goes on."""
+    runs, pauses = [], []
+
+    def run_once(*_):
+        runs.append(1)
+        if len(runs) == 2:
+            raise StoreError("the disk is full")
+
+    def sleep(seconds):
+        pauses.append(seconds)
+        if len(pauses) == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(league_command, "_run_once", run_once)
+    monkeypatch.setattr(league_command.time, "sleep", sleep)
+    done = league(folder, "--every", "15m")
+    assert done.exit_code == 0
+    assert "catch-arena: the disk is full" in done.output
+    assert (len(runs), pauses) == (3, [900.0] * 3)
+
+
+def test_a_clock_that_is_set_back_keeps_the_order_of_runs(ran):
+    with Store.read(ran / ".league") as found:
+        tournament = found.tournament
+    with Store.begin(tournament, ran / ".league", resume=True) as store:
+        records = Records(store)
+        last = datetime.fromisoformat(records.ratings()[-1].time)
+        assert records.time_after(last - timedelta(days=1)) == (last + timedelta(seconds=1)).isoformat()
+        later = last + timedelta(hours=1)
+        assert records.time_after(later) == later.isoformat()
+
+
+def test_old_ratings_are_thinned_out_to_one_run_a_day(ran):
+    with Store.read(ran / ".league") as found:
+        tournament = found.tournament
+    with Store.begin(tournament, ran / ".league", resume=True) as store:
+        records = Records(store)
+        begin = datetime(2030, 1, 1, tzinfo=timezone.utc)
+        times = [(begin + timedelta(hours=6 * number)).isoformat() for number in range(200)]
+        for time_ in times:
+            records.add_ratings([RatingThen(0, time_, None, 0.0, None, None)])
+        kept = [one.time for one in records.ratings() if one.time >= begin.isoformat()]
+    assert kept == [*times[3:100:4], *times[100:]]
+
+
+def test_old_matches_are_removed_in_whole_blocks(ran):
+    before = matches(ran)
+    with Store.read(ran / ".league") as found:
+        tournament = found.tournament
+    with Store.begin(tournament, ran / ".league", resume=True) as store:
+        store.remove_old(5)
+        assert [one.match.id for one in store.played()] == sorted(before)[-4:]  # a block has two matches
+        rounds, block = store.next_block()
+    assert (rounds, block) == (1, len(before) // 2)
+
+
+def test_opponents_are_near_and_new_to_each_other():
+    def draw(_, other):
+        return other
+
+    ratings = {index: Estimate(100.0 * index, 0.0, 0.0) for index in range(100)}
+    met = {(49, 50): 10, (50, 51): 10}
+    (block,) = next_blocks([50], range(100), Evidence(ratings, {}, met), 3, draw)
+    assert block == (50, 48, 52)
+    (first,) = next_blocks([100], range(101), Evidence(ratings), 3, draw)
+    assert set(first) <= {100, 48, 49, 50, 51}  # without a rating it begins in the middle
+    both = next_blocks([10, 11, 90], range(100), Evidence(ratings), 2, draw)
+    assert both == [(10, 11), (90, 89)]  # those that wait meet each other
+
+
+def test_the_store_of_a_league_is_private(ran):
+    assert os.stat(ran / ".league" / "tournament.sqlite").st_mode & 0o077 == 0  # noqa: PTH116
+    with Store.read(ran / ".league") as store:
+        assert json.loads(json.dumps(dict(store.tournament.plan))) == {"format": "league"}
