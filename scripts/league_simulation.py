@@ -78,8 +78,7 @@ def term(agents: int, days: int, seed: int) -> None:
 
 def is_waiting(one: int, evidence: Evidence) -> bool:
     """Return whether an agent has no clear place yet, as in a league."""
-    rating = evidence.ratings.get(one)
-    return not (rating and rating.margin <= PRECISION) and evidence.blocks.get(one, 0) < MOST_BLOCKS
+    return not evidence.is_placed(one, PRECISION) and evidence.blocks.get(one, 0) < MOST_BLOCKS
 
 
 def newcomers(sizes: list[int], repeats: int, seed: int) -> None:

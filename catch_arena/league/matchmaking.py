@@ -1,5 +1,6 @@
 """Ratings of a league from its newest matches, and the opponents whose matches say most about an entrant's place."""
 
+import math
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -11,7 +12,7 @@ import numpy as np
 
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.statistics.ratings import ELO, rate
+from catch_arena.tournament.statistics.ratings import ELO, local_estimates
 
 NEAREST: Final = 32
 """Number of entrants with the nearest ratings among which opponents are chosen."""
@@ -24,11 +25,24 @@ class Evidence:
     """Results of some matches about the entrants that played them."""
 
     ratings: Mapping[int, Estimate] = field(default_factory=dict)
-    """Rating of each entrant [points], by its index in the store."""
+    """Rating of each entrant [points], by its index in the store; the interval takes its opponents' as known."""
     blocks: Mapping[int, int] = field(default_factory=dict)
     """Number of blocks that each entrant played in."""
     met: Mapping[tuple[int, int], int] = field(default_factory=dict)
     """Number of blocks in which two entrants met, the smaller index first."""
+
+    def is_placed(self, entrant: int, precision: float) -> bool:
+        """Return whether a rating is precise enough, or its interval has no other rating.
+
+        Args:
+            entrant: index of the entrant.
+            precision: largest half width of a precise rating's interval [points].
+        """
+        rating = self.ratings.get(entrant)
+        if rating is None or math.isnan(rating.low):
+            return False
+        within = [one for one in self.ratings.values() if rating.low <= one.mean <= rating.high]
+        return rating.margin <= precision or len(within) == 1
 
 
 def weigh(outcomes: Outcomes, zero: int, present: Collection[int]) -> Evidence:
@@ -43,17 +57,18 @@ def weigh(outcomes: Outcomes, zero: int, present: Collection[int]) -> Evidence:
         return Evidence()
     players, places = np.unique(outcomes.seating, return_inverse=True)
     places = places.reshape(outcomes.seating.shape)
-    fitted = rate(Outcomes(len(players), outcomes.block, places, outcomes.scores, outcomes.ranks))
-    here = np.flatnonzero(np.isin(players, [*present]))
+    outcomes = Outcomes(len(players), outcomes.block, places, outcomes.scores, outcomes.ranks)
+    here = np.flatnonzero(np.isin(players, [*present])).tolist()
     names = players[here].tolist()
-    ratings = dict(zip(names, fitted.estimates(here), strict=True))
+    ratings = dict(zip(names, local_estimates(outcomes, here), strict=True))
+    blocks = (outcomes.by_block() > 0).sum(axis=0)[here].tolist()
     shift = ratings[zero].mean if zero in ratings else 0.0
     first = np.unique(outcomes.block, return_index=True)[1]
-    together = (sorted(set(seats)) for seats in outcomes.seating[first].tolist())
+    together = (sorted(set(players[seats].tolist())) for seats in outcomes.seating[first])
     return Evidence(
         {name: Estimate(one.mean - shift, one.low - shift, one.high - shift) for name, one in ratings.items()},
-        dict(zip(names, fitted.blocks[here].astype(int).tolist(), strict=True)),
-        Counter(pair for players in together for pair in combinations(players, 2)),
+        dict(zip(names, blocks, strict=True)),
+        Counter(pair for group in together for pair in combinations(group, 2)),
     )
 
 

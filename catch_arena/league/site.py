@@ -266,7 +266,8 @@ def _chart(ratings: Sequence[RatingThen], lines: Sequence[Line]) -> dict[str, An
                 "band": " ".join(f"{x},{round(100 - axis.at(y), 2)}" for x, y in edge),
             }
         )
-    return {"curves": curves, "axis": axis, "first": times[0][:10], "last": times[-1][:10]}
+    shown_time = slice(11, 16) if times[0][:10] == times[-1][:10] else slice(10)
+    return {"curves": curves, "axis": axis, "first": times[0][shown_time], "last": times[-1][shown_time]}
 
 
 @cache

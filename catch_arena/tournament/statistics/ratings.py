@@ -7,13 +7,14 @@ computed from whole blocks. docs/explanation/ratings.md has the rest.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS, Estimate, estimates
-from catch_arena.tournament.statistics.outcomes import Floats, Ints, Outcomes, Pairs, sums_by
+from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
 
 ELO: Final = 400.0 / math.log(10.0)
 """Points per unit of log strength: with 400 points more, wins are ten times as likely as defeats."""
@@ -37,14 +38,13 @@ class Ratings:
     blocks_above: Floats
     """Number of blocks in which the first ranked above the second more often than below: (entrants, entrants)."""
 
-    def estimates(self, entrants: Ints | slice = slice(None)) -> list[Estimate]:
-        """Return the ratings with their intervals, of all entrants or of those with these indices."""
-        influence = self.influence[:, entrants]
+    def estimates(self) -> list[Estimate]:
+        """Return each rating with its interval."""
         return estimates(
-            self.points[entrants],
-            influence * len(influence),
-            np.where(self.blocks[entrants] >= FEWEST_BLOCKS, np.ones_like(influence), 0.0),
-            (self.pseudo_influence[:, entrants] ** 2).sum(axis=0),
+            self.points,
+            self.influence * len(self.influence),
+            np.where(self.blocks >= FEWEST_BLOCKS, np.ones_like(self.influence), 0.0),
+            (self.pseudo_influence**2).sum(axis=0),
         )
 
     def distances(self) -> Floats:
@@ -83,11 +83,9 @@ def rate(outcomes: Outcomes) -> Ratings:
     strengths, log_tie, information = fit(pairs.table(1), pairs.table(0))
     size = outcomes.entrants
 
-    above, below, tied = _chances(strengths[pairs.first] - strengths[pairs.second], log_tie)
-    pull = (pairs.result - (above - below)) / 2.0
+    pulls, tied = _pulls(pairs, strengths, log_tie)
     gradients = np.zeros((outcomes.blocks, size + 1))
-    gradients[:, :size] = sums_by(outcomes.blocks, size, pairs.block, pairs.first, pull)
-    gradients[:, :size] -= sums_by(outcomes.blocks, size, pairs.block, pairs.second, pull)
+    gradients[:, :size] = pulls
     gradients[:, size] = np.bincount(pairs.block, (pairs.result == 0) - tied, outcomes.blocks)
     win = _logistic(strengths)
     imagined = np.zeros((2 * size, size + 1))
@@ -108,6 +106,26 @@ def rate(outcomes: Outcomes) -> Ratings:
         pseudo_influence=moves[outcomes.blocks :],
         blocks=blocks_played.astype(np.float64),
         blocks_above=pairs.blocks_above(),
+    )
+
+
+def local_estimates(outcomes: Outcomes, entrants: Sequence[int]) -> list[Estimate]:
+    """Return the ratings of some entrants, with intervals that take the ratings of their opponents as known.
+
+    In a league entrants meet others with near ratings. The distance between two far groups is then uncertain, and would
+    widen the intervals of all, though the order within each group is clear.
+    """
+    pairs, some = Pairs.of(outcomes), [*entrants]
+    strengths, log_tie, information = fit(pairs.table(1), pairs.table(0))
+    own = np.diag(information)[some] / ELO
+    win = _logistic(strengths[some])
+    pulls = _pulls(pairs, strengths, log_tie)[0][:, some] / own
+    enough = (outcomes.by_block()[:, some] > 0).sum(axis=0) >= FEWEST_BLOCKS
+    return estimates(
+        ELO * (strengths[some] - strengths.mean()),
+        pulls * outcomes.blocks,
+        np.where(enough, np.ones_like(pulls), 0.0),
+        ((1.0 - win) ** 2 + win**2) / own**2,
     )
 
 
@@ -144,6 +162,16 @@ def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
             break
         found = found + step * min(1.0, _LONGEST_STEP / longest)
     return found[:size], float(found[size]), information
+
+
+def _pulls(pairs: Pairs, strengths: Floats, log_tie: float) -> tuple[Floats, Floats]:
+    """Return the pull of each block on each strength, (blocks, entrants), and the probability of a tie of each pair."""
+    above, below, tied = _chances(strengths[pairs.first] - strengths[pairs.second], log_tie)
+    pull = (pairs.result - (above - below)) / 2.0
+    by_first, by_second = (
+        sums_by(pairs.blocks, pairs.entrants, pairs.block, side, pull) for side in (pairs.first, pairs.second)
+    )
+    return by_first - by_second, tied
 
 
 def _chances(difference: Floats, log_tie: float) -> tuple[Floats, Floats, Floats]:
