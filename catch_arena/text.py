@@ -14,6 +14,8 @@ LONGEST_NAME: Final = 100
 LONGEST_LINE: Final = 300
 """Largest length of a failure's description [characters]."""
 _MAX_READ: Final = 8 * LONGEST_LINE
+_SOURCE: Final = re.compile(r"^([| ]*  File .*, line \d+.*)(?:\n[| ]*    .*)+", re.MULTILINE)
+"""Pattern of a place in a traceback, and of the lines of source and marks after it."""
 _LONGEST_LOG_LINE: Final = 200
 """Largest length of a line that is shown of a log [characters]."""
 _FOLDERS: Final = re.compile(
@@ -70,6 +72,11 @@ def name_fault(name: str) -> str | None:
     if name and name.isprintable() and len(name) <= LONGEST_NAME:
         return None
     return f"its name must have 1 to {LONGEST_NAME} printable characters, got {name[:200]!a}"
+
+
+def without_source(log: str) -> str:
+    """Return a log in which tracebacks have their files and lines, but no lines of source."""
+    return _SOURCE.sub(r"\1", log)
 
 
 def without_folders(text: str) -> str:

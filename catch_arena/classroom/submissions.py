@@ -14,8 +14,8 @@ from catch_arena.text import composed, name_fault
 from catch_arena.tournament.agent_spec import IN_FOLDER, content_of, shipped_names
 
 _SUBMITTED: Final = re.compile(r"\.(py|ipynb)$", re.IGNORECASE)
-_IGNORED: Final = re.compile(r"\.|__")
-"""Beginnings of names that are no submission, such as .git and __MACOSX."""
+_IGNORED: Final = re.compile(r"\.|__(pycache|MACOSX)__?$")
+"""Pattern of names that are no submission, such as .git and __MACOSX."""
 
 
 @dataclass(frozen=True, slots=True)

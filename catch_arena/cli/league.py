@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from catch_arena.tournament.secret import Secret
 
 _UNITS_S: Final = {"s": 1, "m": 60, "h": 3600, "d": 86400}
+_LONGEST_S: Final = 31 * 86400.0
 
 
 @main.command()
@@ -36,6 +37,7 @@ def league(
         typer.Option(
             metavar="POINTS",
             min=1.0,
+            max=1e4,
             help="A new version plays until the 95 % interval of its rating is at most this wide to either side.",
         ),
     ] = 100.0,
@@ -69,23 +71,23 @@ def league(
 
 def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | None") -> None:
     """Run a league once, and print what is new and where its pages are."""
-    from catch_arena.cli.progress import noting_kept_results, progress_bar
+    from catch_arena.cli.progress import progress_bar
     from catch_arena.league.site import write_site
     from catch_arena.league.update import update_league
 
-    with noting_kept_results(lambda: "what was played is kept; the same command goes on"):
-        with progress_bar("playing until each has its place", late=True) as show:
-            league = update_league(
-                folder,
-                rules,
-                cores.number(),
-                cores.of,
-                now=datetime.now(timezone.utc),
-                secret=secret,
-                report=echo,
-                on_progress=show,
-            )
-        page = write_site(league)
+    interrupts.add_to_message(lambda: "what was played is kept; the same command goes on")
+    with progress_bar("playing until each has its place", late=True) as show:
+        league = update_league(
+            folder,
+            rules,
+            cores.number(),
+            cores.of,
+            now=datetime.now(timezone.utc),
+            secret=secret,
+            report=echo,
+            on_progress=show,
+        )
+    page = write_site(league)
     echo(f"{league.new_matches} new matches")
     echo(f"site: {page}")
 
@@ -96,7 +98,7 @@ def _run_again(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | Non
         time.sleep(pause_s)
         try:
             _run_once(folder, rules, cores, secret)
-        except CatchArenaError as error:
+        except (CatchArenaError, OSError) as error:
             echo(f"catch-arena: {error}", err=True)
 
 
@@ -107,6 +109,7 @@ def _seconds(text: str) -> float:
         ConfigError: for other texts.
     """
     found = re.fullmatch(r"(\d+)([smhd])", text)
-    if found is None or not int(found[1]):
-        raise ConfigError(f"--every must be a number with s, m, h or d, such as 15m, got {text!r}")
-    return int(found[1]) * float(_UNITS_S[found[2]])
+    seconds = 0.0 if found is None else float(found[1]) * _UNITS_S[found[2]]
+    if not 1.0 <= seconds <= _LONGEST_S:
+        raise ConfigError(f"--every must be a number with s, m, h or d, up to 31d, such as 15m, got {text!r}")
+    return seconds

@@ -5,14 +5,15 @@ import hashlib
 import shutil
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
 
 from catch_arena.classroom.submissions import Submission, submission_at
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.files import read_text, unwritable
-from catch_arena.text import name_fault, one_line
+from catch_arena.text import name_fault, one_line, printable
+from catch_arena.tournament.agent_spec import IN_FOLDER
 from catch_arena.tournament.entrants import Entrant, enter
 
 SITE: Final = "site"
@@ -49,54 +50,70 @@ class Entry:
     """Files of the entry; None for an agent that comes with the package."""
     photo: str = ""
     """Photo as an address of the scheme `data`; empty for none."""
+    fault: str = ""
+    """Reason for which its files cannot be used; empty if they can be."""
 
     def copy_to(self, versions: Path) -> str:
-        """Copy its files, so that a person can change them while they play, and return the agent in the copy.
+        """Copy the entry's files, which may change while the agent plays, and return the agent in the copy.
 
         Raises:
+            ConfigError: if the files change meanwhile.
             OutputError: if they cannot be written.
         """
-        if self.submission is None:
+        if self.submission is None or self.fault:
             return self.name
-        target, unfinished = versions / self.digest, versions / "unfinished"
+        root, target, unfinished = _root(self.submission), versions / self.digest, versions / "unfinished"
         try:
             if not target.exists():
                 shutil.rmtree(unfinished, ignore_errors=True)
                 for path in _files(self.submission):
-                    copy = unfinished / path.relative_to(_root(self.submission))
+                    copy = unfinished / path.relative_to(root)
                     copy.parent.mkdir(parents=True, exist_ok=True)
                     shutil.copyfile(path, copy)
+                copies = [unfinished / path.relative_to(root) for path in _files(self.submission)]
+                if _digest(copies, unfinished) != self.digest:
+                    raise ConfigError("its files change; the next run takes them")
                 unfinished.rename(target)
         except OSError as error:
             raise unwritable(target, error) from None
-        return str(target / Path(self.submission.agent).relative_to(_root(self.submission)))
+        return str(target / Path(self.submission.agent).relative_to(root))
 
 
-def find_entries(folder: Path, kind: Kind) -> tuple[list[Entry], list[str]]:
-    """Return the entries in a folder, and for each file or folder that is left out the reason.
+def find_entries(folder: Path, kind: Kind, without: Path | None = None) -> tuple[list[Entry], list[str]]:
+    """Return the entries in a folder, and warnings about files that are left out.
+
+    Args:
+        folder: the folder.
+        kind: kind of its entries.
+        without: file or folder in it that is no entry.
 
     Raises:
-        ConfigError: if the folder cannot be read.
+        ConfigError: if the folder cannot be read, or if its sub-folder `site` is an entry.
     """
-    found: list[Entry] = []
-    faults: list[str] = []
+    found: dict[str, list[Entry]] = {}
+    warnings: list[str] = []
+    if (folder / SITE / IN_FOLDER).exists():
+        raise ConfigError(f"{folder / SITE}: is the folder of the pages; rename this entry")
     try:
-        paths = sorted(path for path in folder.iterdir() if path.name != SITE)
+        left_out = {(folder / SITE).resolve(), *([] if without is None else [without.resolve()])}
+        paths = sorted(path for path in folder.iterdir() if path.resolve() not in left_out)
     except OSError as error:
         raise ConfigError(f"{folder}: cannot be read: {error.strerror}") from None
     for path in paths:
         try:
             submission = submission_at(path)
-            if submission is not None:
-                found.append(_entry(submission, kind, len(found) + 1))
         except (CatchArenaError, OSError) as error:
-            faults.append(f"{path.name} is left out: {getattr(error, 'strerror', None) or one_line(str(error))}")
-    times = Counter(one.key.casefold() for one in found)
-    for key in [key for key, count in times.items() if count > 1]:
-        twice = [one for one in found if one.key.casefold() == key]
-        names = " and ".join(one.submission.path.name for one in twice if one.submission is not None)
-        faults.append(f"{names} are left out: they have one name; rename one of them")
-    return [one for one in found if times[one.key.casefold()] == 1], faults
+            warnings.append(f"{printable(path.name)} is left out: {_reason(error)}")
+            continue
+        if submission is not None:
+            entry = _entry(submission, kind, warnings)
+            found.setdefault(entry.key.casefold(), []).append(entry)
+    entries = []
+    for same in found.values():
+        names = " and ".join(one.submission.path.name for one in same if one.submission is not None)
+        twice = f"{names} have one name; rename one of them" if len(same) > 1 else ""
+        entries.append(replace(same[0], fault=twice, digest=_hash(twice)) if twice else same[0])
+    return entries, warnings
 
 
 def shipped_entries(group: int) -> list[Entry]:
@@ -109,6 +126,17 @@ def shipped_entries(group: int) -> list[Entry]:
     return [Entry(f"shipped/{one.name}", "shipped", one.name, one.digest) for one in enter(names)]
 
 
+def with_own_names(entries: Sequence[Entry]) -> list[Entry]:
+    """Return the entries such that no two have one name: a later one gets a number."""
+    names = Counter[str]()
+    named = []
+    for entry in entries:
+        names[entry.name] += 1
+        number = names[entry.name]
+        named.append(entry if number == 1 else replace(entry, name=f"{entry.name} ({number})"))
+    return named
+
+
 def entrant_name(entry: Entry, number: int, taken: Sequence[Entrant]) -> str:
     """Return the name of a version of an entry, which no other entrant has."""
     name = entry.name if number == 1 else f"{entry.name} v{number}"
@@ -116,18 +144,43 @@ def entrant_name(entry: Entry, number: int, taken: Sequence[Entrant]) -> str:
     return next(one for one in (name, *(f"{name}#{copy}" for copy in range(2, len(names) + 3))) if one not in names)
 
 
-def _entry(submission: Submission, kind: Kind, number: int) -> Entry:
-    digest, size, files = hashlib.blake2b(digest_size=16), 0, _files(submission)
-    if not files:
-        raise ConfigError("it has no file that can be read; links are not followed")
-    for path in files:
-        size += path.stat().st_size
-        if size > _LARGEST or len(files) > _MOST_FILES:
-            raise ConfigError(f"it must have at most {_MOST_FILES} files and {_LARGEST // 1_000_000} MB")
-        digest.update(bytes(path.relative_to(_root(submission))) + b"\0" + path.read_bytes() + b"\0")
-    name = f"secret opponent {number}" if kind == "secret" else _shown_name(submission)
+def _entry(submission: Submission, kind: Kind, warnings: list[str]) -> Entry:
+    """Return the entry of a submission; faults of its name and photo are added to the warnings."""
     key = submission.name if kind == "person" else f"{kind}/{submission.name}"
-    return Entry(key, kind, name, digest.hexdigest(), submission, _photo(submission))
+    # the name must not change if other opponents come
+    name = submission.name if kind == "person" else f"secret opponent {_hash(key)[:4]}"
+    try:
+        files = _files(submission)
+        if submission.path.is_symlink() or not files:
+            raise ConfigError("it has no file that can be read; links are not followed")
+        if len(files) > _MOST_FILES or sum(path.stat().st_size for path in files) > _LARGEST:
+            raise ConfigError(f"it must have at most {_MOST_FILES} files and {_LARGEST // 1_000_000} MB")
+        entry = Entry(key, kind, name, _digest(files, _root(submission)), submission)
+    except (ConfigError, OSError) as error:
+        return Entry(key, kind, name, _hash(_reason(error)), submission, fault=_reason(error))
+    try:
+        if kind == "person":
+            entry = replace(entry, name=_shown_name(submission))
+            entry = replace(entry, photo=_photo(submission))
+    except (ConfigError, OSError) as error:
+        warnings.append(f"{key}: {_reason(error)}")
+    return entry
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or one_line(str(error))
+
+
+def _hash(text: str) -> str:
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def _digest(files: Sequence[Path], root: Path) -> str:
+    """Return the digest of the names and contents of files in a folder."""
+    digest = hashlib.blake2b(digest_size=16)
+    for path in files:
+        digest.update(bytes(path.relative_to(root)) + b"\0" + hashlib.blake2b(path.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def _files(submission: Submission) -> list[Path]:
@@ -146,7 +199,7 @@ def _shown_name(submission: Submission) -> str:
         return submission.name
     name = one_line(read_text(path))
     if (fault := name_fault(name)) is not None or "/" in name:
-        raise ConfigError(f"{_NAME}: {fault or 'its name must have no /'}")
+        raise ConfigError(f"{_NAME}: {fault or f'its name must have no /, got {name!r}'}")
     return name
 
 

@@ -22,6 +22,12 @@ class Part(NamedTuple):
     one: PlayedMatch
     party: int
 
+    @property
+    def win(self) -> float:
+        """Share of the win: 1 for a win, less for parties that share the first rank, 0 for others."""
+        ranks = self.one.result.ranks
+        return 1.0 / ranks.count(1) if ranks[self.party] == 1 else 0.0
+
     def lead(self, hunting: int) -> int:
         """Return the score minus the best score of the others, among the `hunting` parties that hunt."""
         scores = self.one.result.scores
@@ -40,7 +46,7 @@ def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]
 def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part] | None:
     """Return the matches in which an entrant was best and worst as a hunter; None if it played none.
 
-    A forfeit is worst, if the agent began; otherwise the score counts, compared with the best other one.
+    A failure during a match is worst. Other matches are compared by its score minus the best other score.
     """
     hunted = [part for part in parts if part.party < parties.hunting]
     if not hunted:

@@ -1,6 +1,7 @@
 """Static pages of a league: the table over time, and a page for each person, which shows no log of others."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cache
@@ -22,7 +23,7 @@ from catch_arena.player.page_template import page_policy, page_style, page_templ
 from catch_arena.render.match_info import agent_color
 from catch_arena.replay import Replay
 from catch_arena.report.charts import Axis
-from catch_arena.text import last_lines, without_folders
+from catch_arena.text import last_lines, without_folders, without_source
 from catch_arena.tournament.agent_logs import log_file
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS
 
@@ -31,6 +32,8 @@ _CURVES: Final = 8
 """Largest number of curves in the chart of the table."""
 _MATCHES: Final = 20
 """Number of the newest matches in the list of a person's page."""
+_LOG_LINES: Final = 80
+"""Number of lines of a log, from its end; lines of source are left out of them."""
 _LOG_READ: Final = 100_000
 """Part of a log that is read, from its end [bytes]."""
 
@@ -52,6 +55,8 @@ class Line:
     matches: int
     wins: float | None
     """Share of the matches that it won, in [0, 1]."""
+    version: int
+    """Number of the version that plays; 0 for none."""
     versions: Sequence[Version]
 
 
@@ -82,9 +87,10 @@ def write_site(league: League) -> Path:
         style=page_style(_PAGE, "league.css"),
     )
     write_whole(folder / "index.html", table.encode())
-    for path in folder.glob("person_*.html"):
-        if path.name not in written:  # of an entry that is gone
-            path.unlink(missing_ok=True)
+    old = {f"person_{number}.html" for number in league.numbers.values()} - written
+    with suppress(OSError):  # the page of an entry that is gone; what cannot be removed stays
+        for name in old:
+            (folder / name).unlink(missing_ok=True)
     return folder / "index.html"
 
 
@@ -100,7 +106,7 @@ def _lines(league: League) -> list[Line]:
         before = [earlier[one.entrant] for one in versions if one.entrant in earlier]
         now = None if index is None else ratings.get(index)
         parts = [] if index is None else league.parts.get(index, ())
-        won = [part.one.result.ranks[part.party] == 1 for part in parts]
+        won = [part.win for part in parts if part.party < league.parties.hunting]
         lines.append(
             Line(
                 entry,
@@ -111,6 +117,7 @@ def _lines(league: League) -> list[Line]:
                 _status(league, index),
                 len(parts),
                 sum(won) / len(won) if won else None,
+                next((one.number for one in versions if one.entrant is not None and one.entrant == index), 0),
                 versions,
             )
         )
@@ -122,6 +129,8 @@ def _status(league: League, entrant: int | None) -> str:
         return "did not pass the check"
     if entrant in league.excluded:
         return "stopped: too many forfeits in a row"
+    if league.is_waiting(entrant):
+        return "waits for further matches"
     return "" if league.is_placed(entrant) else "rating is not precise"
 
 
@@ -131,13 +140,12 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
     parts = [] if index is None else league.parts.get(index, [])
     moments = _moments(league, parts)
     element, script = (element_script() if moments else ""), page_file("catch_arena.player", "moment.js")
-    failed = [one for one in line.versions[-1:] if one.entrant is None]
+    failed = [one for one in line.versions if one.entrant is None and one.digest == line.entry.digest]
     return _template("person.html").render(
         common,
         line=line,
         persons=sum(other.entry.kind == "person" and other.now is not None for other in lines),
         failed=failed[0] if failed else None,
-        excluded="" if index is None or index not in league.excluded else league.excluded[index].reason,
         versions=[(one, _last_rating(league.ratings, one)) for one in reversed(line.versions)],
         chart=_chart(league.ratings, [line]),
         meetings=_meetings(
@@ -217,7 +225,7 @@ def _log(league: League, entrant: int) -> str:
     try:
         with log_file(league.state / LOGS, league.entrants[entrant].name).open("rb") as file:
             file.seek(-min(_LOG_READ, file.seek(0, 2)), 2)
-            return last_lines(file.read().decode(errors="replace"))
+            return without_source(last_lines(file.read().decode(errors="replace"), _LOG_LINES))
     except OSError:  # it printed nothing, or a user removed the file
         return ""
 
@@ -243,11 +251,11 @@ def _whisker(axis: Axis, now: RatingThen | None) -> dict[str, float] | None:
 def _chart(ratings: Sequence[RatingThen], lines: Sequence[Line]) -> dict[str, Any] | None:
     """Return the ratings of some entries over time, as points in a square of 100; None for fewer than two runs."""
     times = sorted({one.time for one in ratings})
-    if len(times) < 2:
-        return None
-    first, last = (datetime.fromisoformat(times[end]).timestamp() for end in (0, -1))
     own = {line.entry.key: {one.entrant for one in line.versions if one.entrant is not None} for line in lines}
     shown = {key: [one for one in ratings if one.entrant in entrants] for key, entrants in own.items()}
+    if len(times) < 2 or not any(shown.values()):
+        return None
+    first, last = (datetime.fromisoformat(times[end]).timestamp() for end in (0, -1))
     axis = _axis(one for found in shown.values() for one in found)
 
     def across(time: str) -> float:
@@ -276,6 +284,7 @@ def _template(name: str) -> jinja2.Template:
         "points": lambda value: f"{value:+.0f}" if value else "0",
         "percent": lambda value: f"{100 * value:.0f} %",
         "without_folders": without_folders,
+        "without_source": without_source,
         "moment": lambda time: time[:16].replace("T", " "),
     }
     return page_template(_PAGE, name, filters)

@@ -3,7 +3,7 @@
 import math
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 
 from catch_arena.classroom.similarity import similar_pairs
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import AgentError, ConfigError
-from catch_arena.files import prepare_folder
-from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries
+from catch_arena.errors import AgentError, ConfigError, MatchFailedError
+from catch_arena.files import prepare_folder, write_whole
+from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries, with_own_names
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
 from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
 from catch_arena.league.records import RatingThen, Records, Version
@@ -43,6 +43,8 @@ STATE: Final = ".league"
 _COPIES: Final = "versions"
 _MATCHES_KEPT: Final = 20_000
 """Number of the newest matches that are kept; the ratings follow from them."""
+_LOG_KEPT: Final = 200_000
+"""Part of a log that stays after a run, from its end [bytes]."""
 _MOST_FORFEITS: Final = 10
 """Number of forfeits in a row after which a version plays no more."""
 
@@ -159,17 +161,15 @@ def update_league(
     parties = Parties.of(rules.config)
     if parties.group < 2:
         raise ConfigError(f"scenario must have two parties that compete, got {rules.scenario}")
-    entries, faults = find_entries(folder, "person")
-    for fault in faults:
-        report(f"warning: {fault}")
+    entries, warnings = find_entries(folder, "person", rules.secret_opponents)
     if not entries:
         raise ConfigError(f"{folder}: has no entry; it needs a .py file or a sub-folder for each person")
     if rules.secret_opponents is not None:
-        opponents, faults = find_entries(rules.secret_opponents, "secret")
-        for fault in faults:
-            report(f"warning: secret opponent {fault}")
-        entries += opponents
-    entries = [*shipped_entries(parties.group), *entries]
+        opponents, further = find_entries(rules.secret_opponents, "secret")
+        entries, warnings = [*opponents, *entries], [*warnings, *further]
+    for warning in warnings:
+        report(f"warning: {warning}")
+    entries = with_own_names([*shipped_entries(parties.group), *entries])
     with _opened(folder, rules, secret) as (store, key):
         store.remove_waiting()  # of a run that was killed; the same agents now wait for the same matches
         records, before = Records(store), store.count_played()
@@ -188,6 +188,8 @@ def update_league(
 def _opened(folder: Path, rules: Rules, secret: Secret | None) -> Iterator[tuple[Store, Secret]]:
     """Open the store of a league; a new league gets one. No other run can open it meanwhile."""
     state = prepare_folder(folder / STATE)
+    with suppress(OSError):  # a file system without permissions
+        state.chmod(0o700)  # copies of private files, and logs
     with only_one_plays_in(folder):
         entrants: tuple[Entrant, ...] = ()
         if (state / STORE).exists():
@@ -216,17 +218,26 @@ def _add_versions(
     new = [one for one in entries if (one.key, one.digest) not in before]
     copies = prepare_folder(folder / STATE / _COPIES)
     passed = {(one.entry, one.digest) for one in known if one.entrant is not None}
+    agents: dict[str, str] = {}
     for entry in entries:
-        if (entry.key, entry.digest) in passed:
-            entry.copy_to(copies)  # a person may have gone back to an old version
+        if entry in new or (entry.key, entry.digest) in passed:  # a person may have gone back to an old version
+            try:
+                agents[entry.key] = entry.copy_to(copies)
+            except ConfigError as error:
+                report(f"{entry.key}: {error}")
+    new = [entry for entry in new if entry.key in agents]
     if not new:
         return
     worker = Worker(rules.config, (), quotas=rules.quotas)
     entrants, versions = [*store.tournament.entrants], []
     with local_executor(worker, min(jobs, len(new))) as executor:
-        checks = [executor.run(check_version, worker, one.copy_to(copies), rules.scenario) for one in new]
+        checks = [executor.run(check_version, worker, agents[one.key], rules.scenario, one.fault) for one in new]
         for entry, future in zip(new, checks, strict=True):
-            checked = executor.result(future)
+            try:
+                checked = executor.result(future)
+            except MatchFailedError as error:
+                report(f"{entry.key}: could not be checked: {error}; the next run tries again")
+                continue
             number = 1 + sum(one.entry == entry.key for one in known)
             index = None if checked.entrant is None else len(entrants)
             versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault, checked.log))
@@ -242,12 +253,20 @@ def _add_versions(
             report(f"look at these two: {pair.first} and {pair.second}: {pair}")
 
 
-def check_version(worker: Worker, agent: str, scenario: str) -> Checked:
+def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Checked:
     """Inspect a new version, and let it play against itself if it does not come with the package.
 
+    Args:
+        worker: has the sandbox of this process.
+        agent: the agent, as on the command line.
+        scenario: name of the arena.
+        fault: reason for which its files cannot be used; empty if they can be.
+
     Raises:
-        MatchFailedError: if a match could not be held.
+        MatchFailedError: if it could not be checked, for a reason on our side.
     """
+    if fault:
+        return Checked(None, fault)
     try:
         spec = resolve_spec(agent)
         inspection = inspector(worker.sandbox)(spec)
@@ -258,8 +277,10 @@ def check_version(worker: Worker, agent: str, scenario: str) -> Checked:
                 fault, _, log = finding.text.partition("\n")
                 return Checked(None, _without_copies(fault, spec), log)
         return Checked(entrant)
-    except (AgentError, OSError) as error:
+    except AgentError as error:
         return Checked(None, _without_copies(str(error), agent))
+    except OSError as error:
+        raise MatchFailedError(str(error)) from None
     finally:
         worker.close()
 
@@ -284,7 +305,7 @@ def _play(
     versions: dict[str, list[Version]] = {}
     for version in records.versions():
         versions.setdefault(version.entry, []).append(version)
-    current = {one.key: index for one in entries if (index := _current(one, versions[one.key])) is not None}
+    current = {one.key: index for one in entries if (index := _current(one, versions.get(one.key, ()))) is not None}
     playing = {*current.values()}
     persons = {current[one.key] for one in entries if one.kind == "person" and one.key in current}
     able = tuple(
@@ -293,7 +314,7 @@ def _play(
     )
     played, streaks = list(store.played()), ForfeitStreaks(_MOST_FORFEITS)
     streaks.add(played)
-    ratings, zero = records.ratings(), current[entries[0].key]
+    ratings, zero = records.ratings(), current.get(entries[0].key, -1)
     before, (rounds, first) = len(played), store.next_block()
     number = first
     executor: Executor | None = None
@@ -362,14 +383,16 @@ def _remove_old(store: Store, league: League) -> None:
     store.remove_old(_MATCHES_KEPT)
     playing = {*league.current.values()}
     kept = {match for index in playing for match in matches_kept(league.parts.get(index, ()), league.parties)}
-    for path in (league.state / REPLAYS).glob("*.replay"):
-        if path.stem not in kept:
-            path.unlink(missing_ok=True)
-    digests = {one.digest for versions in league.versions.values() for one in versions if one.entrant in playing}
     logs = {log_file(league.state / LOGS, league.entrants[index].name) for index in playing}
-    for path in (league.state / LOGS).rglob("*.log"):
-        if path not in logs:
+    digests = {one.digest for versions in league.versions.values() for one in versions if one.entrant in playing}
+    old = [path for path in (league.state / REPLAYS).glob("*.replay") if path.stem not in kept]
+    old += [path for path in (league.state / LOGS).rglob("*.log") if path not in logs]
+    with suppress(OSError):  # what cannot be removed stays
+        for path in old:
             path.unlink(missing_ok=True)
+        for path in logs:
+            if path.exists() and path.stat().st_size > _LOG_KEPT:
+                write_whole(path, path.read_bytes()[-_LOG_KEPT:])
     for path in (league.state / _COPIES).glob("*"):
         if path.name not in digests:
             shutil.rmtree(path, ignore_errors=True)

@@ -17,6 +17,7 @@ from command_line import run
 
 from catch_arena.cli import league as league_command
 from catch_arena.errors import StoreError
+from catch_arena.league import update
 from catch_arena.league.entries import shipped_entries
 from catch_arena.league.matchmaking import Evidence, next_blocks
 from catch_arena.league.records import RatingThen, Records
@@ -154,14 +155,16 @@ def test_bad_entries_cost_only_themselves(folder):
         "hang: version 1 does not pass the check: duel: FORFEIT_TIMEOUT in step 1",
         "flood: version 1 enters",
         "book: version 1 does not pass the check",
-        "warning: linked is left out: it has no file that can be read; links are not followed",
-        "warning: twice and twice.py are left out: they have one name; rename one of them",
+        "linked: version 1 does not pass the check: it has no file that can be read; links are not followed",
+        "twice: version 1 does not pass the check: twice and twice.py have one name; rename one of them",
         "look at these two: ann and copy: equal files",
     ):
         assert line in done.output
     page = page_of(folder, "crash")
     assert "ZeroDivisionError" in page
+    assert "return 1 / 0" not in page  # a line of source in the traceback
     assert str(folder) not in page
+    assert (folder / ".league").stat().st_mode & 0o077 == 0
 
 
 def test_the_site_shows_no_seed_no_source_and_no_log_of_others(folder):
@@ -188,9 +191,75 @@ def test_names_and_photos_are_optional_and_are_no_new_version(ran):
     assert "Ann &lt;the first&gt;" in table
     assert "data:image/png;base64," in table
     (ran / "bob" / "name.txt").write_text("../../bob")
-    assert "bob is left out: name.txt: its name must have no /" in league(ran).output
     (ran / "ann" / "photo.png").write_bytes(b"<script>")
-    assert "ann is left out: photo.png must be such a picture" in league(ran).output
+    done = league(ran)
+    assert "warning: bob: name.txt: its name must have no /, got '../../bob'" in done.output
+    assert "warning: ann: photo.png must be such a picture" in done.output
+    table = (ran / "site" / "index.html").read_text()
+    assert ">bob<" in table
+    assert "Ann &lt;the first&gt;" in table
+
+
+def test_a_name_that_another_entry_has_gets_a_number(ran):
+    (ran / "bob" / "name.txt").write_text("nearest")
+    league(ran)
+    assert ">nearest (2)</a>" in (ran / "site" / "index.html").read_text()
+
+
+def test_files_that_cannot_be_used_leave_the_version_before_in_play(ran):
+    replays = sorted(path.name for path in (ran / ".league" / "replays").iterdir())
+    (ran / "bob" / "agent.py").rename(ran / "away.txt")
+    done = league(ran)
+    assert "bob: version 2 does not pass the check: it has no file that can be read" in done.output
+    assert "0 new matches" in done.output
+    page = page_of(ran, "bob")
+    assert "Version 2 did not pass the check" in page
+    assert "Version 1 goes on playing." in page
+    assert page.count("<catch-replay id=") == 2
+    assert sorted(path.name for path in (ran / ".league" / "replays").iterdir()) == replays
+    (ran / "away.txt").rename(ran / "bob" / "agent.py")
+    assert "0 new matches" in league(ran).output
+    assert "did not pass the check" not in page_of(ran, "bob")
+
+
+def test_an_agent_with_a_package_plays_from_its_copy(ran):
+    (ran / "cid" / "tools").mkdir(parents=True)
+    (ran / "cid" / "tools" / "__init__.py").write_text("FIRST = 1")
+    (ran / "cid" / "agent.py").write_text("from tools import FIRST\n" + agent("return FIRST if view.targets else 0"))
+    assert "cid: version 1 enters" in league(ran).output
+
+
+def test_a_check_that_fails_on_our_side_is_tried_again(ran, monkeypatch):
+    (ran / "cid.py").write_text(agent("return 0  # cid"))
+
+    def fail(*_):
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(update, "check_fitness", fail)
+    assert "cid: could not be checked: the disk is full; the next run tries again" in league(ran).output
+    monkeypatch.undo()
+    assert "cid: version 1 enters" in league(ran).output
+
+
+def test_files_that_change_while_they_are_copied_wait_for_the_next_run(ran, monkeypatch):
+    (ran / "cid.py").write_text(agent("return 0  # cid"))
+    copy = shutil.copyfile
+
+    def change_and_copy(path, target):
+        path.write_text(agent("return 1  # changed"))
+        copy(path, target)
+
+    monkeypatch.setattr(shutil, "copyfile", change_and_copy)
+    assert "cid: its files change; the next run takes them" in league(ran).output
+    monkeypatch.undo()
+    assert "cid: version 1 enters" in league(ran).output
+
+
+def test_an_entry_called_site_is_refused(ran):
+    (ran / "site" / "agent.py").write_text(agent())
+    done = league(ran)
+    assert done.exit_code == 2
+    assert "site: is the folder of the pages; rename this entry" in done.output
 
 
 def test_secret_opponents_play_and_are_not_named(folder, tmp_path):
@@ -198,7 +267,7 @@ def test_secret_opponents_play_and_are_not_named(folder, tmp_path):
     (tmp_path / "hidden" / "teacher.py").write_text(agent())
     done = league(folder, "--secret-opponents", tmp_path / "hidden")
     assert done.exit_code == 0, done.output
-    assert "secret opponent 1" in (folder / "site" / "index.html").read_text()
+    assert "secret opponent" in (folder / "site" / "index.html").read_text()
     assert not any("teacher" in path.read_text() for path in (folder / "site").iterdir())
 
 
@@ -238,8 +307,8 @@ def test_two_runs_exclude_each_other(folder):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--every", "15"], "--every must be a number with s, m, h or d, such as 15m, got '15'"),
-        (["--every", "0m"], "--every must be a number with s, m, h or d, such as 15m, got '0m'"),
+        (["--every", "15"], "--every must be a number with s, m, h or d, up to 31d, such as 15m, got '15'"),
+        (["--every", "0m"], "--every must be a number with s, m, h or d, up to 31d, such as 15m, got '0m'"),
         (["--trusted"], "--trusted must be left out with a league"),
         (["-s", "capstone"], "scenario must have two parties that compete, got capstone"),
         (["--secret-opponents", "nowhere"], "nowhere: cannot be read: No such file or directory"),
