@@ -7,8 +7,9 @@ from typing import Final
 
 
 class Verdict(IntEnum):
-    """R5.2: the twelve answers to a request; the first test that fails gives the verdict. The tests have the order of the
-    numbers, except that WAITING_FOR_PARTNER is tested after OUT_OF_REACH.
+    """R5.2: the twelve answers to a request; the first test that fails gives the verdict.
+
+    The tests have the order of the numbers, except that WAITING_FOR_PARTNER is tested after OUT_OF_REACH.
 
     The `catch_turtle` response of ROS has one bit for them: its `success` is `verdict is Verdict.GRANTED`.
     """
