@@ -6,6 +6,7 @@ the hunter goes to the place of the greatest worth. The work of a move has a lim
 on the machine's speed, so a match can be repeated. The agent keeps no state and draws no random numbers.
 """
 
+import math
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -51,6 +52,8 @@ CIRCLE: Final = 0.3
 """Radius, as a part of the side, of the circle on which a hunter with a partial view drives if it sees no target."""
 FURTHER_RAD: Final = 0.8
 """Angle to the next point on that circle [rad]."""
+SHOWN: Final = 0.5
+"""Share of the arena that the circle must show; if it shows less, the hunter drives in lanes over the whole arena."""
 
 
 class Weights(NamedTuple):
@@ -375,7 +378,7 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Float64Array:
         lead = np.where(waits, 0.0, np.minimum(LONGEST_LEAD_S, distance / limits.max_speed_mps))
         x, y = x + lead * scene.target_vx[rows, target], y + lead * scene.target_vy[rows, target]
     if limits.view_radius_m is not None or limits.view_angle_deg < 360.0:
-        ahead_x, ahead_y = on_the_circle(scene)
+        ahead_x, ahead_y = on_the_circle(scene) if circle_is_enough(limits) else on_the_lanes(scene)
         blind = ~scene.alive.any(axis=1)
         x, y, waits = np.where(blind, ahead_x, x), np.where(blind, ahead_y, y), waits & ~blind
     return drive(scene, x, y, waits)
@@ -397,6 +400,30 @@ def drive(scene: Scene, x: Float64Array, y: Float64Array, waits: BoolArray) -> F
     commands = np.stack((np.where(ahead, np.minimum(1.0, speed), 0.0), turn), axis=1)
     commands[waits & (distance < THERE_M)] = 0.0
     return commands
+
+
+def circle_is_enough(limits: Limits) -> bool:
+    """Return whether a hunter that drives on the circle sees most of the arena in turn."""
+    radius_m = math.inf if limits.view_radius_m is None else limits.view_radius_m
+    return 4.0 * math.pi * CIRCLE * radius_m >= SHOWN * limits.side_m
+
+
+def on_the_lanes(scene: Scene) -> tuple[Float64Array, Float64Array]:
+    """Return x and y [m], (N,) each, of the next point on a closed path that shows the whole arena in turn.
+
+    The path goes through the middles of square cells that a view covers. It follows one column of cells down, and comes
+    back up in lanes through the other columns, to the right and to the left in turn.
+    """
+    side, radius = scene.limits.side_m, scene.limits.view_radius_m or scene.limits.side_m
+    cells = 2 * math.ceil(side / (4.0 * radius))  # along each side, an even number
+    size = side / cells
+    column, row = (np.clip(np.floor(at[:, 0] / size), 0, cells - 1) for at in (scene.x, scene.y))
+    to_right = row % 2 == 0
+    last = np.where(to_right, column == cells - 1, (column == 1) & (row < cells - 1))
+    returns = (column == 0) & (row > 0)
+    step_x = np.where(returns | last, 0.0, np.where(to_right, 1.0, -1.0))
+    step_y = np.where(returns, -1.0, np.where(last, 1.0, 0.0))
+    return (column + step_x + 0.5) * size, (row + step_y + 0.5) * size
 
 
 def on_the_circle(scene: Scene) -> tuple[Float64Array, Float64Array]:

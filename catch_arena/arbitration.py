@@ -8,7 +8,7 @@ from typing import Any, Final, get_args
 
 import numpy as np
 
-from catch_arena.config import ArbitrationPolicy, require_choice
+from catch_arena.config import ArbitrationPolicy, checked_teams, require_choice, require_hunters_per_catch
 from catch_arena.core import arbiter, state
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.plain import plain_setting, real_number, whole_number
@@ -33,6 +33,8 @@ def arbitrate(
     kill_service_up: bool = True,
     kill_refused: Collection[str] = (),
     match_over: bool = False,
+    teams: Sequence[Sequence[int]] | None = None,
+    hunters_per_catch: int = 1,
 ) -> list[Ruling]:
     """Return the verdicts of chapter 5 on the requests of one step.
 
@@ -49,6 +51,8 @@ def arbitrate(
         kill_service_up: true if the simulator's kill service answers.
         kill_refused: names whose kill the simulator refuses.
         match_over: true if the episode has ended.
+        teams: the seats of each team (R11.1), such as [(0, 1), (2, 3)]; None for no teams.
+        hunters_per_catch: number of hunters of one team that a catch needs (R5.10); more than 1 requires teams.
 
     Returns:
         one Ruling for each request, in the order of the requests.
@@ -71,6 +75,9 @@ def arbitrate(
         )
     reaches_um = _checked_reaches(reach_m, seats)
     require_choice("policy", policy, get_args(ArbitrationPolicy))
+    groups = None if teams is None else checked_teams(plain_setting(teams), seats)
+    require_hunters_per_catch(hunters_per_catch, groups, policy)
+    team_of = {seat: team for team, members in enumerate(groups or ()) for seat in members}
     number_of_step = whole_number(step)
     if number_of_step is None or not 0 <= number_of_step < 2**53:
         raise ConfigError(f"step must be a whole number from 0 to 2^53 - 1, got {step!r}")
@@ -81,6 +88,7 @@ def arbitrate(
         row[arbiter.REQUEST_SEAT] = seat
         row[arbiter.REQUEST_REACH] = reaches_um[seat]
         row[arbiter.REQUEST_INACTIVE] = seat in out
+        row[arbiter.REQUEST_TEAM] = team_of.get(seat, 0)
         row[arbiter.REQUEST_DISTANCE] = state.NOT_MEASURED
         row[arbiter.REQUEST_TARGET] = requested_target(name, numbers, gone)
         if isinstance(name, str) and row[arbiter.REQUEST_TARGET] > 0:
@@ -95,6 +103,7 @@ def arbitrate(
         number_of_step,
         bool(match_over),
         bool(kill_service_up),
+        int(hunters_per_catch) - 1,
     )
     return rulings_of(table, [name for _, name in requests], number_of_step)
 

@@ -132,6 +132,8 @@ class ArenaConfig:
     """R5.3, R2.7: a target is within reach strictly below this distance, for all hunters or for each seat."""
     policy: ArbitrationPolicy = "nearest"
     """R5.9: rule that decides contests."""
+    hunters_per_catch: int = 1
+    """R5.10: number of hunters of one team that a catch needs; more than 1 requires teams."""
     teams: tuple[tuple[int, ...], ...] | None = None
     """R11.1: seats of each team, each seat once; None makes each hunter a team of its own."""
     team_share: float = 0.0
@@ -230,6 +232,7 @@ class ArenaConfig:
         self._check_control()
         self._check_poses()
         self._check_teams()
+        require_hunters_per_catch(self.hunters_per_catch, self.teams, self.policy)
         self._check_prey()
 
     def _check_handicap(self, name: str, at_most: float) -> None:
@@ -292,26 +295,8 @@ class ArenaConfig:
 
     def _check_teams(self) -> None:
         _require_number("team_share", self.team_share, at_least=0.0, at_most=1.0)
-        if self.teams is None:
-            return
-        if not isinstance(self.teams, tuple) or not all(isinstance(team, tuple) for team in self.teams):
-            raise ConfigError(f"teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got {self.teams!r}")
-        requirement = f"teams must name each seat from 0 to {self.hunters - 1} once"
-        seats: list[int] = []
-        for team in self.teams:
-            if not team:
-                raise ConfigError(f"{requirement}, and each team must have a seat, got {self.teams!r}")
-            for seat in team:
-                if type(seat) is not int:
-                    raise ConfigError(f"{requirement}, got {with_type(seat)}")
-                if not 0 <= seat < self.hunters:
-                    raise ConfigError(f"{requirement}, got {seat}")
-                if seat in seats:
-                    raise ConfigError(f"{requirement}, got seat {seat} more than once")
-                seats.append(seat)
-        if missing := sorted(set(range(self.hunters)) - set(seats)):
-            raise ConfigError(f"{requirement}, got no team for seat {', '.join(map(str, missing))}")
-        object.__setattr__(self, "teams", tuple(tuple(sorted(team)) for team in self.teams))
+        if self.teams is not None:
+            object.__setattr__(self, "teams", checked_teams(self.teams, self.hunters))
 
     def _check_prey(self) -> None:
         _require_integer("prey", self.prey, 0, MAX_PREY)
@@ -533,6 +518,40 @@ def require_flag(name: str, value: object) -> bool:
     if not isinstance(flag, bool):
         raise ConfigError(f"{name} must be true or false, got {with_type(value)}")
     return flag
+
+
+def checked_teams(teams: object, hunters: int) -> tuple[tuple[int, ...], ...]:
+    """R11.1: return the teams with the seats of each sorted; raise ConfigError unless they name each seat once."""
+    if not isinstance(teams, tuple) or not all(isinstance(team, tuple) for team in teams):
+        raise ConfigError(f"teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got {teams!r}")
+    requirement = f"teams must name each seat from 0 to {hunters - 1} once"
+    seats: list[int] = []
+    for team in teams:
+        if not team:
+            raise ConfigError(f"{requirement}, and each team must have a seat, got {teams!r}")
+        for seat in team:
+            if type(seat) is not int:
+                raise ConfigError(f"{requirement}, got {with_type(seat)}")
+            if not 0 <= seat < hunters:
+                raise ConfigError(f"{requirement}, got {seat}")
+            if seat in seats:
+                raise ConfigError(f"{requirement}, got seat {seat} more than once")
+            seats.append(seat)
+    if missing := sorted(set(range(hunters)) - set(seats)):
+        raise ConfigError(f"{requirement}, got no team for seat {', '.join(map(str, missing))}")
+    return tuple(tuple(sorted(team)) for team in teams)
+
+
+def require_hunters_per_catch(number: object, teams: tuple[tuple[int, ...], ...] | None, policy: str) -> None:
+    """R5.10: raise ConfigError unless some team has as many hunters as a catch needs."""
+    _require_integer("hunters_per_catch", number, 1, MAX_HUNTERS)
+    if number == 1:
+        return
+    if policy == "capstone":
+        raise ConfigError(f"hunters_per_catch must be 1 under the policy 'capstone', got {number}")
+    if teams is None:
+        raise ConfigError(f"hunters_per_catch must be 1 unless teams are given, got {number}")
+    _require_integer("hunters_per_catch", number, 1, max(map(len, teams), default=0), "the size of the largest team")
 
 
 def require_options(options: object) -> None:

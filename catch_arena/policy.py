@@ -72,6 +72,8 @@ class Limits:
     """Standard deviation of the error in each position that the hunter sees [m] (R7.6)."""
     teams: bool = False
     """True if hunters play in teams; `rival.mate` then marks team-mates (R11.1)."""
+    hunters_per_catch: int = 1
+    """Number of hunters of one team that a catch needs (R5.10)."""
     prey: int = 0
     """Number of targets that agents play (R12.1)."""
 
@@ -109,6 +111,7 @@ class Limits:
             view_angle_deg=config.view_angle_deg,
             view_noise_m=config.view_noise_m,
             teams=config.teams is not None,
+            hunters_per_catch=config.hunters_per_catch,
             prey=config.prey,
         )
 

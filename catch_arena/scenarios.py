@@ -10,6 +10,18 @@ from catch_arena.errors import ConfigError, suggest
 from catch_arena.text import shortened
 
 _STANDARD: Final = ArenaConfig()
+_PAIRS: Final = _STANDARD.replace(teams=((0, 1), (2, 3)), team_share=1.0)
+_TAG: Final = _STANDARD.replace(
+    hunters=3,
+    control="velocity",
+    prey=1,
+    initial_targets=1,
+    max_targets=1,
+    spawning=False,
+    reach_m=0.5,
+    target_speed_mps=2.2,
+    target_turn_rate_radps=4.0,
+)
 
 SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
     {
@@ -24,10 +36,14 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
         "evasive": _STANDARD.replace(target_motion="flee", target_speed_mps=1.5),
         # velocity control: under target control a hunter that sees nothing can only hold, and not look around
         "fog": _STANDARD.replace(view_radius_m=2.5, control="velocity"),
+        "haze": _STANDARD.replace(
+            view_radius_m=1.5, control="velocity", side_m=20.0, initial_targets=16, max_targets=32
+        ),
         "blinkers": _STANDARD.replace(view_angle_deg=100.0, control="velocity"),
         "unequal": _STANDARD.replace(max_speed_mps=(2.6, 2.2, 1.8, 1.4), reach_m=(0.2, 0.3, 0.4, 0.5)),
         "dropout": _STANDARD.replace(dropout_rate=0.002),
-        "pairs": _STANDARD.replace(teams=((0, 1), (2, 3)), team_share=1.0),
+        "pairs": _PAIRS,
+        "partners": _PAIRS.replace(hunters_per_catch=2),
         "squads": _STANDARD.replace(
             hunters=8,
             teams=((0, 1, 2, 3), (4, 5, 6, 7)),
@@ -37,17 +53,8 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
             max_targets=32,
             spawn_frequency_hz=2.0,
         ),
-        "tag": _STANDARD.replace(
-            hunters=3,
-            control="velocity",
-            prey=1,
-            initial_targets=1,
-            max_targets=1,
-            spawning=False,
-            reach_m=0.5,
-            target_speed_mps=2.2,
-            target_turn_rate_radps=4.0,
-        ),
+        "tag": _TAG,
+        "pack": _TAG.replace(teams=((0, 1, 2),), team_share=1.0, hunters_per_catch=2),
         "herd": _STANDARD.replace(prey=4, initial_targets=12, max_targets=20, target_motion="wander"),
         # the ROS 2 exercise with an arbiter: its reach, and a target each second
         "exercise": _STANDARD.replace(reach_m=0.5, initial_targets=0, spawn_frequency_hz=1.0),

@@ -7,7 +7,9 @@ from typing import Final
 
 
 class Verdict(IntEnum):
-    """R5.2: the eleven answers to a request, in the order of their tests; the first test that fails gives the verdict.
+    """R5.2: the twelve answers to a request; the first test that fails gives the verdict.
+
+    The tests have the order of the numbers, except that WAITING_FOR_PARTNER is tested after OUT_OF_REACH.
 
     The `catch_turtle` response of ROS has one bit for them: its `success` is `verdict is Verdict.GRANTED`.
     """
@@ -23,6 +25,7 @@ class Verdict(IntEnum):
     LOST_CONTEST = 9
     KILL_FAILED = 10
     GRANTED = 11
+    WAITING_FOR_PARTNER = 12
 
 
 NO_REQUEST: Final = 0
@@ -40,6 +43,7 @@ _MEANINGS: Final = {
     Verdict.LOST_CONTEST: ("another hunter in reach of the same target was preferred", "R5.6"),
     Verdict.KILL_FAILED: ("the hunter won the target, but the simulator refused the kill", "R5.7"),
     Verdict.GRANTED: ("caught", "R5.4"),
+    Verdict.WAITING_FOR_PARTNER: ("too few hunters of its team asked for the target in this step", "R5.10"),
 }
 CLAUSES: Final[Mapping[Verdict, str]] = {verdict: clause for verdict, (_, clause) in _MEANINGS.items()}
 """Clause of the rulebook for each verdict."""

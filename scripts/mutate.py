@@ -31,6 +31,7 @@ OTHERS: dict[type[ast.AST], tuple[type[Any], ...]] = {
     **{one: tuple(other for other in COMPARISONS if other is not one) for one in COMPARISONS[:4]},
     ast.Eq: (ast.NotEq, ast.LtE, ast.GtE),
     ast.NotEq: (ast.Eq, ast.Lt, ast.Gt),
+    ast.In: (ast.NotIn,),
     ast.NotIn: (ast.In,),
     ast.Add: (ast.Sub, ast.Mult),
     ast.Sub: (ast.Add,),

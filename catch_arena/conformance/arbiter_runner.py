@@ -120,6 +120,7 @@ def _renumbered(case: ArbiterCase) -> Variants:
                 expected=tuple(map(moved, case.expected)),
                 reach_m=_in_seats(case.reach_m, order),
                 inactive=tuple(sorted(new[old] for old in case.inactive)),
+                teams=case.teams and tuple(tuple(new[old] for old in team) for team in case.teams),
                 lots=tuple(
                     Lot(target=lot.target, seats=tuple(sorted(new[old] for old in lot.seats)), drawn=None)
                     for lot in case.lots
@@ -136,10 +137,11 @@ def _in_seats(reach_m: float | Sequence[float], order: Sequence[int]) -> float |
 def _without_loser(case: ArbiterCase) -> Variants:
     """R5.5: yield variants without the requests of one hunter that won nothing; the lots of the case are decided.
 
-    No other ruling changes, with one exception: a refused kill without a rival is no longer a contest (R5.6).
+    No other ruling changes, with one exception: a refused kill without a rival is no longer a contest (R5.6). Losers
+    that a catch may need (R5.10) stay.
     """
     for seat in sorted({ruling.hunter for ruling in case.expected}):
-        if any(ruling.hunter == seat and _has_won(ruling) for ruling in case.expected):
+        if any(ruling.hunter == seat and (_has_won(ruling) or _is_needed(ruling, case)) for ruling in case.expected):
             continue
         rest = tuple(ruling for ruling in case.expected if ruling.hunter != seat)
         contested = {ruling.target for ruling in rest if ruling.verdict is Verdict.LOST_CONTEST}
@@ -171,6 +173,10 @@ def _under_nearest(case: ArbiterCase) -> ArbiterCase:
 
 def _has_won(ruling: ExpectedRuling) -> bool:
     return ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED, LOT}
+
+
+def _is_needed(ruling: ExpectedRuling, case: ArbiterCase) -> bool:
+    return case.hunters_per_catch > 1 and ruling.verdict is Verdict.LOST_CONTEST
 
 
 def _permutations(count: int, name: str) -> list[tuple[int, ...]]:

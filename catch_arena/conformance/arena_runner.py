@@ -125,6 +125,8 @@ class ArenaRunner:
             "kill_down": [] if case.kill_service_up else [0],
             "kill_refused": [[0, number] for number in refused],
         }
+        if case.teams is not None:
+            settings |= {"teams": case.teams, "hunters_per_catch": case.hunters_per_catch}
         poses = [(x, y, 0.0) for x, y in case.hunters]
         call_adjudicator("reset", self._arena.reset, settings)
         call_adjudicator("place", self._arena.place, poses, list(case.targets.values()))

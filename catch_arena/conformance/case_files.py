@@ -70,6 +70,7 @@ def _require_sense_of_arbiter(case: ArbiterCase) -> None:
     hunters = len(case.hunters)
     _require_reaches(case.reach_m, hunters)
     _require_seats(case.inactive, hunters)
+    _require_seats((seat for team in case.teams or () for seat in team), hunters)
     _require_rulings((*case.expected, *case.under_nearest), hunters)
     for lot in case.lots:
         if lot.target not in case.targets:

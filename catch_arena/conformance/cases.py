@@ -116,6 +116,9 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
     kill_service_up: bool = True
     kill_refused: tuple[str, ...] = ()
     match_over: bool = False
+    teams: tuple[tuple[Whole, ...], ...] | None = None
+    """Seats by team."""
+    hunters_per_catch: Whole = 1
     lots: tuple[Lot, ...] = ()
     fair_over_steps: Whole = 0
     """Number of steps in which the lots are drawn; each of their seats must win in some of them. 0: no such test."""
@@ -128,8 +131,15 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
         return {key: getattr(self, key) for key in DEFAULTS}
 
     def arguments(self) -> dict[str, Any]:
-        """Return the keyword arguments of `arbitrate`, in new containers."""
-        given = {key: list(value) if isinstance(value, tuple) else value for key, value in self.circumstances.items()}
+        """Return the keyword arguments of `arbitrate`, in new containers.
+
+        Those of R5.10 are given only to cases about it, so that an arbiter without them can play all others.
+        """
+        given = {
+            key: list(value) if isinstance(value, tuple) else value
+            for key, value in self.circumstances.items()
+            if key not in _NEWER or value != DEFAULTS[key]
+        }
         return {
             "hunters": list(self.hunters),
             "targets": dict(self.targets),
@@ -144,10 +154,12 @@ DEFAULTS: Final[Mapping[str, Any]] = {
     if argument.name
     in {
         *("reach_m", "policy", "seed", "step", "caught", "inactive"),
-        *("kill_service_up", "kill_refused", "match_over"),
+        *("kill_service_up", "kill_refused", "match_over", "teams", "hunters_per_catch"),
     }
 }
 """Defaults of a case, equal to those of `arbitrate`."""
+_NEWER: Final = ("teams", "hunters_per_catch")
+"""Arguments that only cases about R5.10 have."""
 
 
 class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
@@ -182,6 +194,7 @@ class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
     spawning: bool | None = None
     teams: tuple[tuple[Whole, ...], ...] | None = None
     """Seats by team."""
+    hunters_per_catch: Whole | None = None
     prey: Whole | None = None
     prey_returns_s: Number | Literal["NEVER"] | None = None
     hunters: Whole = 1

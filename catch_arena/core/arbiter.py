@@ -2,8 +2,8 @@
 
 The arbiter judges a *request table*: one row for each request of one step in one arena, in the columns below. It reads
 distances and eligibility from there alone, so nothing that it grants can change another request (R5.1). The engine
-and `catch_arena.arbitrate` fill the table; the same code judges both. It ignores teams: team-mates contest a target
-like all other hunters (R11.3).
+and `catch_arena.arbitrate` fill the table; the same code judges both. It ignores teams, except that it counts the
+hunters of one team (R5.10): team-mates contest a target like all other hunters (R11.3).
 """
 
 from typing import Final
@@ -28,9 +28,10 @@ REQUEST_DISTANCE: Final = 3  # [micrometres]; or NOT_MEASURED, which `judge` wri
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
 REQUEST_REACH: Final = 6  # [micrometres]: reach of the hunter
-REQUEST_VERDICT: Final = 7  # output
-REQUEST_WINNER: Final = 8  # output: seat, or NO_SEAT
-REQUEST_COLUMNS: Final = 9
+REQUEST_TEAM: Final = 7  # any number that differs by team
+REQUEST_VERDICT: Final = 8  # output
+REQUEST_WINNER: Final = 9  # output: seat, or NO_SEAT
+REQUEST_COLUMNS: Final = 10
 
 NEAREST: Final = 0
 FIRST_COME: Final = 1
@@ -50,6 +51,7 @@ OUT_OF_REACH: Final = int(Verdict.OUT_OF_REACH)
 _LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 _KILL_FAILED: Final = int(Verdict.KILL_FAILED)
 _GRANTED: Final = int(Verdict.GRANTED)
+_WAITING_FOR_PARTNER: Final = int(Verdict.WAITING_FOR_PARTNER)
 
 
 @rule
@@ -139,7 +141,15 @@ def is_preferred(
 
 
 @phase
-def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
+def judge(
+    requests: RequestTable,
+    policy: int,
+    seed: np.uint64,
+    step: int,
+    over: bool,
+    service_up: bool,
+    partners_needed: int,
+) -> None:
     """R5.1 to R5.7: write the verdict and the winner of every request of one step. First come R5.2's tests, which a
     request fails alone, and then the contests among the other requests.
 
@@ -154,6 +164,7 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
         step: number of steps played before this one.
         over: whether the episode has ended (R1.5).
         service_up: whether the kill service answers in this step (R8.3).
+        partners_needed: number of partners that a catch needs, hunters_per_catch - 1 (R5.10).
     """
     for i in range(len(requests)):
         duplicate = False
@@ -176,9 +187,32 @@ def judge(requests: RequestTable, policy: int, seed: np.uint64, step: int, over:
         requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else NO_SEAT
         if verdict not in (ELIGIBLE, OUT_OF_REACH):
             requests[i, REQUEST_DISTANCE] = NOT_MEASURED  # R5.6
+    if partners_needed > 0:
+        refuse_without_partners(requests, partners_needed)
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == ELIGIBLE:
             decide_contest(requests, i, policy, seed, step)
+
+
+@outlined
+def refuse_without_partners(requests: RequestTable, partners_needed: int) -> None:
+    """R5.10: refuse the requests in which too few hunters of one team may catch the same target.
+
+    Args:
+        requests: the request table; requests that fail no earlier test have the verdict ELIGIBLE so far.
+    """
+    for i in range(len(requests)):
+        if requests[i, REQUEST_VERDICT] == ELIGIBLE:
+            partners = -1  # the hunter itself is counted too
+            for j in range(len(requests)):
+                if (
+                    requests[j, REQUEST_VERDICT] in (ELIGIBLE, _WAITING_FOR_PARTNER)
+                    and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
+                    and requests[j, REQUEST_TEAM] == requests[i, REQUEST_TEAM]
+                ):
+                    partners += 1
+            if partners < partners_needed:
+                requests[i, REQUEST_VERDICT] = _WAITING_FOR_PARTNER
 
 
 @outlined
@@ -217,6 +251,14 @@ def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint6
 
 
 @entry
-def judge_alone(requests: RequestTable, policy: int, seed: np.uint64, step: int, over: bool, service_up: bool) -> None:
+def judge_alone(
+    requests: RequestTable,
+    policy: int,
+    seed: np.uint64,
+    step: int,
+    over: bool,
+    service_up: bool,
+    partners_needed: int,
+) -> None:
     """Judge a request table without an arena: see `judge`."""
-    judge(by_address(requests), policy, seed, step, over, service_up)
+    judge(by_address(requests), policy, seed, step, over, service_up, partners_needed)

@@ -2,9 +2,6 @@
 
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from catch_arena.core.arbiter import (
     CAPSTONE,
     ELIGIBLE,
@@ -16,6 +13,7 @@ from catch_arena.core.arbiter import (
     REQUEST_REACH,
     REQUEST_SEAT,
     REQUEST_TARGET,
+    REQUEST_TEAM,
     REQUEST_VERDICT,
     REQUEST_WINNER,
     RequestTable,
@@ -154,13 +152,14 @@ def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections) ->
 
 @phase
 def fill_requests(
-    chunk: Rows, s: Settings, lane: int, targets: Rows, limits: NDArray[np.float64], requests: RequestTable
+    chunk: Rows, s: Settings, lane: int, targets: Rows, requests: RequestTable, sections: Sections
 ) -> None:
     """Write the arbiter's facts about each request, as they are in S_t.
 
     Args:
         requests: the request table of the lane with its seats and slots, or codes in the place of slots; the columns
-            from REQUEST_NUMBER to REQUEST_REACH are written.
+            from REQUEST_NUMBER to REQUEST_TEAM are written.
+        sections: see `memory.Sections`; its limits and teams are read.
     """
     seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
     step = chunk[STEP + lane]
@@ -170,9 +169,10 @@ def fill_requests(
         slot = requests[i, REQUEST_TARGET]
         requests[i, REQUEST_NUMBER] = 0
         requests[i, REQUEST_DISTANCE] = NOT_MEASURED
-        requests[i, REQUEST_REACH] = int(limits_of(limits, seat).reach_um)
+        requests[i, REQUEST_REACH] = int(limits_of(sections.limits, seat).reach_um)
         requests[i, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
         requests[i, REQUEST_KILL_REFUSED] = 0
+        requests[i, REQUEST_TEAM] = sections.teams[seat]
         if slot >= 0:
             at = slot * s.slot_size + lane
             number = targets[NUMBER + at]
@@ -191,7 +191,8 @@ def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable, 
         requests: the request table of the lane; its verdicts and winners are written.
     """
     seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
-    judge(requests, s.policy, seed, int(chunk[STEP + lane]), chunk[ENDED + lane] != RUNNING, service_up)
+    over = chunk[ENDED + lane] != RUNNING
+    judge(requests, s.policy, seed, int(chunk[STEP + lane]), over, service_up, s.partners_needed)
     for i in range(len(requests) - 1, -1, -1):  # backwards: a hunter's first request is written last
         me = seat_of(chunk, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
@@ -271,6 +272,6 @@ def resolve_requests(
             requests = sections.requests[: collect_requests(chunk, s, lane, sections)]
             if len(requests) == 0:
                 continue
-        fill_requests(chunk, s, lane, targets, sections.limits, requests)
+        fill_requests(chunk, s, lane, targets, requests, sections)
         judge_requests(chunk, s, lane, requests, service_up[lane] > 0.0)
         commit(chunk, s, lane, targets, requests, sections)

@@ -172,7 +172,7 @@ def reward_hunters(
                 of_team = sections.team_rows[sections.teams[seat] * LANES + lane]
             rival = counts * (catches[lane] - of_team)
             lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
-            refused = (verdict > 0.0) & (verdict < _GRANTED) & (verdict != _LOST_CONTEST)
+            refused = (verdict > 0.0) & (verdict != _GRANTED) & (verdict != _LOST_CONTEST)
             rejected = select(refused, counts, 0.0)
             progress = 0.0
             if s.needs_progress:

@@ -163,6 +163,7 @@ class Settings(NamedTuple):
     targets_seen: int
     hunters_seen: int
     policy: int
+    partners_needed: int
     needs_progress: int
     any_control: int
     target_budget: float
@@ -222,6 +223,7 @@ class PlainSettings(Settings):
         "any_control",
         "dropout_rate",
         "has_teams",
+        "partners_needed",
         "partial_view",
         "prey",
         "target_motion",

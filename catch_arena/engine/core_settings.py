@@ -30,6 +30,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         targets_seen=config.targets_seen,
         hunters_seen=config.hunters_seen,
         policy=_number_of("policy", config.policy, POLICIES, "POLICIES in core/arbiter.py"),
+        partners_needed=config.hunters_per_catch - 1,
         needs_progress=int(with_parts or config.rewards.progress != 0.0),
         any_control=int(any_control),
         target_budget=math.inf if config.target_budget is None else float(config.target_budget),

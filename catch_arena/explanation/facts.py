@@ -36,6 +36,8 @@ class Contest:
     """
     claims: tuple[Claim, ...]
     """Claims of all hunters in the contest: the winner's first, then by distance."""
+    hunters_per_catch: int = 1
+    """Number of hunters of one team that the catch needed (R5.10); with more than 1, mates are partners."""
 
     @property
     def margin_um(self) -> int | None:

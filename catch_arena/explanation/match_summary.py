@@ -41,6 +41,8 @@ class Explanation:
 
     title: str
     policy: ArbitrationPolicy
+    hunters_per_catch: int
+    """Number of hunters of one team that a catch needs (R5.10)."""
     reaches_um: tuple[int, ...]
     """Reach of each hunter in micrometres, by seat (R2.7)."""
     steps: int
@@ -133,6 +135,7 @@ def explain(
     return Explanation(
         title=replay.title,
         policy=replay.config.policy,
+        hunters_per_catch=replay.config.hunters_per_catch,
         reaches_um=replay.config.reaches_um,
         steps=replay.steps,
         duration_ms=replay.duration_ms,

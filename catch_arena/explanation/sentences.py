@@ -48,7 +48,9 @@ def opening_sentence(match: "Explanation") -> str:
     length = f"{_counted(match.steps, 'step')}, {seconds(match.duration_ms)}"
     caught = zip(match.names, match.scores, strict=True)
     catches = listed(f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(caught))
-    return f"{heading}{length}. {_CONTEST_RULES[match.policy]}. {of_teams}Catches: {catches}."
+    needed = f"A catch needs {match.hunters_per_catch} hunters of one team (R5.10). "
+    rules = f"{_CONTEST_RULES[match.policy]}. {needed if match.hunters_per_catch > 1 else ''}"
+    return f"{heading}{length}. {rules}{of_teams}Catches: {catches}."
 
 
 def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -> str:
@@ -74,14 +76,20 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
     )
     lost = f"{listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
     sentence = f"{intro}. {'; '.join(places)}. {_DECISIONS[contest.clause]} ({contest.clause}): {outcome}, and {lost}"
-    return f"{sentence}{_lost_to_mate(losers, names)}."
+    return f"{sentence}{_lost_to_mate(contest, names)}."
 
 
-def _lost_to_mate(losers: Sequence[Claim], names: Sequence[str]) -> str:
+def _lost_to_mate(contest: Contest, names: Sequence[str]) -> str:
+    winner, *losers = contest.claims
     mates = [names[claim.seat] for claim in losers if claim.mate]
     if not mates:
         return ""
     subject = "it" if len(losers) == 1 else listed(mates)
+    if contest.hunters_per_catch > 1:
+        partners = "partners" if len(mates) > 1 else "partner"
+        be = "are" if len(mates) > 1 and len(losers) > 1 else "is"
+        needed = f"a catch needs {contest.hunters_per_catch} hunters of one team"
+        return f": {subject} {be} the {partners} of {names[winner.seat]}, since {needed} (R5.10)"
     return f": {subject} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
 
 

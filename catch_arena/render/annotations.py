@@ -40,6 +40,7 @@ SHORT_REASONS: Final[dict[Verdict, str]] = {
     Verdict.SERVICE_DOWN: "service down",
     Verdict.OUT_OF_REACH: "out of reach",
     Verdict.KILL_FAILED: "kill failed",
+    Verdict.WAITING_FOR_PARTNER: "needs a partner",
 }
 """Reason of a refusal by verdict, short enough to be read in a moment."""
 

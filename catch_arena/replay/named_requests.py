@@ -29,7 +29,9 @@ _LONGEST_NAME: Final = 256
 """Number of characters kept of a name, one more than R5.2 allows: a longer name stays too long."""
 _LONGEST_SHOWN: Final = 60
 _LONGEST_TABLE: Final = 1 << 24
-_FOR_A_RANK: Final = frozenset({Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED})
+_FOR_A_RANK: Final = frozenset(
+    {Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.WAITING_FOR_PARTNER}
+)
 """Verdicts on targets in reach. Those are always in view (R7.5), so they have a rank."""
 
 
@@ -109,6 +111,8 @@ def judge_again(
         caught=caught,
         inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
         kill_service_up=kill_service_up,
+        teams=config.teams,
+        hunters_per_catch=config.hunters_per_catch,
     )[len(ranked) :]
     for ruling in rulings:
         if ruling.verdict in _FOR_A_RANK:

@@ -30,6 +30,8 @@ _HINTS: Final[Mapping[str, str]] = {
     "GRANTED": "R6.1: only granted catches count: it got what it asked for, and asked too seldom: look for the targets "
     "that it reaches soonest, turning included, and before any rival",
     "LOST_CONTEST": "R5.4: of several hunters in reach the nearest is granted the target: look at view.rivals too",
+    "WAITING_FOR_PARTNER": "R5.10: a catch needs view.limits.hunters_per_catch hunters of one team in the same step: "
+    "wait at a target that a team-mate (rival.mate) reaches soon too",
     "MALFORMED": "R5.2: it named a rank that has no target: view.mask and len(view.targets) say which have",
     "SERVICE_DOWN": "R5.7: the kill service fails at times in this arena: ask again in the next step",
     "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",

@@ -17,7 +17,7 @@ from catch_arena.policy import Limits, View
 from catch_arena.tournament.loading import shipped
 
 FILE = Path(__file__).parents[1] / "data" / "actions.npz"
-SCENARIOS = ("standard", "duel", "scarce", "crowd", "evasive", "fog", "pairs", "unequal", "tag")
+SCENARIOS = ("standard", "duel", "scarce", "crowd", "evasive", "fog", "haze", "pairs", "partners", "unequal", "tag")
 AGENTS = [name for name in shipped() if name != "random"]
 STEPS = 24
 

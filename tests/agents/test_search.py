@@ -1,11 +1,21 @@
 """The agent that looks ahead acts legally, does bounded work, and sees only its view."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from catch_arena import SCENARIOS, Limits, VectorArena, View, scenario
 from catch_arena.agents.nearest import Agent as Nearest
-from catch_arena.agents.search import Agent, RolloutArena, Scene, Weights, look_ahead
+from catch_arena.agents.search import (
+    Agent,
+    RolloutArena,
+    Scene,
+    Weights,
+    circle_is_enough,
+    look_ahead,
+    on_the_lanes,
+)
 from catch_arena.batch_policy import BatchView
 from catch_arena.layout import observation_size
 from catch_arena.tournament.match_loop import play_match
@@ -116,6 +126,31 @@ def test_team_mates_are_no_rivals_of_it():
     arena = RolloutArena(scene, Weights())
     assert arena.worth[0, [0, mate]].tolist() == [1.0, 1.0]
     assert (arena.worth[0] < 0).sum() == 2
+
+
+@pytest.mark.parametrize(("side_m", "radius_m", "points"), [(20.0, 1.5, 64), (11.1, 0.5, 144), (20.0, 2.6, 16)])
+def test_it_drives_on_over_the_whole_arena_while_it_sees_nothing(side_m, radius_m, points):
+    """Around a closed way, from which all but the corners comes into view."""
+    limits = Limits.of(scenario("haze", side_m=side_m, view_radius_m=radius_m))
+    assert not circle_is_enough(limits)
+    scene = scene_of([(5.0, 5.0, 0.0)], [])._replace(limits=limits)
+    spots = np.random.default_rng(1).uniform(0.0, side_m, (2, 1000))
+    way = [np.array([0.9 * side_m, 0.1 * side_m])]
+    for _ in range(points + 1):
+        x, y = way[-1].reshape(2, 1, 1)
+        way.append(np.concatenate(on_the_lanes(scene._replace(x=x, y=y))))
+    assert (way[1] == way[-1]).all()
+    assert len({tuple(place) for place in way[1:]}) == points
+    shown = np.zeros(1000, bool)
+    for begin, end in pairwise(way[1:]):
+        for place in np.linspace(begin, end, 10):
+            shown |= np.hypot(*(spots - place[:, None])) < radius_m
+    assert shown.mean() > 0.97
+
+
+def test_where_a_circle_shows_most_of_the_arena_it_drives_on_the_circle():
+    for name in ("fog", "blinkers", "standard"):
+        assert circle_is_enough(Limits.of(scenario(name)))
 
 
 def test_it_beats_nearest_over_a_few_matches():

@@ -41,8 +41,12 @@ class PlainArbiter:
                 ruling |= {"verdict": "GRANTED", "winner": hunter}
             elif ruling["verdict"] is None:
                 contests.setdefault(self.target_named(name), []).append(ruling | {"place": place})
-        for name, eligible in contests.items():
-            for one, verdict, winner in self.decide(name, eligible):
+        for name, asked in contests.items():
+            eligible = [one for one in asked if self.has_partners(one, asked)]
+            for one in asked:
+                if one not in eligible:
+                    rulings[one["place"]] |= self.waiting(one, eligible)
+            for one, verdict, winner in self.decide(name, eligible) if eligible else ():
                 rulings[one["place"]] |= {"verdict": verdict, "winner": winner}
         return self.returned(rulings)
 
@@ -104,6 +108,18 @@ class PlainArbiter:
     def note(self, ruling: Ruling) -> None:
         """Make a later request of the hunter a duplicate."""
         self.requesters.add(ruling["hunter"])
+
+    def has_partners(self, one: Ruling, asked: Eligible) -> bool:
+        """R5.10: whether enough hunters of its team ask."""
+        teams, needed = self.case.get("teams"), self.case.get("hunters_per_catch", 1)
+        team = next((team for team in teams or () if one["hunter"] in team), ())
+        return needed == 1 or sum(self.is_partner(other, team) for other in asked) >= needed
+
+    def is_partner(self, other: Ruling, team: Sequence[int]) -> bool:
+        return other["hunter"] in team
+
+    def waiting(self, _one: Ruling, _eligible: Eligible) -> Ruling:
+        return {"verdict": "WAITING_FOR_PARTNER", "winner": None}
 
     def decide(self, name: str, eligible: Eligible) -> list[tuple[Ruling, str, int | None]]:
         """Each request for a target, its verdict and the winner."""
@@ -233,6 +249,14 @@ def longest_reach(self: PlainArbiter, eligible: Eligible) -> Ruling:
     return right.winner(self, [one for one in eligible if self.own_reach(seat(one)) == longest])
 
 
+def partner_nearby(self: PlainArbiter, one: Ruling, asked: Eligible) -> bool:
+    """A team-mate within reach is enough, whether or not it asks."""
+    team = next((team for team in self.case.get("teams") or () if one["hunter"] in team), ())
+    place = self.case["targets"][one["target"]]
+    near = [other for other in team if math.dist(self.case["hunters"][other], place) < self.own_reach(other)]
+    return right.has_partners(self, one, asked) or len(near) >= self.case["hunters_per_catch"]
+
+
 def note_the_unrefused(self: PlainArbiter, ruling: Ruling) -> None:
     if ruling["verdict"] is None:
         self.requesters.add(seat(ruling))
@@ -355,6 +379,22 @@ KNOWN: dict[str, PlainArbiter] = {
     "after a refused kill the losers get KILL_FAILED too": PlainArbiter(
         decide=lambda self, name, eligible: [
             (one, "KILL_FAILED" if name in self.case["kill_refused"] else verdict, winner)
+            for one, verdict, winner in right.decide(self, name, eligible)
+        ]
+    ),
+    "hunters_per_catch is ignored": with_case(hunters_per_catch=1),
+    "hunters of different teams are partners": PlainArbiter(is_partner=lambda *_: True),
+    "a team-mate within reach is a partner, and need not ask": PlainArbiter(has_partners=partner_nearby),
+    "LOST_CONTEST instead of WAITING_FOR_PARTNER if another team has enough": PlainArbiter(
+        waiting=lambda self, one, eligible: (
+            {"verdict": "LOST_CONTEST", "winner": seat(right.winner(self, eligible))}
+            if eligible
+            else right.waiting(self, one, eligible)
+        )
+    ),
+    "the partners are granted the target too": PlainArbiter(
+        decide=lambda self, name, eligible: [
+            (one, self.won(name) if self.case.get("hunters_per_catch", 1) > 1 else verdict, winner)
             for one, verdict, winner in right.decide(self, name, eligible)
         ]
     ),

@@ -255,6 +255,8 @@ WRONG: Sequence[tuple[str, type[OracleArena]]] = (
     ("view", FeelsAsFarAsTheFirst),
     ("view", SeesAllRivals),
     ("dropouts", DropsOutAfterTheRulings),
+    ("partners", with_settings(lambda _: {"hunters_per_catch": 1})),
+    ("partners", MatesShareACatch),
     ("teams", MatesShareACatch),
     ("teams", GrantsATeamOneCatchAStep),
     ("teams", TakesTeamsForNeighbours),

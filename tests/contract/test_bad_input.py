@@ -67,6 +67,17 @@ BAD_CONFIGS = [
     ({"spawning": 0}, "spawning must be true or false, got 0 (int)"),
     ({"prey": 33, "initial_targets": 40, "max_targets": 40}, "prey must be a whole number from 0 to 32, got 33"),
     ({"prey": 9}, "prey must be a whole number from 0 to 8 (initial_targets, which include prey), got 9"),
+    ({"hunters_per_catch": 0}, "hunters_per_catch must be a whole number from 1 to 64, got 0"),
+    ({"hunters_per_catch": 1.5}, "hunters_per_catch must be a whole number from 1 to 64, got 1.5 (float)"),
+    ({"hunters_per_catch": 2}, "hunters_per_catch must be 1 unless teams are given, got 2"),
+    (
+        {"hunters_per_catch": 3, "teams": ((0, 1), (2, 3))},
+        "hunters_per_catch must be a whole number from 1 to 2 (the size of the largest team), got 3",
+    ),
+    (
+        {"hunters_per_catch": 2, "teams": ((0, 1), (2, 3)), "policy": "capstone"},
+        "hunters_per_catch must be 1 under the policy 'capstone', got 2",
+    ),
     ({"prey": 1, "target_budget": 20}, "target_budget must be None if the arena has prey, got 20"),
     ({"prey_returns_s": -0.1}, "prey_returns_s must be at least 0 and at most 1e+09, got -0.1"),
     ({"prey_rewards": {"caught": INFINITY}}, "prey_rewards.caught must be a finite number at least -1e+06, got inf"),

@@ -58,6 +58,7 @@ OTHERWISE: dict[str, Any] = {
     "reverse": True,
     "reach_m": (1.2, 1.1, 0.6),
     "policy": "first_come",
+    "hunters_per_catch": 2,
     "teams": ((0, 1), (2,)),
     "team_share": 0.6,
     "spawning": False,

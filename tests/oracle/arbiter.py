@@ -17,6 +17,7 @@ OUT_OF_REACH: Final = 8
 LOST_CONTEST: Final = 9
 KILL_FAILED: Final = 10
 GRANTED: Final = 11
+WAITING_FOR_PARTNER: Final = 12
 
 
 class Request:
@@ -41,6 +42,17 @@ def contest_winner(eligible: Sequence[Request], number: int, policy: str, seed: 
     tied = [request.seat for request in eligible if request.distance_um == nearest]
     lots = draw(draw(key(seed, TIE_LOT), step), number)
     return min(tied, key=lambda seat: (draw(lots, seat), seat))
+
+
+def refuse_without_partners(requests: Sequence[Request], teams: Sequence[Sequence[int]] | None, needed: int) -> None:
+    """R5.10: refuse requests in which too few hunters of one team ask for the same target."""
+    so_far = [request for request in requests if request.verdict == 0 and request.number is not None]
+    for team in teams or ():
+        for number in {request.number for request in so_far}:
+            together = [request for request in so_far if request.number == number and request.seat in team]
+            if len(together) < needed:
+                for request in together:
+                    request.verdict = WAITING_FOR_PARTNER
 
 
 def decide_contests(requests: Sequence[Request], refused: Iterable[int], policy: str, seed: int, step: int) -> None:
@@ -78,6 +90,8 @@ def judge(
     kill_service_up: bool = True,
     kill_refused: Iterable[str] = (),
     match_over: bool = False,
+    teams: Sequence[Sequence[int]] | None = None,
+    hunters_per_catch: int = 1,
 ) -> list[tuple[int, int, object, int | None, int | None]]:
     """Chapter 5 for requests by name: (verdict, seat, name, distance_um, winner) in the order of the requests."""
     names = list(targets)
@@ -115,6 +129,7 @@ def judge(
             request.distance_um = micrometres(distance(*hunters[seat], *targets[name]))
             if not request.distance_um < reaches_um[seat]:
                 request.verdict = OUT_OF_REACH
+    refuse_without_partners(judged, teams, hunters_per_catch)
     refused = [number_of[name] for name in kill_refused if name in number_of]
     decide_contests(judged, refused, policy, seed, step)
     return [

@@ -22,6 +22,7 @@ from oracle.arbiter import (
     SERVICE_DOWN,
     Request,
     decide_contests,
+    refuse_without_partners,
 )
 from oracle.arithmetic import (
     DROPOUT,
@@ -419,6 +420,7 @@ class OracleArena:
                 request.distance_um = micrometres(distance(hunter.x, hunter.y, target.x, target.y))
                 if not request.distance_um < self.reaches_um[request.seat]:
                     request.verdict = OUT_OF_REACH
+        refuse_without_partners(made, self.teams, self.settings["hunters_per_catch"])
         decide_contests(made, self._unkillable(), self.policy, self.seed, self.steps)
 
     def _unkillable(self) -> list[int]:

@@ -97,6 +97,8 @@ def some_config(source: Random) -> ArenaConfig:
         settings["dropout_rate"] = pick([0.01, 0.2, 1.0])
     if chance() < 0.4:
         settings |= {"teams": some_teams(source, hunters), "team_share": pick([0.0, 0.3, 1.0, chance()])}
+        if settings["policy"] != "capstone" and chance() < 0.6:
+            settings["hunters_per_catch"] = source.randint(1, min(3, max(map(len, settings["teams"]))))
     if initial and chance() < 0.5:
         settings |= {
             "prey": pick([1, source.randint(1, initial), source.randint(1, initial), initial]),

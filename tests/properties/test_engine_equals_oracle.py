@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from oracle.arena import PART_NAMES, PREY_PART_NAMES, Command, OracleArena
 from properties.matches import (
+    CONTROLS,
     EFFORT,
     settings_of,
     some_actions,
@@ -24,6 +25,8 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core.state import TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.layout import SELF_COLUMNS, columns, prey_columns
+from catch_arena.scenarios import SCENARIOS, scenario
+from catch_arena.verdicts import Verdict
 
 FIRST_SEED = 20261121
 """The first source's seed; the others follow it."""
@@ -112,9 +115,11 @@ def with_prey(commands: np.ndarray, prey_actions: Sequence[Command]) -> np.ndarr
     return np.concatenate((commands, np.array(prey_actions, np.float32).reshape(-1, 2)))
 
 
-def play(source: Random, met: set[Any]) -> int:
-    """One random match, and how many steps it had; `met` gathers what happened in it."""
-    config, seed = some_config(source), some_seed(source)
+def play(source: Random, met: set[Any], config: ArenaConfig | None = None) -> int:
+    """One random match, and how many steps it had; `met` gathers what happened in it. The settings are random if none
+    are given.
+    """
+    config, seed = config or some_config(source), some_seed(source)
     names = [column.name for column in columns(config)]
     engine, oracle = Engine(config), OracleArena(config.to_dict())
     engine.reset([seed])
@@ -169,6 +174,26 @@ def test_engine_and_oracle_play_the_same_matches(group: int, record_property: Ca
         match += 1
     record_property("steps", steps)
     assert {"truncated", "wall", ("nearest", 11)} <= met
+
+
+@pytest.mark.rule("R5.10")
+@pytest.mark.parametrize("group", [0, *(pytest.param(group, marks=pytest.mark.nightly) for group in range(1, GROUPS))])
+@pytest.mark.parametrize("name", ["partners", "pack"])
+def test_r5_10_engine_and_oracle_play_the_same_matches_where_a_catch_needs_two(name: str, group: int) -> None:
+    """A million steps of each by night: under every control and policy, with the scenario's reach and longer ones."""
+    met: set[Any] = set()
+    steps = match = 0
+    while GROUPS * steps < STEPS:
+        source = Random(f"{name} {GROUPS * match + group}")
+        chosen = {"control": source.choice(CONTROLS), "policy": source.choice(["nearest", "nearest", "first_come"])}
+        if source.random() < 0.8:
+            chosen["reach_m"] = source.choice([1.0, 2.0, 4.0])
+        steps += play(source, met, scenario(name, **chosen))
+        match += 1
+    met_verdicts = {
+        verdict for policy, verdict in (one for one in met if isinstance(one, tuple)) if policy == "nearest"
+    }
+    assert met_verdicts >= {Verdict.WAITING_FOR_PARTNER, Verdict.LOST_CONTEST, Verdict.GRANTED, Verdict.OUT_OF_REACH}
 
 
 @pytest.mark.parametrize("arenas", [3, 9, 35])
@@ -233,10 +258,14 @@ def towards_the_nearest(observation: Sequence[float]) -> Command:
     return present, max(-1.0, min(1.0, math.atan2(left, forward)))
 
 
+def oldest_in_view(oracle: OracleArena, seat: int) -> int:
+    """The rank of the target with the lowest number, on which team-mates agree."""
+    numbers = [target.number for target in oracle._targets_in_view(oracle.hunters[seat])]
+    return numbers.index(min(numbers)) + 1 if numbers else 0
+
+
 def test_whole_episodes_of_every_scenario_are_the_same() -> None:
     """From reset to the time limit, agents that chase: the state's digest at every step; seeds 1 to 6."""
-    from catch_arena.scenarios import SCENARIOS
-
     for seed, (name, config) in enumerate(SCENARIOS.items(), start=1):
         engine, oracle = Engine(config), OracleArena(config.to_dict())
         engine.reset([seed])
@@ -246,6 +275,9 @@ def test_whole_episodes_of_every_scenario_are_the_same() -> None:
             actions = [1 if (step // 20 + seat) % 7 else 2 for seat in range(config.hunters)]
             if config.control == "velocity":
                 actions = [towards_the_nearest(seen) for seen in oracle.observations()]
-            step_both(engine, oracle, actions, [(1.0, 1.0)] * config.prey, config)
+            elif config.hunters_per_catch > 1:
+                actions = [oldest_in_view(oracle, seat) for seat in range(config.hunters)]
+            circling = (1.0, 1.0) if config.hunters_per_catch == 1 else (0.1, 1.0)
+            step_both(engine, oracle, actions, [circling] * config.prey, config)
             assert bytes(engine.digest(0)) == oracle.digest(), f"{name}, seed {seed}, step {step + 1}"
         assert sum(hunter.score for hunter in oracle.hunters) > 0, name

@@ -261,7 +261,8 @@ def test_what_another_version_has_kept_is_refused_before_anything_changes():
 def test_what_is_saved_twice_is_equal_until_something_happens(match):
     """In every kind of environment; what a replay keeps of it too."""
     source = Random(match)
-    config = some_config(source).replace(max_cycles=30, dropout_rate=0.0, prey_returns_s=2.0)
+    lasting = {"spawning": True, "target_budget": None, "prey_returns_s": 2.0, "dropout_rate": 0.0}
+    config = some_config(source).replace(max_cycles=30, **lasting)
     env, twin = catch_arena.parallel_env(config), catch_arena.parallel_env(config)
     for each in (env, twin):
         each.record()

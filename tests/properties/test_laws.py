@@ -29,6 +29,8 @@ Case = dict[str, Any]
 AMONG_ELIGIBLE = {Verdict.GRANTED, Verdict.KILL_FAILED, Verdict.LOST_CONTEST}
 """The verdicts of those who may catch the target, were it not for each other."""
 WON = {Verdict.GRANTED, Verdict.KILL_FAILED}
+UNCONTESTED = {Verdict.OUT_OF_REACH, Verdict.WAITING_FOR_PARTNER}
+"""The refusals after which the distance is evidence."""
 SEEDS = st.integers(0, 2**64 - 1)
 SOURCES = st.randoms(use_true_random=False)
 """Every number that matches.py draws is chosen, and made simpler where a law fails, by hypothesis."""
@@ -46,12 +48,13 @@ def cases(draw: st.DrawFn, policies: tuple[str, ...] = ("nearest", "first_come",
     targets = {f"t{place}": spot for place, spot in enumerate(draw(st.lists(spots, max_size=4)))}
     seats = st.integers(0, len(hunters) - 1)
     names: Any = st.sampled_from([*targets, *targets, "gone", "nobody", "", None])
-    return {
+    policy = draw(st.sampled_from(policies))
+    return draw(st.just({}) if policy == "capstone" else partners(len(hunters))) | {
         "hunters": hunters,
         "targets": targets,
         "requests": draw(st.lists(st.tuples(seats, names), max_size=10)),
         "reach_m": draw(st.sampled_from([0.3, 0.2, 3e-6])),
-        "policy": draw(st.sampled_from(policies)),
+        "policy": policy,
         "seed": draw(SEEDS),
         "step": draw(st.integers(0, 2**40)),
         "caught": ["gone"],
@@ -60,6 +63,13 @@ def cases(draw: st.DrawFn, policies: tuple[str, ...] = ("nearest", "first_come",
         "kill_refused": [name for name in targets if draw(st.integers(0, 4)) == 0],
         "match_over": draw(st.integers(0, 19)) == 0,
     }
+
+
+def partners(hunters: int) -> st.SearchStrategy[Case]:
+    """Two teams, and how many hunters of one a catch needs (R5.10); or neither."""
+    teams = [list(range(hunters))[::2], list(range(hunters))[1::2]]
+    needed = st.integers(1, len(teams[0]))
+    return st.just({}) | needed.map(lambda number: {"teams": list(filter(None, teams)), "hunters_per_catch": number})
 
 
 def by_hunter(rulings: list[Ruling]) -> dict[int, list[Ruling]]:
@@ -93,7 +103,7 @@ def test_every_request_gets_one_ruling(case: Case) -> None:
     rulings = arbitrate(**case)
     assert [(ruling.hunter, ruling.target) for ruling in rulings] == case["requests"]
     for ruling in rulings:
-        tested = ruling.verdict in AMONG_ELIGIBLE | {Verdict.OUT_OF_REACH} and case["policy"] != "capstone"
+        tested = ruling.verdict in AMONG_ELIGIBLE | UNCONTESTED and case["policy"] != "capstone"
         assert (ruling.distance_um is not None) == tested
         assert ruling.success == (ruling.verdict is Verdict.GRANTED)
         if ruling.success:
@@ -132,6 +142,7 @@ def test_seats_are_labels(case: Case, data: st.DataObject) -> None:
         "hunters": [case["hunters"][seat_of.index(seat)] for seat in range(len(seat_of))],
         "requests": [(seat_of[seat], name) for seat, name in case["requests"]],
         "inactive": [seat_of[seat] for seat in case["inactive"]],
+        "teams": [[seat_of[seat] for seat in team] for team in case["teams"]] if "teams" in case else None,
     }
     rulings, seated = arbitrate(**case), arbitrate(**other)
     tied = {} if case["policy"] == "capstone" else tied_for(rulings)
@@ -148,9 +159,12 @@ def test_seats_are_labels(case: Case, data: st.DataObject) -> None:
 
 @given(case=cases(policies=("nearest", "first_come")), data=st.data())
 def test_taking_a_loser_away_changes_nothing_for_the_others(case: Case, data: st.DataObject) -> None:
-    """R5.5: nor does anybody who was not eligible; R5.6 alone asks whether a refused kill was contested."""
+    """R5.5: nor does anybody who was not eligible; R5.6 alone asks whether a refused kill was contested. A loser that
+    is a partner (R5.10) may be needed.
+    """
     rulings = by_hunter(arbitrate(**case))
-    losers = [hunter for hunter, its in rulings.items() if not any(ruling.verdict in WON for ruling in its)]
+    needed = WON | {Verdict.LOST_CONTEST} if case.get("hunters_per_catch", 1) > 1 else WON
+    losers = [hunter for hunter, its in rulings.items() if not any(ruling.verdict in needed for ruling in its)]
     if not losers:
         return
     loser = data.draw(st.sampled_from(losers))
@@ -181,6 +195,21 @@ def test_moving_closer_never_loses(case: Case, data: st.DataObject, share: float
     assert after.distance_um <= before.distance_um
     assert after.verdict in WON or before.verdict not in WON
     assert after.verdict in AMONG_ELIGIBLE or before.verdict not in AMONG_ELIGIBLE
+
+
+@given(case=cases(policies=("nearest", "first_come")))
+def test_a_target_is_contested_by_teams_with_enough_hunters_alone(case: Case) -> None:
+    """R5.10: a team's requests for a target that fail no earlier test all wait, or there are enough of them."""
+    needed = case.get("hunters_per_catch", 1)
+    team_of = {seat: team for team, seats in enumerate(case.get("teams", ())) for seat in seats}
+    together = defaultdict(list)
+    for ruling in arbitrate(**case):
+        if ruling.verdict in AMONG_ELIGIBLE | {Verdict.WAITING_FOR_PARTNER}:
+            together[ruling.target, team_of.get(ruling.hunter, ruling.hunter)].append(ruling)
+    for rulings in together.values():
+        waiting = [ruling.verdict is Verdict.WAITING_FOR_PARTNER for ruling in rulings]
+        assert all(waiting) == any(waiting) == (len(rulings) < needed)
+        assert all(ruling.winner is None for ruling in rulings if ruling.verdict is Verdict.WAITING_FOR_PARTNER)
 
 
 CHI_SQUARE = {1: 10.83, 2: 13.82, 15: 37.70}

@@ -231,6 +231,18 @@ def test_nobody_is_robbed_by_a_kill_from_afar(seats):
     assert match.hunter().score == 2 - seats
 
 
+def test_a_ruling_says_that_the_hunter_waits_for_a_partner():
+    """The service's answer is no; the message on /rulings says why."""
+    match = Match(hunters=2, hunter_poses=TWO, teams=((0, 1),), hunters_per_catch=2)
+    answer = match.request(match.a, match.service.spawn(2.1, 2.0), "/hunter_0/catch_turtle")
+    match.tick()
+    assert answer.response == NO
+    ruling = match.sent("/rulings")[-1]
+    assert (ruling.verdict, ruling.success, ruling.clause, ruling.winner) == ("WAITING_FOR_PARTNER", False, "R5.10", "")
+    assert ruling.reason == "too few hunters of its team asked for the target in this step (R5.10)"
+    assert ruling.distance > 0
+
+
 def test_a_new_node_hears_its_pose_for_some_ticks_before_the_list():
     match = Match(hunter_poses=ONE)
     listeners = {"/hunter_0/pose": 0, "/turtle1/pose": 0}

@@ -18,6 +18,7 @@ from catch_arena.scenarios import SCENARIOS, scenario
 
 REFUSED = {
     "tag": "prey must be 0 on a bus, got 1: no node can play it; use --set prey=0",
+    "pack": "prey must be 0 on a bus, got 1: no node can play it; use --set prey=0",
     "herd": "prey must be 0 on a bus, got 4: no node can play it; use --set prey=0",
     "capstone": "a match under the policy capstone cannot be recorded, because its grants need no target; "
     "use the policy nearest or first_come",

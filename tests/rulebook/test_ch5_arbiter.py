@@ -12,6 +12,7 @@ from oracle.arithmetic import SERVICE_LOT, TIE_LOT, draw, key
 from rulebook.conftest import Arbiter, ArenaFactory, oracle_arbiter
 
 from catch_arena.arbitration import arbitrate
+from catch_arena.errors import ConfigError
 from catch_arena.verdicts import Ruling, Verdict
 
 STILL = (0.0, 0.0)
@@ -71,6 +72,7 @@ REASONS_AGAINST: dict[Verdict, dict[str, Any]] = {
     Verdict.ALREADY_CAUGHT: {"name": "gone"},
     Verdict.SERVICE_DOWN: {"kill_service_up": False},
     Verdict.OUT_OF_REACH: {"reach_m": 0.07},
+    Verdict.WAITING_FOR_PARTNER: {"hunters_per_catch": 2},
     Verdict.LOST_CONTEST: {"earlier": [(0, "a")]},
     Verdict.KILL_FAILED: {"kill_refused": ["a"]},
     Verdict.GRANTED: {},
@@ -98,8 +100,8 @@ def test_r5_2_the_tests_are_made_in_the_order_of_the_table(arbiter: Arbiter, ear
             against = REASONS_AGAINST[reason]
             case |= against | {"earlier": [*case["earlier"], *against.get("earlier", [])]}
         requests = [*case.pop("earlier"), (1, case.pop("name"))]
-        near = {"hunters": [(1.0, 1.05), (1.0, 1.1)], "targets": {"a": (1.0, 1.0), "b": (1.0, 1.2)}}
-        return arbiter(**near, caught=["gone"], requests=requests, **case)[-1].verdict
+        near = {"hunters": [(1.0, 1.05), (1.0, 1.1), (9.0, 9.0)], "targets": {"a": (1.0, 1.0), "b": (1.0, 1.2)}}
+        return arbiter(**near, teams=[(0,), (1, 2)], caught=["gone"], requests=requests, **case)[-1].verdict
 
     assert verdict_for(later) is later
     assert verdict_for(earlier) is earlier
@@ -109,11 +111,14 @@ def test_r5_2_the_tests_are_made_in_the_order_of_the_table(arbiter: Arbiter, ear
 
 @pytest.mark.rule("R5.2")
 def test_r5_2_the_verdicts_are_numbered_in_the_order_of_the_table() -> None:
-    """From 1, all eleven."""
-    assert [(verdict.name, verdict.value) for verdict in Verdict] == [
-        (name.name, number) for number, name in enumerate(ORDER, start=1)
-    ]
-    assert len(ORDER) == 11
+    """From 1, all but the one that came later: it is tested before LOST_CONTEST, and has the next number."""
+    numbered = [(verdict.name, verdict.value) for verdict in Verdict]
+    of_table = re.findall(r"^\| ([A-Z_]+) \| (\d+) \|", BOOK, flags=re.MULTILINE)
+    assert sorted(numbered) == sorted((name, int(number)) for name, number in of_table)
+    first = [verdict for verdict in ORDER if verdict is not Verdict.WAITING_FOR_PARTNER]
+    assert [verdict.value for verdict in first] == list(range(1, 12))
+    assert ORDER.index(Verdict.WAITING_FOR_PARTNER) == ORDER.index(Verdict.LOST_CONTEST) - 1
+    assert Verdict.WAITING_FOR_PARTNER.value == 12
 
 
 @pytest.mark.rule("R5.2")
@@ -385,6 +390,136 @@ def test_r5_9_first_come_in_an_arena(arena: ArenaFactory) -> None:
     assert winners == {0, 1}
 
 
+# ---- R5.10 ----
+
+TEAMS = ((0, 1), (2, 3))
+NEAR = [(5.2, 5.0, 0.0), (5.0, 5.25, 0.0), (5.1, 5.0, 0.0), (5.0, 4.71, 0.0)]
+"""Poses 0.20, 0.25, 0.10 and 0.29 m from (5, 5)."""
+WAITS, GRANTED, LOST = Verdict.WAITING_FOR_PARTNER, Verdict.GRANTED, Verdict.LOST_CONTEST
+
+
+@pytest.mark.rule("R5.10")
+@pytest.mark.parametrize(
+    ("asking", "expected", "scores"),
+    [
+        ((0,), {0: (WAITS, None)}, [0, 0, 0, 0]),
+        ((0, 2), {0: (WAITS, None), 2: (WAITS, None)}, [0, 0, 0, 0]),
+        ((0, 1), {0: (GRANTED, 0), 1: (LOST, 0)}, [1, 0, 0, 0]),
+        ((0, 1, 2), {0: (GRANTED, 0), 1: (LOST, 0), 2: (WAITS, None)}, [1, 0, 0, 0]),
+        ((0, 1, 2, 3), {0: (LOST, 2), 1: (LOST, 2), 2: (GRANTED, 2), 3: (LOST, 2)}, [0, 0, 1, 0]),
+        ((0, 2, 3), {0: (WAITS, None), 2: (GRANTED, 2), 3: (LOST, 2)}, [0, 0, 1, 0]),
+    ],
+    ids=lambda part: "".join(map(str, part)) if isinstance(part, tuple) else "",
+)
+def test_r5_10_a_catch_needs_two_hunters_of_one_team(
+    arena: ArenaFactory, asking: tuple[int, ...], expected: dict[int, Any], scores: list[int]
+) -> None:
+    """The nearest of the teams with enough wins and is credited alone; a hunter that waits is a refused one."""
+    match = arena(
+        control="full",
+        hunters=4,
+        teams=TEAMS,
+        hunters_per_catch=2,
+        rewards={"lost_contest": -1, "rejected_request": -9},
+    )
+    match.place(hunters=NEAR, targets=[(5.0, 5.0)])
+    match.step(*((STILL, int(seat in asking)) for seat in range(4)))
+    away = [200_000, 250_000, 100_000, 290_000]
+    found = {seat: one for seat, one in enumerate(match.evidence()) if one is not None}
+    assert found == {seat: (verdict, 1, away[seat], winner) for seat, (verdict, winner) in expected.items()}
+    assert match.scores == scores
+    assert match.alive == ([] if any(scores) else [1])
+    paid = {GRANTED: 1, LOST: -1, WAITS: -9, None: 0}
+    assert match.rewards == [paid[expected.get(seat, (None,))[0]] for seat in range(4)]
+
+
+@pytest.mark.rule("R5.10")
+def test_r5_10_waiting_lasts_for_one_step(arena: ArenaFactory) -> None:
+    """Both must ask in the same step."""
+    match = arena(control="full", hunters=2, teams=((0, 1),), hunters_per_catch=2)
+    match.place(hunters=NEAR[:2], targets=[(5.0, 5.0)])
+    for asking in ((1, 0), (0, 1), (0, 0)):
+        match.step(*((STILL, rank) for rank in asking))
+        assert match.scores == [0, 0]
+    match.step((STILL, 1), (STILL, 1))
+    assert match.scores == [1, 0]
+
+
+@pytest.mark.rule("R5.10")
+@pytest.mark.parametrize("needed", [1, 2, 3, 4])
+def test_r5_10_that_many_and_no_fewer(arena: ArenaFactory, needed: int) -> None:
+    """Three of a team of four ask for one target, the fourth for another; a hunter of another team is the nearest."""
+    match = arena(control="full", hunters=5, teams=((4, 0, 2, 3), (1,)), hunters_per_catch=needed)
+    spots = [(2.1, 2.0, 0.0), (2.05, 2.0, 0.0), (2.2, 2.0, 0.0), (2.0, 2.15, 0.0), (8.1, 8.0, 0.0)]
+    match.place(hunters=spots, targets=[(2.0, 2.0), (8.0, 8.0)])
+    match.step(*[(STILL, 1)] * 5)
+    assert [one and one.number for one in match.evidence()] == [1, 1, 1, 1, 2]
+    alone = WAITS if needed > 1 else GRANTED
+    of_three = {1: [LOST] * 3, 2: [GRANTED, LOST, LOST], 3: [GRANTED, LOST, LOST], 4: [WAITS] * 3}[needed]
+    assert match.verdicts == [of_three[0], alone, *of_three[1:], alone]
+
+
+@pytest.mark.rule("R5.10", "R5.5", "R5.9")
+@pytest.mark.parametrize("policy", ["nearest", "first_come"])
+def test_r5_10_the_lot_is_among_those_who_do_not_wait(arbiter: Arbiter, policy: str) -> None:
+    """Three are equally near; the third has no partner, whatever its lot."""
+    case: dict[str, Any] = {
+        "hunters": [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1)],
+        "targets": {"a": (0.0, 0.0)},
+        "requests": [(0, "a"), (1, "a"), (2, "a")],
+        "policy": policy,
+        "hunters_per_catch": 2,
+        "teams": [(0, 1), (2,)],
+    }
+    winners = set()
+    for seed in range(20):
+        rulings = arbiter(**case, seed=seed)
+        without = arbiter(**case | {"requests": case["requests"][:2]}, seed=seed)
+        assert rulings[:2] == without
+        assert rulings[2] == Ruling(WAITS, 2, "a", 100_000, None)
+        winners.add(rulings[0].winner)
+    assert winners == {0, 1}
+
+
+@pytest.mark.rule("R5.10", "R5.7")
+def test_r5_10_a_refused_kill_is_told_to_those_who_were_enough(arbiter: Arbiter) -> None:
+    """The winner gets KILL_FAILED and its partner LOST_CONTEST; a hunter alone waits."""
+    case: dict[str, Any] = {
+        "hunters": [(0.1, 0.0), (0.2, 0.0), (0.05, 0.0)],
+        "targets": {"a": (0.0, 0.0)},
+        "requests": [(0, "a"), (1, "a"), (2, "a")],
+        "teams": [(0, 1), (2,)],
+        "hunters_per_catch": 2,
+        "kill_refused": ["a"],
+    }
+    expected = [(Verdict.KILL_FAILED, 0), (LOST, 0), (WAITS, None)]
+    assert [(one.verdict, one.winner) for one in arbiter(**case)] == expected
+
+
+@pytest.mark.rule("R5.10")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"hunters_per_catch": 2}, "hunters_per_catch must be 1 unless teams are given, got 2"),
+        (
+            {"hunters_per_catch": 3, "teams": [(0, 1)]},
+            r"hunters_per_catch must be a whole number from 1 to 2 \(the size of the largest team\), got 3",
+        ),
+        ({"hunters_per_catch": 0, "teams": [(0, 1)]}, "hunters_per_catch must be a whole number from 1 to 64, got 0"),
+        ({"hunters_per_catch": 1.5, "teams": [(0, 1)]}, "from 1 to 64, got 1.5"),
+        (
+            {"hunters_per_catch": 2, "teams": [(0, 1)], "policy": "capstone"},
+            "hunters_per_catch must be 1 under the policy 'capstone', got 2",
+        ),
+        ({"teams": [(0,)]}, "teams must name each seat from 0 to 1 once, got no team for seat 1"),
+        ({"teams": "01"}, "teams must be a tuple of tuples of seats"),
+    ],
+)
+def test_r5_10_arbitrate_refuses_what_no_team_can_do(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=f"^.*{message}"):
+        arbitrate(hunters=[(0.0, 0.0), (1.0, 0.0)], targets={}, requests=[], **arguments)
+
+
 # ---- arbitrate by itself ----
 
 
@@ -424,6 +559,9 @@ def test_arbitrate_and_the_oracle_agree_on_random_cases() -> None:
             "kill_refused": [name for name in names if source.random() < 0.2],
             "match_over": bool(source.random() < 0.03),
         }
+        if case["policy"] != "capstone":
+            case |= {"teams": [range(count)[::2], *(range(count)[1::2] and [range(count)[1::2]])]}
+            case["hunters_per_catch"] = int(source.integers(1, min(2, (count + 1) // 2) + 1))
         found = arbitrate(**case)
         assert found == oracle_arbiter(**case), f"case {case_number}: {case}"
         met |= set(verdicts(found))

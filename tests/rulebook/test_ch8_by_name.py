@@ -137,19 +137,23 @@ def fails(seed, purpose, rate, *counters):
     return fraction(drawn) < rate
 
 
-@pytest.mark.rule("R8.1", "R5.6", "R5.7", "R5.8", "R9.1")
-@pytest.mark.parametrize("policy", ["nearest", "first_come", "capstone"])
+@pytest.mark.rule("R8.1", "R5.6", "R5.7", "R5.8", "R5.10", "R9.1")
+@pytest.mark.parametrize(
+    ("policy", "needed"), [("nearest", 1), ("nearest", 2), ("first_come", 1), ("first_come", 2), ("capstone", 1)]
+)
 @pytest.mark.parametrize("seed", [0, 1, 3])
-def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it(policy, seed):
+def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it(policy, needed, seed):
     """Names of all kinds, several of one hunter in a step, services that fail: the rulings with their step, the score,
     which counts grants, and who is still alive.
     """
-    source = Random(seed)
+    source, teams = Random(seed), ((0, 2), (1,))
     service = ArenaService(
         hunters=3,
+        teams=teams,
+        hunters_per_catch=needed,
         hunter_poses=((4.0, 5.0, 0.0), (5.0, 5.0, 0.0), (6.0, 5.0, 0.0)),
         policy=policy,
-        reach_m=4.0,
+        reach_m=4.0 * needed,
         initial_targets=6,
         max_targets=9,
         spawn_frequency_hz=4.0,
@@ -163,20 +167,22 @@ def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it
         places |= {target.name: (target.x, target.y) for target in before.targets}
         numbers = {target.name: target.number for target in before.targets}
         assert [int(name.rpartition("_")[2]) for name in places] == list(range(1, len(places) + 1))
-        wanted = [*[*numbers][:3] * 3, *places, "turtle1", "target_turtle_0", 7, "x" * 300]
+        wanted = [*[*numbers][:3] * 3**needed, *places, "turtle1", "target_turtle_0", 7, "x" * 300]
         calls = [(source.randrange(3), source.choice(wanted)) for _ in range(source.randrange(7))]
         refused = [name for name, number in numbers.items() if fails(seed, KILL_REFUSED, 0.3, step, number)]
         expected = judge(
             hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
             targets=places,
             requests=calls,
-            reach_m=4.0,
+            reach_m=4.0 * needed,
             policy=policy,
             seed=seed,
             step=step,
             caught=places.keys() - numbers.keys(),
             kill_service_up=not fails(seed, KILL_DOWN, 0.2, step),
             kill_refused=refused,
+            teams=teams,
+            hunters_per_catch=needed,
         )
 
         rulings = service.step(requests=[(f"hunter_{seat}", NAMED(name)) for seat, name in calls])
@@ -190,7 +196,10 @@ def test_r8_1_every_request_by_name_is_judged_and_scored_as_the_oracle_judges_it
         assert [turtle.name for turtle in service.alive_turtles().turtles][: len(stay)] == stay
         met |= {ruling.verdict for ruling in rulings}
     assert met >= {Verdict.MALFORMED, Verdict.SERVICE_DOWN, Verdict.GRANTED}
-    assert policy == "capstone" or met >= set(Verdict) - {Verdict.MATCH_OVER, Verdict.HUNTER_INACTIVE}
+    if needed == 2:
+        assert met >= {Verdict.WAITING_FOR_PARTNER, Verdict.LOST_CONTEST, Verdict.GRANTED}
+    elif policy != "capstone":
+        assert met >= set(Verdict) - {Verdict.MATCH_OVER, Verdict.HUNTER_INACTIVE, Verdict.WAITING_FOR_PARTNER}
 
 
 @pytest.mark.rule("R1.4", "R8.2")
