@@ -14,8 +14,10 @@ from catch_arena.text import composed, name_fault
 from catch_arena.tournament.agent_spec import IN_FOLDER, content_of, shipped_names
 
 _SUBMITTED: Final = re.compile(r"\.(py|ipynb)$", re.IGNORECASE)
-_IGNORED: Final = re.compile(r"\.|__(pycache|MACOSX)__?$")
-"""Pattern of names that are no submission, such as .git and __MACOSX."""
+_IGNORED: Final = re.compile(r"\.|__")
+"""Beginnings of names that are no submission, such as .git and __MACOSX."""
+_NO_FILES: Final = re.compile(r"\.|__pycache__$|__MACOSX$")
+"""Pattern of names that are no part of a submission; `__init__.py` is one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +36,7 @@ class Submission:
         """Files of the submission, without hidden ones; with a file, those with its stem, such as its weights."""
         if self.path.is_dir():
             inside = (path for path in self.path.rglob("*") if path.is_file())
-            return sorted(path for path in inside if not any(map(_IGNORED.match, path.relative_to(self.path).parts)))
+            return sorted(path for path in inside if not any(map(_NO_FILES.match, path.relative_to(self.path).parts)))
         return sorted(path for path in self.path.parent.glob("*") if path.stem == self.path.stem and path.is_file())
 
     @property
