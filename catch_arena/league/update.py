@@ -192,7 +192,7 @@ def _opened(folder: Path, rules: Rules, secret: Secret | None) -> Iterator[tuple
         state.chmod(0o700)  # copies of private files, and logs
     with only_one_plays_in(folder):
         entrants: tuple[Entrant, ...] = ()
-        if (state / STORE).exists():
+        if (state / STORE).exists() and (state / STORE).stat().st_size:  # it is empty if its first run was killed
             with Store.read(state) as store:
                 entrants, secret = store.tournament.entrants, secret or store.tournament.secret
         secret = secret or Secret.of(None)

@@ -297,6 +297,12 @@ def test_a_killed_run_loses_no_match(ran):
     assert "0 new matches" in league(ran).output
 
 
+def test_a_run_that_was_killed_before_it_wrote_its_store_does_not_block_the_next_one(folder):
+    (folder / ".league").mkdir()
+    (folder / ".league" / "tournament.sqlite").touch()
+    assert league(folder).exit_code == 0
+
+
 def test_two_runs_exclude_each_other(folder):
     with only_one_plays_in(folder):
         done = league(folder)
