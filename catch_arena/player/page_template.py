@@ -10,9 +10,12 @@ import jinja2
 
 
 def page_template(package: str, name: str, filters: Mapping[str, Any]) -> jinja2.Template:
-    """Return a template of a package's folder `page`; texts in it are escaped."""
+    """Return a template of a package's folder `page`; texts in it are escaped.
+
+    It may include the templates of this package, such as `head.html`, which needs `name`, `policy` and `style`.
+    """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(package, "page"),
+        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(one, "page") for one in (package, "catch_arena.player")]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
