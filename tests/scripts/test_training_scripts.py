@@ -300,7 +300,7 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         trainer(*more, "--decisions", 10**9), stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT
     ) as process:
         late = time.monotonic() + 300
-        while not (out / "agent.py").exists() and process.poll() is None and time.monotonic() < late:
+        while not (out / "state.pt").exists() and process.poll() is None and time.monotonic() < late:
             time.sleep(0.1)
         process.kill()
     assert PointerNetwork.load(out / "agent.npz").head == "destination"
