@@ -13,7 +13,7 @@ SPREAD := --numprocesses 2 --dist worksteal
 USUAL := not nightly and not extras and not hostile and not torch and not rclpy
 MEASURED := not nightly and not large and not hostile and not torch and not rclpy
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
-QUICK := $(RULES) tests/agents tests/contract tests/vector tests/docs/test_docs.py tests/docs/test_docstrings.py
+QUICK := $(RULES) tests/contract tests/docs/test_docs.py tests/docs/test_docstrings.py
 
 # Keep bytecode: without it every process takes some five seconds to compile all sources.
 unexport PYTHONDONTWRITEBYTECODE
