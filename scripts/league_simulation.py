@@ -129,7 +129,7 @@ def main() -> None:
     parser.add_argument("--agents", type=int, default=200, help="agents of the term")
     parser.add_argument("--days", type=int, default=30, help="days of the term")
     parser.add_argument("--sizes", type=int, nargs="*", default=[100, 1_000, 10_000, 100_000], help="for newcomers")
-    parser.add_argument("--repeats", type=int, default=20, help="number of newcomers for each size")
+    parser.add_argument("--repeats", type=int, default=10, help="number of newcomers for each size")
     parser.add_argument("--seed", type=int, default=0)
     words = parser.parse_args()
     newcomers(words.sizes, words.repeats, words.seed)
