@@ -21,6 +21,7 @@ LINUX = sys.platform == "linux"
 _LONG_S = 3600.0
 _GRACE_S = 0.5
 _PAUSE_S = 0.002
+_SET_CHILD_SUBREAPER = 36  # option of Linux's prctl
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
 
 
@@ -162,6 +163,7 @@ def _end() -> "NoReturn":
 
 def _end_descendants() -> None:
     """End all descendants of this process: first by SIGTERM, a moment later by SIGKILL."""
+    _adopt_orphans()
     for number in (signal.SIGTERM, signal.SIGKILL) if LINUX else ():
         deadline = time.monotonic() + _GRACE_S
         while (left := descendants(os.getpid())) and time.monotonic() < deadline:
@@ -171,6 +173,16 @@ def _end_descendants() -> None:
                 except OSError:  # the process has just ended
                     pass
             time.sleep(_PAUSE_S)
+
+
+def _adopt_orphans() -> None:
+    """Become the parent of descendants whose own parent ends: a child that is forked meanwhile must not escape."""
+    try:
+        from ctypes import CDLL
+
+        CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1)
+    except Exception:  # noqa: BLE001, S110 - not on Linux, or ctypes is half imported
+        pass
 
 
 def _flush() -> bool:
