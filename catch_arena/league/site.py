@@ -102,7 +102,9 @@ def _lines(league: League) -> list[Line]:
     earlier = {one.entrant: one.rating for one in league.ratings if len(days) > 1 and one.time[:10] == days[-2]}
     lines = []
     for entry in league.entries:
-        index, versions = league.current.get(entry.key), league.versions.get(entry.key, ())
+        if entry.key not in league.versions:  # it could not be checked yet
+            continue
+        index, versions = league.current.get(entry.key), league.versions[entry.key]
         before = [earlier[one.entrant] for one in versions if one.entrant in earlier]
         now = None if index is None else ratings.get(index)
         parts = [] if index is None else league.parts.get(index, ())

@@ -215,24 +215,26 @@ def _add_versions(
     """Check new and changed entries, and write their versions."""
     known = records.versions()
     before = {(one.entry, one.digest) for one in known}
-    new = [one for one in entries if (one.key, one.digest) not in before]
+    new = {one.key for one in entries if (one.key, one.digest) not in before}
     copies = prepare_folder(folder / STATE / _COPIES)
     passed = {(one.entry, one.digest) for one in known if one.entrant is not None}
     agents: dict[str, str] = {}
     for entry in entries:
-        if entry in new or (entry.key, entry.digest) in passed:  # a person may have gone back to an old version
+        if entry.key in new or (entry.key, entry.digest) in passed:  # a person may have gone back to an old version
             try:
                 agents[entry.key] = entry.copy_to(copies)
             except ConfigError as error:
                 report(f"{entry.key}: {error}")
-    new = [entry for entry in new if entry.key in agents]
-    if not new:
+    checked_now = [entry for entry in entries if entry.key in new and entry.key in agents]
+    if not checked_now:
         return
     worker = Worker(rules.config, (), quotas=rules.quotas)
     entrants, versions = [*store.tournament.entrants], []
-    with local_executor(worker, min(jobs, len(new))) as executor:
-        checks = [executor.run(check_version, worker, agents[one.key], rules.scenario, one.fault) for one in new]
-        for entry, future in zip(new, checks, strict=True):
+    with local_executor(worker, min(jobs, len(checked_now))) as executor:
+        checks = [
+            executor.run(check_version, worker, agents[one.key], rules.scenario, one.fault) for one in checked_now
+        ]
+        for entry, future in zip(checked_now, checks, strict=True):
             try:
                 checked = executor.result(future)
             except MatchFailedError as error:
@@ -247,9 +249,8 @@ def _add_versions(
                 result = f"does not pass the check: {checked.fault}" if index is None else "enters"
                 report(f"{entry.key}: version {number} {result}")
     records.add_versions(versions, entrants)
-    changed = {one.key for one in new}
     for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
-        if {pair.first, pair.second} & changed:
+        if {pair.first, pair.second} & new:
             report(f"look at these two: {pair.first} and {pair.second}: {pair}")
 
 

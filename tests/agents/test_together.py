@@ -29,7 +29,7 @@ RIVALS = [(9.0, 9.0, 0.0), (10.0, 9.0, 0.0)]
 
 @pytest.mark.parametrize("needed", [1, 2])
 def test_two_mates_go_to_the_target_at_which_the_later_of_them_is_soonest(needed):
-    """It lies between them, and each of them has a nearer one behind its back."""
+    """The target lies between the two hunters, and a nearer one is behind each of them."""
     hunters = [(2.0, 2.0, 0.0), (6.0, 2.0, WEST), *RIVALS]
     targets = [(1.5, 2.0), (4.0, 2.0), (6.5, 2.0)]
     for speed, turn in commands(hunters, targets, hunters_per_catch=needed)[:2]:
@@ -37,7 +37,7 @@ def test_two_mates_go_to_the_target_at_which_the_later_of_them_is_soonest(needed
 
 
 def test_it_waits_for_a_mate_that_comes_later():
-    """It comes to rest at the target; the mate drives at full speed."""
+    """The nearer hunter stops at the target; its mate drives at full speed."""
     first, second, *_ = commands([(2.0, 2.0, 0.0), (6.0, 2.0, WEST), *RIVALS], [(2.1, 2.0)])
     assert first == pytest.approx((0.1, 0.0), abs=1e-4)
     assert second == pytest.approx((1.0, 0.0), abs=1e-4)

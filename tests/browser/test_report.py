@@ -208,7 +208,7 @@ def test_a_close_up_is_drawn_again_after_the_page_changes_its_size(player):
 
 @pytest.fixture(scope="module")
 def answer(crowd):
-    """What would have won the second contest."""
+    """Answer to the second contest."""
     return what_if(crowd, explain(crowd).contests[1])
 
 

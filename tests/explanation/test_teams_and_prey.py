@@ -35,7 +35,7 @@ def test_the_words_name_the_team_mate_and_the_clause(mates):
 
 
 def test_the_words_name_all_hunters_that_a_catch_needed(play):
-    """R5.10: the partners of the winner; and a hunter without one is told why it was refused."""
+    """R5.10: the partners of the winner are named, and the reason for which a hunter without one was refused."""
     poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0), (5.2, 5.0, 0.0), (5.3, 5.0, 0.0))
     settings = {"hunters": 4, "hunter_poses": poses, "teams": ((0, 1, 2), (3,)), "reach_m": 9.0, "initial_targets": 1}
     match = play(**settings, hunters_per_catch=2, max_cycles=1, chase=True, seed=4, names=("ann", "bea", "cid", "dan"))
@@ -46,17 +46,17 @@ def test_the_words_name_all_hunters_that_a_catch_needed(play):
     names = ("ann", "bea", "cid")
     assert sorted((winner, *partners)) == [0, 1, 2]
     first, second = (names[seat] for seat in partners)
-    told = (
+    reason = (
         f"{names[winner]} catches it, and {first} and {second} get LOST_CONTEST (R5.6): {first} and {second} are the "
         f"partners of {names[winner]}, since a catch needs 2 hunters of one team (R5.10)."
     )
-    assert any(line.endswith(told) for line in explanation.lines())
+    assert any(line.endswith(reason) for line in explanation.lines())
     waits = "WAITING_FOR_PARTNER, too few hunters of its team asked for the target in this step (R5.10)"
     assert any(line.startswith("At 0.0 s (step 1) dan asked for ") and waits in line for line in explanation.lines())
     assert explanation.to_dict()["contests"][0]["hunters_per_catch"] == 2
     (line,) = (line for line in explain_step(match, 1, 3).lines() if line.startswith("dan (hunter_3), "))
     assert waits in line
-    assert any(line.endswith(told) for line in explain_step(match, 1).lines())
+    assert any(line.endswith(reason) for line in explain_step(match, 1).lines())
 
 
 def test_contests_and_refusals_name_the_prey_that_was_asked_for(play):

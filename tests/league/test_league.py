@@ -236,7 +236,9 @@ def test_a_check_that_fails_on_our_side_is_tried_again(ran, monkeypatch):
         raise OSError("the disk is full")
 
     monkeypatch.setattr(update, "check_fitness", fail)
-    assert "cid: could not be checked: the disk is full; the next run tries again" in league(ran).output
+    done = league(ran)
+    assert done.exit_code == 0, done.output
+    assert "cid: could not be checked: the disk is full; the next run tries again" in done.output
     monkeypatch.undo()
     assert "cid: version 1 enters" in league(ran).output
 
@@ -250,7 +252,9 @@ def test_files_that_change_while_they_are_copied_wait_for_the_next_run(ran, monk
         copy(path, target)
 
     monkeypatch.setattr(shutil, "copyfile", change_and_copy)
-    assert "cid: its files change; the next run takes them" in league(ran).output
+    done = league(ran)
+    assert done.exit_code == 0, done.output
+    assert "cid: its files change; the next run takes them" in done.output
     monkeypatch.undo()
     assert "cid: version 1 enters" in league(ran).output
 
