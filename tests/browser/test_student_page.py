@@ -32,7 +32,7 @@ def pages(tmp_path_factory):
 
 
 def test_the_worst_moment_is_shown_and_plays(page, pages):
-    """The page shows the crash in step 90 and selects the student's hunter; the button plays from two seconds before."""
+    """The page shows the crash in step 90 with the student's hunter; the button plays from two seconds before."""
     page.goto((pages / "ann.html").as_uri())
     until(page, "document.getElementById('player').time === 8900")
     shown = page.evaluate("(({ replay, picked }) => replay.hunters[picked].label)(document.getElementById('player'))")
