@@ -1,21 +1,22 @@
 """Prey that runs in the direction that takes it farthest from the nearest hunter; hunts as `nearest` does."""
 
-import math
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from catch_arena.agents.nearest import Agent
-from catch_arena.policy import PreyView, SeenBody
+from catch_arena.batch_policy import PreyBatchView
+from catch_arena.policy import PreyView
 
 __all__ = ["Agent", "Prey"]
 
-BEARINGS: Final = tuple(2.0 * math.pi * number / 16 - math.pi for number in range(16))
+BEARINGS: Final = 2.0 * np.pi * np.arange(16) / 16 - np.pi
 """Bearings that are compared, evenly spaced over the full circle [rad]."""
-AHEAD_S: Final = (0.4, 1.2)
+AHEAD_S: Final = np.array([0.4, 1.2])
 """Times at which distances are compared [s]: soon, and when a wall may have stopped the prey."""
 TURN_GAIN: Final = 6.0
 """Turn rate per radian of bearing [1/s]."""
-
-Point = tuple[float, float]
 
 
 class Prey:
@@ -26,36 +27,41 @@ class Prey:
 
     def act(self, view: PreyView) -> tuple[float, float]:
         """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
-        if not view.hunters:
-            return 0.0, 0.0
-        later = [(time_s, [moved(hunter, time_s) for hunter in view.hunters]) for time_s in AHEAD_S]
+        speed, turn = self.act_batch(PreyBatchView(np.array([view.observation]), view.limits))[0].tolist()
+        return speed, turn
 
-        def room_m(bearing: float) -> float:
-            """Return the distance to the nearest hunter [m], summed over the times of AHEAD_S."""
-            return sum(
-                min(math.dist(place, hunter) for hunter in hunters)
-                for time_s, hunters in later
-                for place in (place_after(bearing, time_s, view),)
-            )
-
-        return steer(max(BEARINGS, key=room_m), view)
+    def act_batch(self, view: PreyBatchView) -> NDArray[np.float64]:
+        """Return the commands of N prey, (N, 2); `act` gives the same command for one."""
+        view = PreyBatchView(view.observations.astype(np.float64), view.limits)
+        bearings = BEARINGS[room_m(view).argmax(axis=1)]
+        turns = np.clip(TURN_GAIN * bearings / view.limits.max_turn_rate_radps, -1.0, 1.0)
+        commands = np.stack((np.ones_like(turns), turns), axis=1)
+        commands[view.hunters.present[:, 0] == 0.0] = 0.0
+        return commands
 
 
-def place_after(bearing: float, time_s: float, view: PreyView) -> Point:
-    """Return the prey's place (forward, left) [m] after a time on a bearing; walls and half of the turn count."""
-    limits, heading = view.limits, view.heading + bearing
-    way = max(0.0, time_s - 0.5 * abs(bearing) / limits.max_turn_rate_radps) * limits.max_speed_mps
-    x = min(max(view.x + way * math.cos(heading), 0.0), limits.side_m)
-    y = min(max(view.y + way * math.sin(heading), 0.0), limits.side_m)
-    return view.to_own_frame(x, y)
+def room_m(view: PreyBatchView) -> NDArray[np.float64]:
+    """Return the distance to the nearest hunter [m] on each bearing, (N, 16), summed over the times of AHEAD_S."""
+    (forward, left), hunters = places(view), view.hunters
+    ways = hunters.linear_velocity[:, None] * AHEAD_S[:, None]  # arrays of hunters are (N, 2, K)
+    ahead = forward[:, :, None] - (hunters.forward[:, None] + ways * hunters.heading_cos[:, None])[..., None]
+    aside = left[:, :, None] - (hunters.left[:, None] + ways * hunters.heading_sin[:, None])[..., None]
+    squares = np.where(hunters.present[:, None, :, None] > 0.0, ahead * ahead + aside * aside, np.inf)
+    return np.sqrt(squares.min(axis=2)).sum(axis=1)
 
 
-def moved(body: SeenBody, time_s: float) -> Point:
-    """Return the place (forward, left) [m] of a body that drives straight on for a time."""
-    way = body.linear_velocity * time_s
-    return body.forward + way * body.heading_cos, body.left + way * body.heading_sin
+def places(view: PreyBatchView) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the prey's places after each time on each bearing, forward and left [m]: (N, 2, 16) each.
 
-
-def steer(bearing: float, view: PreyView) -> tuple[float, float]:
-    """Return the command, as fractions of the limits, that turns to a bearing at full speed."""
-    return 1.0, max(-1.0, min(1.0, TURN_GAIN * bearing / view.limits.max_turn_rate_radps))
+    Walls and half of the turn count.
+    """
+    own, limits = view.own, view.limits
+    cosines, sines = own.heading_cos[:, None, None], own.heading_sin[:, None, None]
+    turning_s = 0.5 * np.abs(BEARINGS) / limits.max_turn_rate_radps
+    ways = np.maximum(AHEAD_S[:, None] - turning_s, 0.0) * limits.max_speed_mps
+    headings = np.arctan2(sines, cosines) + BEARINGS
+    dx, dy = (
+        np.clip(start[:, None, None] + ways * part, 0.0, limits.side_m) - start[:, None, None]
+        for start, part in ((own.x, np.cos(headings)), (own.y, np.sin(headings)))
+    )
+    return cosines * dx + sines * dy, cosines * dy - sines * dx

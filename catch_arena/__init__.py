@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from catch_arena.arbitration import arbitrate as arbitrate
     from catch_arena.batch_policy import BatchView as BatchView
+    from catch_arena.batch_policy import PreyBatchView as PreyBatchView
     from catch_arena.config import ArenaConfig as ArenaConfig
     from catch_arena.config import FaultRates as FaultRates
     from catch_arena.config import Gains as Gains
@@ -52,6 +53,7 @@ _HOMES = {
     "Gains": "config",
     "Limits": "policy",
     "Policy": "policy",
+    "PreyBatchView": "batch_policy",
     "PreyLimits": "policy",
     "PreyPolicy": "policy",
     "PreyView": "policy",

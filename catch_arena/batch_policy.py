@@ -1,11 +1,20 @@
-"""Named view of many hunters, for agents that act for all of them in one call (docs/howto/training.md)."""
+"""Named views of many hunters or prey, for agents that act for all of them in one call (docs/howto/training.md)."""
 
 from functools import cached_property
 from typing import Any, Final
 
 from catch_arena.errors import ConfigError, require_type
-from catch_arena.layout import SelfFeatures, first_rival_column, observation_size, rival_features, target_features
-from catch_arena.policy import Limits
+from catch_arena.layout import (
+    BodyFeatures,
+    PreySelfFeatures,
+    SelfFeatures,
+    first_rival_column,
+    observation_size,
+    prey_observation_size,
+    rival_features,
+    target_features,
+)
+from catch_arena.policy import Limits, PreyLimits
 from catch_arena.text import shortened
 
 TYPE_CHECKING = False  # agents that do not use NumPy need not load it
@@ -14,9 +23,32 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _OWN: Final = len(SelfFeatures._fields)
+_PREY: Final = len(PreySelfFeatures._fields)
 
 
-class BatchView:
+class ManyViews:
+    """Base of both views: many observations, and parts of them under names."""
+
+    def __init__(self, observations: "NDArray[np.float32]", size: int) -> None:
+        if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
+            raise ConfigError(
+                f"observations must be an array whose last axis has length {size}, got {shortened(observations)}"
+            )
+        self.observations = observations
+        """Observations as they were given, for policies that learn."""
+
+    def _ranked(self, features: Any, first: int, ranks: int) -> Any:
+        """Return the columns of some ranks under the names of a table: arrays (..., ranks)."""
+        count = len(features._fields)
+        table = self.observations[..., first : first + ranks * count]
+        return features(*(table[..., column::count] for column in range(count)))
+
+    def _own(self, features: Any) -> Any:
+        """Return the first columns under the names of a table: arrays (...)."""
+        return features(*(self.observations[..., column] for column in range(len(features._fields))))
+
+
+class BatchView(ManyViews):
     """Many observations under names: `view.own.x`, `view.targets.forward`, `view.rivals.present`. Nothing is copied.
 
     Args:
@@ -27,13 +59,7 @@ class BatchView:
 
     def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
         require_type("limits", limits, Limits, "Limits.of(config)")
-        size = observation_size(limits)
-        if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
-            raise ConfigError(
-                f"observations must be an array whose last axis has length {size}, got {shortened(observations)}"
-            )
-        self.observations = observations
-        """Observations as they were given, for policies that learn."""
+        super().__init__(observations, observation_size(limits))
         self.masks = masks
         """Masks, 1 for each legal choice; `masks[..., 0]`, hold, is always legal."""
         self.limits = limits
@@ -41,28 +67,60 @@ class BatchView:
     @cached_property
     def own(self) -> Any:  # the tables type their fields as those of one hunter
         """Data of each hunter about itself: `layout.SelfFeatures` of arrays (...)."""
-        columns: Any = (self.observations[..., column] for column in range(_OWN))
-        return SelfFeatures(*columns)
+        return self._own(SelfFeatures)
 
     @cached_property
     def targets(self) -> Any:
         """Targets of each hunter, nearest first: `layout.TargetFeatures` (or MovingTargetFeatures) of arrays (...,
         K); all zeros if `present` is 0.
         """
-        return self._seen(target_features(self.limits), _OWN, self.limits.targets_seen)
+        return self._ranked(target_features(self.limits), _OWN, self.limits.targets_seen)
 
     @cached_property
     def rivals(self) -> Any:
         """Rivals of each hunter, nearest first: `layout.RivalFeatures` (or TeamRivalFeatures) of arrays (..., R);
         all zeros if `present` is 0.
         """
-        return self._seen(rival_features(self.limits), first_rival_column(self.limits), self.limits.hunters_seen)
-
-    def _seen(self, features: Any, first: int, ranks: int) -> Any:
-        count = len(features._fields)
-        table = self.observations[..., first : first + ranks * count]
-        return features(*(table[..., column::count] for column in range(count)))
+        return self._ranked(rival_features(self.limits), first_rival_column(self.limits), self.limits.hunters_seen)
 
     def of(self, rows: Any) -> "BatchView":
         """Return the view of the hunters that an index or a mask selects."""
         return BatchView(self.observations[rows], self.masks[rows], self.limits)
+
+
+class PreyBatchView(ManyViews):
+    """Many observations of prey under names: `view.own.x`, `view.hunters.forward`. Nothing is copied.
+
+    Args:
+        observations: (..., E), in the layout of R12.4.
+        limits: the abilities that all prey shares, and the arena's settings.
+    """
+
+    def __init__(self, observations: "NDArray[np.float32]", limits: PreyLimits) -> None:
+        require_type("limits", limits, PreyLimits, "PreyLimits.of(config)")
+        super().__init__(observations, prey_observation_size(limits))
+        self.limits = limits
+
+    @cached_property
+    def own(self) -> Any:
+        """Data of each prey about itself: `layout.PreySelfFeatures` of arrays (...)."""
+        return self._own(PreySelfFeatures)
+
+    @cached_property
+    def hunters(self) -> Any:
+        """Hunters in view of each prey, nearest first: `layout.BodyFeatures` of arrays (..., K); all zeros if
+        `present` is 0.
+        """
+        return self._ranked(BodyFeatures, _PREY, self.limits.hunters_seen)
+
+    @cached_property
+    def others(self) -> Any:
+        """Other prey in view of each prey, nearest first: `layout.BodyFeatures` of arrays (..., P); all zeros if
+        `present` is 0.
+        """
+        first = _PREY + self.limits.hunters_seen * len(BodyFeatures._fields)
+        return self._ranked(BodyFeatures, first, self.limits.prey_seen)
+
+    def of(self, rows: Any) -> "PreyBatchView":
+        """Return the view of the prey that an index or a mask selects."""
+        return PreyBatchView(self.observations[rows], self.limits)

@@ -248,9 +248,13 @@ def prey_seen_by_prey(config: ArenaConfig) -> int:
     return max(0, min(config.prey - 1, MOST_SEEN_BY_PREY))
 
 
-def prey_observation_size(config: ArenaConfig) -> int:
-    """Return the length of prey's observation."""
-    return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(config) + prey_seen_by_prey(config))
+def prey_observation_size(arena: Any) -> int:
+    """R12.4: return E, the length of prey's observation.
+
+    Args:
+        arena: an `ArenaConfig`, or prey's `PreyLimits`.
+    """
+    return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(arena) + prey_seen_by_prey(arena))
 
 
 def _columns_of(table: Any, arena: _Arena) -> tuple[Column, ...]:

@@ -15,6 +15,7 @@ from catch_arena.layout import (
     first_rival_column,
     hunters_seen_by_prey,
     observation_size,
+    prey_observation_size,
     prey_seen_by_prey,
     rival_features,
     target_features,
@@ -418,8 +419,7 @@ class PreyView(_Body):
         """R12.4: observation as a vector, for policies that learn."""
         self.limits = limits
         require_type("limits", limits, PreyLimits, "PreyLimits.of(config)")
-        size = _PREY + len(BodyFeatures._fields) * (limits.hunters_seen + limits.prey_seen)
-        own = PreySelfFeatures(*_first_columns(observation, _PREY, size))
+        own = PreySelfFeatures(*_first_columns(observation, _PREY, prey_observation_size(limits)))
         super().__init__(own)
         self.times_caught = own.times_caught
         """Number of times that this prey was caught so far."""

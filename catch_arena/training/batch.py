@@ -4,7 +4,7 @@ The adapters for training libraries are built on this module.
 """
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
@@ -25,7 +25,7 @@ from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import shortened
 from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
-from catch_arena.training.players import Place, Player, PreyPlayers, action_arrays
+from catch_arena.training.players import Player, PreyPlayers, action_arrays
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -69,8 +69,8 @@ class SavedLearners:
 
     arena: SavedState
     opponents: SavedOpponents | None
-    prey: Mapping[Place, Player] | None
-    """The agents that play prey, by arena and prey; None without prey."""
+    prey: Sequence[Player] | None
+    """The agent that plays all prey, or that of each prey, arena by arena; None without prey."""
     seats: NDArray[np.int64]
     """Seats of the learners, (B, learners)."""
     rotation: NDArray[np.int64]
@@ -91,7 +91,8 @@ class LearnerBatch:
         opponents: see `Opponents`: an agent, several, or names with weights. None: all seats learn.
         learners: number of seats of an arena that learn, if there are opponents.
         distinct: whether no opponent is drawn twice in an arena, as in a tournament, if there are enough of them.
-        prey_agent: the agent that plays prey: a shipped name, a file or `package.module:Class`. None: `flee`.
+        prey_agent: the agent that plays prey: a shipped name, a file, `package.module:Class`, a class, or an object
+            with `act_batch` or `act`. None: `flee`.
         normalise: divide each column by its largest magnitude, so that it lies in [-1, 1]; absent values stay 0.
         num_threads: number of threads.
         auto_reset: whether an ended episode is followed by the next one in the same step.
@@ -110,7 +111,7 @@ class LearnerBatch:
         opponents: Pool | None = None,
         learners: int = 1,
         distinct: bool = False,
-        prey_agent: str | None = None,
+        prey_agent: object | None = None,
         normalise: bool = False,
         num_threads: int = 1,
         auto_reset: bool = True,
@@ -198,6 +199,8 @@ class LearnerBatch:
             self._rotation = np.arange(self.num_envs) - 1
             if self.opponents is not None:
                 self.opponents.begin(self._rng)
+            if self._prey is not None:
+                self._prey.begin(self._rng)
         observations, infos = self.arena.reset(seed, arenas)
         rows = np.arange(self.num_envs)
         chosen = rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []]
@@ -328,7 +331,7 @@ class LearnerBatch:
         if self.opponents is not None:
             self._seat(self.opponents, arenas)
         if self._prey is not None:
-            self._prey.begin(self._rng, arenas)
+            self._prey.begin_episodes(self._rng, arenas)
         self._has_begun = True
 
     def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:

@@ -5,34 +5,39 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.batch_policy import BatchView
+from catch_arena.batch_policy import BatchView, ManyViews, PreyBatchView
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import SELF_COLUMNS, rival_features, target_features
-from catch_arena.policy import Limits, View
+from catch_arena.errors import ConfigError
+from catch_arena.layout import BODY_COLUMNS, PREY_SELF_COLUMNS, SELF_COLUMNS, rival_features, target_features
+from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, View
 from catch_arena.scenarios import scenario
+from catch_arena.text import shortened
 
 
-def fit_observation(view: View | BatchView, trained: str | ArenaConfig) -> NDArray[np.float32]:
+def fit_observation(
+    view: View | BatchView | PreyView | PreyBatchView, trained: str | ArenaConfig
+) -> NDArray[np.float32]:
     """Return an observation with the columns of the arena that a network was trained in.
 
-    Each column has the view's value of the same name, so the nearest targets and rivals are kept. Columns that the view
-    does not have are 0, as for absent targets. Values are not rescaled: in a larger arena they may be larger than any
-    that the network was trained with.
+    Each column has the view's value of the same name, so the nearest targets and rivals are kept, and for prey the
+    nearest hunters and other prey. Columns that the view does not have are 0, as for absent targets. Values are not
+    rescaled: in a larger arena they may be larger than any that the network was trained with.
 
     Args:
-        view: the view of one hunter, or of many (...).
+        view: the view of one hunter or prey, or of many (...).
         trained: the scenario, or the config, that the network was trained in.
 
     Returns:
-        the observation: (D,) for one hunter, (..., D) for many; D is the width of `trained`.
+        the observation: (D,) for one, (..., D) for many; D is the width of `trained`, for prey that of prey's view.
 
     Raises:
-        ConfigError: for an unknown scenario.
+        ConfigError: for an unknown scenario, and for one without prey if the view is of prey.
     """
-    given = view.observations if isinstance(view, BatchView) else view.observation
+    given = view.observations if isinstance(view, ManyViews) else view.observation
     values = np.asarray(given, dtype=np.float32)
     zero = np.zeros((*values.shape[:-1], 1), dtype=np.float32)
-    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., _places(view.limits, _limits(trained))]
+    limits = _limits(trained) if isinstance(view.limits, Limits) else _prey_limits(trained)
+    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., _places(view.limits, limits)]
     return found
 
 
@@ -67,15 +72,29 @@ def _limits(trained: str | ArenaConfig) -> Limits:
 
 
 @lru_cache(maxsize=64)
-def _places(seen: Limits, trained: Limits) -> NDArray[np.int64]:
+def _prey_limits(trained: str | ArenaConfig) -> PreyLimits:
+    config = scenario(trained)
+    if not config.prey:
+        raise ConfigError(f"trained must be a scenario with prey for a view of prey, got {shortened(trained)}")
+    return PreyLimits.of(config)
+
+
+@lru_cache(maxsize=64)
+def _places(seen: AnyLimits, trained: AnyLimits) -> NDArray[np.int64]:
     """Return the index of each column of `trained` in an observation, (D,); its width if it has no such column."""
     names = _names(seen)
     place = {name: number for number, name in enumerate(names)}
     return np.array([place.get(name, len(names)) for name in _names(trained)], dtype=np.int64)
 
 
-def _names(limits: Limits) -> tuple[str, ...]:
-    """Return the names of `layout.columns`, computed from a hunter's limits."""
+def _names(limits: AnyLimits) -> tuple[str, ...]:
+    """Return the names of `layout.columns` or `prey_columns`, computed from the limits of a hunter or of prey."""
+    if isinstance(limits, PreyLimits):
+        return (
+            *PREY_SELF_COLUMNS,
+            *(f"hunter_{rank}.{name}" for rank in range(1, limits.hunters_seen + 1) for name in BODY_COLUMNS),
+            *(f"prey_{rank}.{name}" for rank in range(1, limits.prey_seen + 1) for name in BODY_COLUMNS),
+        )
     targets, rivals = target_features(limits)._fields, rival_features(limits)._fields
     return (
         *SELF_COLUMNS,

@@ -3,7 +3,8 @@
 import copy
 import dataclasses
 from collections.abc import Iterable, Mapping
-from typing import Any, Final, NamedTuple, get_args
+from functools import partial
+from typing import Final, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,16 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.errors import ActionError, AgentError, ConfigError, reason
+from catch_arena.errors import ConfigError
 from catch_arena.policy import Limits, View, control_of
 from catch_arena.text import shortened
-from catch_arena.tournament.agent_spec import resolve_spec
-from catch_arena.tournament.loading import create_policy
-from catch_arena.training.players import Place, Player, action_arrays
+from catch_arena.training.players import Player, acts_in_batches, name_and_policy
 
 Pool = str | object | Iterable[object] | Mapping[str, float]
 """One agent, several, or a mapping from names to the weights with which they are drawn."""
 
+Place = tuple[int, int]
+"""An arena, and the seat of a hunter in it."""
 _SEED_LIMIT: Final = 2**63
 
 
@@ -195,45 +196,13 @@ class Opponents:
             for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
                 some, own_seats = arenas[group], seats[group]
                 batch = BatchView(observations[some, own_seats], masks[some, own_seats], limits[int(own_seats[0])])
-                actions = opponent.player.call("act_batch", batch)
-                self._write(opponent, actions, some, own_seats, choices, commands)
-
-    def _write(
-        self,
-        opponent: _Opponent,
-        actions: Any,
-        arenas: NDArray[np.int64],
-        seats: NDArray[np.int64],
-        choices: NDArray[np.int64],
-        commands: NDArray[np.float32],
-    ) -> None:
-        """Check the actions of many hunters, and write them to their places."""
-        name, last_rank = f"{opponent.player.name}: actions", self._config.targets_seen
-        try:
-            ranks, velocities = action_arrays(name, actions, len(arenas), opponent.control)
-        except ActionError as error:
-            raise AgentError(str(error)) from None
-        if ranks is not None:
-            legal = (ranks >= 0) & (ranks <= last_rank)
-            _require(f"{name} must be whole numbers from 0 to {last_rank}", ranks, legal, arenas, seats)
-            choices[arenas, seats] = ranks
-        if velocities is not None:
-            within = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
-            _require(f"{name} must be numbers in [-1, 1]", velocities, within, arenas, seats)
-            commands[arenas, seats] = velocities
-
-
-def _require(
-    requirement: str,
-    given: NDArray[Any],
-    legal: NDArray[np.bool_],
-    arenas: NDArray[np.int64],
-    seats: NDArray[np.int64],
-) -> None:
-    """Raise an AgentError for the first hunter whose action is not legal."""
-    if not legal.all():
-        row = int(np.argmin(legal))
-        raise AgentError(f"{requirement}, got {given[row].tolist()}{_place(int(arenas[row]), int(seats[row]))}")
+                ranks, velocities = opponent.player.act_batch(
+                    batch, opponent.control, self._config.targets_seen, partial(_place_of_row, some, own_seats)
+                )
+                if ranks is not None:
+                    choices[some, own_seats] = ranks
+                if velocities is not None:
+                    commands[some, own_seats] = velocities
 
 
 def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
@@ -259,25 +228,13 @@ def _shares(weights: NDArray[np.float64], given: str) -> NDArray[np.float64]:
 
 
 def _opponent(agent: object) -> _Opponent:
-    policy: object
-    if isinstance(agent, str):
-        name, policy = agent, create_policy(resolve_spec(agent))
-    elif isinstance(agent, type):
-        name = agent.__name__
-        try:
-            policy = agent()
-        except (Exception, SystemExit) as error:
-            raise AgentError(f"opponent {name}: {name}() raised {reason(error)}") from error
-    else:
-        name, policy = type(agent).__name__, agent
-    in_batches = callable(getattr(policy, "act_batch", None))
-    for method in ("reset", "act_batch" if in_batches else "act"):
-        if not callable(getattr(policy, method, None)):
-            raise AgentError(
-                f"opponent {name}: must have the methods reset and act_batch, or reset and act, but has no {method}"
-            )
-    return _Opponent(name, Player(f"opponent {name}", policy), control_of(policy), in_batches)
+    name, policy = name_and_policy("opponent", agent)
+    return _Opponent(name, Player(f"opponent {name}", policy), control_of(policy), acts_in_batches(policy))
 
 
 def _place(arena: int, seat: int) -> str:
     return f" for hunter_{seat} in arena {arena}"
+
+
+def _place_of_row(arenas: NDArray[np.int64], seats: NDArray[np.int64], row: int) -> str:
+    return _place(int(arenas[row]), int(seats[row]))

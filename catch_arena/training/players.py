@@ -1,24 +1,22 @@
 """Players inside the batch: agents whose errors name them, the agents that play prey, and actions of many hunters."""
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.batch_policy import PreyBatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
-from catch_arena.policy import PreyLimits
+from catch_arena.policy import PreyLimits, Side
 from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.tournament.loading import create_policy
-
-Place = tuple[int, int]
-"""An arena, and the seat of a hunter or the number of a prey in it."""
 
 
 @dataclass
@@ -54,6 +52,33 @@ class Player:
         except ActionError as error:
             raise AgentError(f"{error}{self.place}") from None
 
+    def act_batch(
+        self, view: Any, control: Control, last_rank: int, place: Callable[[int], str]
+    ) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
+        """Return the checked ranks, (N,), and velocities, (N, 2), of N actions; None if the control does not have them.
+
+        Args:
+            view: a `BatchView` or `PreyBatchView` of N observations.
+            control: control of those that the agent plays.
+            last_rank: the greatest legal rank.
+            place: a function that returns the end of an error about a row, which names the hunter or prey.
+
+        Raises:
+            AgentError: if the agent raises anything, or for actions that are not legal.
+        """
+        actions, name = self.call("act_batch", view), f"{self.name}: actions"
+        try:
+            ranks, velocities = action_arrays(name, actions, len(view.observations), control)
+        except ActionError as error:
+            raise AgentError(str(error)) from None
+        if ranks is not None:
+            legal = (ranks >= 0) & (ranks <= last_rank)
+            _require(f"{name} must be whole numbers from 0 to {last_rank}", ranks, legal, place)
+        if velocities is not None:
+            within = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
+            _require(f"{name} must be numbers in [-1, 1]", velocities, within, place)
+        return ranks, velocities
+
     def __deepcopy__(self, memo: dict[int, Any]) -> "Player":
         """Return a copy with everything that the agent stores.
 
@@ -66,35 +91,95 @@ class Player:
             raise AgentError(f"{self.name}: copying the agent raised {reason(error)}") from error
 
 
+def _require(requirement: str, given: NDArray[Any], legal: NDArray[np.bool_], place: Callable[[int], str]) -> None:
+    """Raise an AgentError for the first row whose action is not legal."""
+    if not legal.all():
+        row = int(np.argmin(legal))
+        raise AgentError(f"{requirement}, got {given[row].tolist()}{place(row)}")
+
+
+def name_and_policy(role: str, agent: object, side: Side = "hunter") -> tuple[str, Any]:
+    """Return an agent's name and an instance of it.
+
+    Args:
+        role: word in front of its name in errors.
+        agent: a shipped name, a file, `package.module:Class`, a class, or an object, which is returned itself.
+        side: the side that it plays.
+
+    Raises:
+        AgentError: for an agent that cannot play.
+    """
+    if isinstance(agent, str):
+        return agent, create_policy(resolve_spec(agent), side)
+    name, policy = type(agent).__name__, agent
+    if isinstance(agent, type):
+        name = agent.__name__
+        try:
+            policy = agent()
+        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+            raise AgentError(f"{role} {name}: {name}() raised {reason(error)}") from error
+    for method in ("reset", "act_batch" if acts_in_batches(policy) else "act"):
+        if not callable(getattr(policy, method, None)):
+            raise AgentError(
+                f"{role} {name}: must have the methods reset and act_batch, or reset and act, but has no {method}"
+            )
+    return name, policy
+
+
+def acts_in_batches(policy: object) -> bool:
+    """Return whether an agent acts for many hunters or prey in one call."""
+    return callable(getattr(policy, "act_batch", None))
+
+
 class PreyPlayers:
-    """The prey of a batch of arenas. Each has an instance of its own, which is called for it alone.
+    """The prey of a batch of arenas.
+
+    An agent with `act_batch` is called once a step for the prey of all arenas, and keeps nothing of a single prey; one
+    that has only `act` is called for each prey, and each has an instance of its own.
 
     Args:
         config: the arenas' settings.
         num_envs: B.
-        agent: the agent that plays: a shipped name, a file or `package.module:Class`; None is the shipped one.
+        agent: the agent that plays: a shipped name, a file, `package.module:Class`, a class, or an object with
+            `act_batch` or `act`; None is the shipped one.
 
     Raises:
-        AgentError: for an agent that is not there, or has no class `Prey`.
+        AgentError: for an agent that is not there, has no class `Prey`, or cannot play.
     """
 
-    def __init__(self, config: ArenaConfig, num_envs: int, agent: str | None) -> None:
+    def __init__(self, config: ArenaConfig, num_envs: int, agent: object | None) -> None:
         agent = SHIPPED_PREY if agent is None else agent
-        spec = resolve_spec(agent)
         self._limits = PreyLimits.of(config)
-        self._players = {
-            (arena, index): Player(
-                f"prey {agent}", create_policy(spec, "prey"), f" for {config.prey_names[index]} in arena {arena}"
-            )
-            for arena in range(num_envs)
-            for index in range(config.prey)
-        }
+        self._names = config.prey_names
+        name, policy = name_and_policy("prey", agent, "prey")
+        original = Player(f"prey {name}", policy)
+        self._in_batches = acts_in_batches(policy)
+        self._players = [original]
+        """One instance for all prey if it has `act_batch`; else that of each prey, arena by arena."""
+        if not self._in_batches:
+            self._players = [
+                Player(
+                    original.name,
+                    copy.deepcopy(original).policy if policy is agent else name_and_policy("prey", agent, "prey")[1],
+                    self._place(row),
+                )
+                for row in range(num_envs * config.prey)
+            ]
 
-    def begin(self, rng: np.random.Generator, arenas: NDArray[np.int64]) -> None:
-        """Begin an episode for the prey of these arenas."""
+    def _place(self, row: int) -> str:
+        arena, index = divmod(row, len(self._names))
+        return f" for {self._names[index]} in arena {arena}"
+
+    def begin(self, rng: np.random.Generator) -> None:
+        """Seed an agent that has `act_batch`."""
+        if self._in_batches:
+            self._players[0].call("reset", int(rng.integers(2**63)))
+
+    def begin_episodes(self, rng: np.random.Generator, arenas: NDArray[np.int64]) -> None:
+        """Begin an episode for each prey of these arenas, if each has an instance."""
         begun = set(arenas.tolist())
-        for (arena, _), player in self._players.items():
-            if arena in begun:
+        for row, player in enumerate([] if self._in_batches else self._players):
+            if row // len(self._names) in begun:
                 player.call("reset", int(rng.integers(2**63)))
 
     def act(self, observations: NDArray[np.float32], commands: NDArray[np.float32]) -> None:
@@ -103,10 +188,15 @@ class PreyPlayers:
         Raises:
             AgentError: for one that fails.
         """
-        for place, player in self._players.items():
+        if self._in_batches:
+            view = PreyBatchView(np.array(observations).reshape(-1, observations.shape[-1]), self._limits)
+            _, velocities = self._players[0].act_batch(view, "velocity", 0, self._place)
+            commands[:] = np.asarray(velocities).reshape(commands.shape)
+            return
+        for place, player in zip(np.ndindex(commands.shape[:2]), self._players, strict=True):
             _, commands[place] = player.act(self._limits.view(observations[place].tolist(), ()), "velocity", 0)
 
-    def save(self) -> dict[Place, Player]:
+    def save(self) -> list[Player]:
         """R10.2: return copies of all players, with everything that they store, for `restore`.
 
         Raises:
@@ -114,9 +204,9 @@ class PreyPlayers:
         """
         return copy.deepcopy(self._players)
 
-    def restore(self, saved: Mapping[Place, Player]) -> None:
+    def restore(self, saved: Sequence[Player]) -> None:
         """Continue from copies that `save` returned, in this batch or in one of equal config and size."""
-        self._players = copy.deepcopy(dict(saved))
+        self._players = copy.deepcopy(list(saved))
 
 
 def action_arrays(

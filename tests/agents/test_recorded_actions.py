@@ -11,32 +11,36 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.batch_policy import BatchView
-from catch_arena.layout import observation_size
-from catch_arena.policy import Limits, View
+from catch_arena.batch_policy import BatchView, PreyBatchView
+from catch_arena.layout import observation_size, prey_observation_size
+from catch_arena.policy import player_limits
 from catch_arena.tournament.loading import shipped
 
 FILE = Path(__file__).parents[1] / "data" / "actions.npz"
 SCENARIOS = ("standard", "duel", "scarce", "crowd", "evasive", "fog", "haze", "pairs", "partners", "unequal", "tag")
 AGENTS = [name for name in shipped() if name != "random"]
+WITH_PREY = ("tag", "herd", "pack")
+PREY = ("flee", "corners")
 STEPS = 24
 
 
-def agent_of(name):
-    return import_module(f"catch_arena.agents.{name}").Agent
+def agent_of(name, kind="Agent"):
+    return getattr(import_module(f"catch_arena.agents.{name}"), kind)
 
 
-def views(scenario, control):
-    """Yield the view of each hunter of a batch in turn, while all drive at random."""
+def views(scenario, control, side="hunter"):
+    """Yield the view of each hunter, or each prey, of a batch in turn, while all drive at random."""
     config = catch_arena.scenario(scenario, control=control, max_cycles=10 * STEPS)
     arena = catch_arena.VectorArena(config, 3)
-    limits = [Limits.of(config, seat) for seat in range(config.hunters)]
+    limits = [player_limits(config, seat) for seat in range(config.hunters + config.prey)]
+    seats = [seat for seat, its in enumerate(limits) if its.side == side]
+    size = observation_size(config) if side == "hunter" else prey_observation_size(config)
     source = np.random.default_rng(7)
     observations, infos = arena.reset(seed=19)
     for step in range(STEPS):
-        row, seat = step % 3, step % config.hunters
-        seen = observations[row, seat, : observation_size(config)]
-        yield View(seen.tolist(), infos["action_mask"][row, seat].tolist() if control == "target" else (), limits[seat])
+        row, seat = step % 3, seats[step % len(seats)]
+        mask = infos["action_mask"][row, seat].tolist() if control == "target" else ()
+        yield limits[seat].view(observations[row, seat, :size].tolist(), mask)
         for _ in range(7):  # an action holds for some steps: so hunters come far enough to catch
             commands = source.uniform((0.3, -0.5), 1.0, (3, config.hunters + config.prey, 2)).astype(np.float32)
             choices = np.ones((3, config.hunters), int) * (source.random((3, config.hunters)) < 0.5)
@@ -70,5 +74,32 @@ def test_agents_do_what_they_did(name):
                     np.testing.assert_allclose(agent.act_batch(batch)[0], action, rtol=0, atol=tolerance)
 
 
+def decided_by_prey(name, scenario):
+    """Actions of an agent's prey on its views, (STEPS, 2), and the views."""
+    prey, seen = agent_of(name, "Prey")(), list(views(scenario, "velocity", "prey"))
+    prey.reset(1)
+    return np.array([prey.act(view) for view in seen]), seen
+
+
+@pytest.mark.parametrize("scenario", WITH_PREY)
+@pytest.mark.parametrize("name", PREY)
+def test_prey_does_what_it_did(name, scenario):
+    with np.load(FILE) as recorded:
+        actions = decided_by_prey(name, scenario)[0]
+        np.testing.assert_allclose(actions, recorded[f"{name}-{scenario}-prey"], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("scenario", WITH_PREY)
+def test_prey_that_acts_for_many_acts_bit_for_bit_as_for_one(scenario):
+    """In views with hunters, and without any after a catch."""
+    actions, seen = decided_by_prey("flee", scenario)
+    observations = np.array([view.observation for view in seen], np.float32)
+    observations = np.concatenate((observations, np.zeros_like(observations[:1])))
+    commands = agent_of("flee", "Prey")().act_batch(PreyBatchView(observations, seen[0].limits))
+    assert commands.tolist() == [*actions.tolist(), [0.0, 0.0]]
+
+
 if __name__ == "__main__":
-    np.savez_compressed(FILE, **{f"{name}-{one}": decided(name, one)[0] for name in AGENTS for one in SCENARIOS})
+    actions = {f"{name}-{one}": decided(name, one)[0] for name in AGENTS for one in SCENARIOS}
+    actions |= {f"{name}-{one}-prey": decided_by_prey(name, one)[0] for name in PREY for one in WITH_PREY}
+    np.savez_compressed(FILE, **actions)

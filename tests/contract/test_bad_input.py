@@ -289,6 +289,7 @@ def service():
 
 
 LIMITS = catch_arena.Limits.of(catch_arena.scenario("duel"))
+PREY_LIMITS = catch_arena.PreyLimits.of(catch_arena.scenario("tag"))
 CALLS = [
     ("unknown agent", lambda wrong: begun().check_action(wrong, 0)),
     ("unknown agent", lambda wrong: begun().withdraw(wrong)),
@@ -312,6 +313,8 @@ CALLS = [
     ("limits must be a PreyLimits", lambda wrong: catch_arena.PreyView([0.0] * 27, wrong)),
     ("observations must be", lambda wrong: catch_arena.BatchView(wrong, np.ones((1, 9)), LIMITS)),
     ("limits must be a Limits", lambda wrong: catch_arena.BatchView(np.zeros((1, 57)), np.ones((1, 9)), wrong)),
+    ("observations must be", lambda wrong: catch_arena.PreyBatchView(wrong, PREY_LIMITS)),
+    ("limits must be a PreyLimits", lambda wrong: catch_arena.PreyBatchView(np.zeros((1, 27)), wrong)),
     ("settings must map names to values", catch_arena.ArenaConfig.from_dict),
     ("unknown scenario", catch_arena.scenario),
 ]

@@ -8,7 +8,7 @@ import pytest
 import catch_arena
 from catch_arena.batch_policy import BatchView
 from catch_arena.errors import ConfigError
-from catch_arena.layout import columns
+from catch_arena.layout import columns, prey_columns
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.training import fit_mask, fit_observation
 
@@ -70,6 +70,27 @@ def test_many_at_once_are_fitted_as_one(trained):
     )
     assert fit_observation(batch, trained).tolist() == [fit_observation(view, trained).tolist() for view in seen]
     assert fit_mask(batch, trained).tolist() == [fit_mask(view, trained).tolist() for view in seen]
+
+
+@pytest.mark.parametrize(("here", "trained"), [("herd", "tag"), ("tag", "herd"), ("herd", "herd")])
+def test_prey_is_fitted_by_the_names_of_its_columns(here, trained):
+    """One prey, and many."""
+    config = catch_arena.scenario(here)
+    observations, _ = catch_arena.parallel_env(config).reset(seed=3)
+    seen = np.array([observations[name] for name in config.prey_names])
+    names, limits = [column.name for column in prey_columns(config)], catch_arena.PreyLimits.of(config)
+    expected = [
+        [dict(zip(names, row, strict=True)).get(column.name, 0.0) for column in prey_columns(SCENARIOS[trained])]
+        for row in seen.tolist()
+    ]
+    assert fit_observation(catch_arena.PreyBatchView(seen, limits), trained).tolist() == expected
+    assert fit_observation(catch_arena.PreyView(seen[0].tolist(), limits), trained).tolist() == expected[0]
+
+
+def test_prey_is_not_fitted_to_a_scenario_without_prey():
+    limits = catch_arena.PreyLimits.of(SCENARIOS["tag"])
+    with pytest.raises(ConfigError, match="trained must be a scenario with prey for a view of prey, got 'standard'"):
+        fit_observation(catch_arena.PreyView([0.0] * 27, limits), "standard")
 
 
 def test_who_drives_itself_has_no_choices():

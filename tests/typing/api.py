@@ -22,6 +22,7 @@ from catch_arena import (
     Gains,
     Limits,
     Policy,
+    PreyBatchView,
     PreyLimits,
     PreyPolicy,
     PreyView,
@@ -198,6 +199,15 @@ class All(Nearest):
         assert_type(view.limits, Limits)
         assert_type(view.masks, NDArray[np.int8])
         return np.ones(len(view.masks), np.int64)
+
+
+class AllPrey(Runaway):
+    """Prey that acts on a batch too."""
+
+    def act_batch(self, view: PreyBatchView) -> NDArray[np.float32]:
+        assert_type(view.limits, PreyLimits)
+        assert_type(view.observations, NDArray[np.float32])
+        return np.zeros((len(view.observations), 2), np.float32)
 
 
 def prey(agent: PreyPolicy) -> None:
