@@ -54,7 +54,8 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
             spawn_frequency_hz=2.0,
         ),
         "tag": _TAG,
-        "pack": _TAG.replace(teams=((0, 1, 2),), team_share=1.0, hunters_per_catch=2),
+        # as fast as the hunters: prey that is faster learns to be caught by no pack
+        "pack": _TAG.replace(teams=((0, 1, 2),), team_share=1.0, hunters_per_catch=2, target_speed_mps=2.0),
         "herd": _STANDARD.replace(prey=4, initial_targets=12, max_targets=20, target_motion="wander"),
         # the ROS 2 exercise with an arbiter: its reach, and a target each second
         "exercise": _STANDARD.replace(reach_m=0.5, initial_targets=0, spawn_frequency_hz=1.0),
