@@ -23,8 +23,7 @@ from argparse import ArgumentDefaultsHelpFormatter, ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
-# past selves play in NumPy, whose threads would wait for those of torch and of other runs
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would wait for those of torch and of other runs
 
 import numpy as np
 
@@ -261,11 +260,8 @@ class Arenas:
 
 @torch.no_grad()
 def rollout(arenas: Arenas, network: Network) -> tuple[Tensor, ...]:
-    """Play T decisions of N learners.
-
-    Returns:
-        the three inputs of the network, choices, velocities, log-probabilities, values, rewards, and if the match has
-        ended: (T, N, ...) each; and the values (N,) of the states after them.
+    """Play T decisions of N learners, and return the inputs of the network, choices, velocities, log-probabilities,
+    values, rewards and ends of matches: (T, N, ...) each; and the values (N,) of the states after them.
     """
     kept = []
     for _ in range(HORIZON):
@@ -293,13 +289,13 @@ def advantages_of(rewards: Tensor, ended: Tensor, values: Tensor, following: Ten
     return result
 
 
-def learn(played: tuple[Tensor, ...], network: Network, optimiser: torch.optim.Adam, gamma: float) -> dict[str, Any]:
-    """Make some epochs of PPO, and return figures of the last minibatch."""
-    *parts, rewards, ended, following = played
-    *seen, choices, velocities, before, values = (part.flatten(0, 1) for part in parts)
-    advantages = advantages_of(rewards, ended, parts[-1], following, gamma)
-    returns = advantages.flatten() + values
-    advantages = ((advantages - advantages.mean()) / (advantages.std() + 1e-8)).flatten()
+def improve(network: Any, optimiser: torch.optim.Adam, played: list[Tensor]) -> dict[str, Any]:
+    """Make some epochs of PPO with N decisions, and return figures of the last minibatch.
+
+    `played` has the network's inputs, choices, velocities, their log-probabilities, advantages and returns: (N, ...).
+    """
+    *seen, choices, velocities, before, advantages, returns = played
+    advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
     for _ in range(EPOCHS):
         for rows in torch.randperm(len(before)).split(MINIBATCH):
             every, mean, value = network(*(part[rows] for part in seen))
@@ -344,7 +340,10 @@ class Learner:
         """Play, learn, let the pool grow if it is time, report, and save the run."""
         begun, settings = time.perf_counter(), self.settings
         self.optimiser.param_groups[0]["lr"] = RATE * max(0.05, 1 - self.decisions / settings.decisions)
-        figures = learn(rollout(self.arenas, self.network), self.network, self.optimiser, GAMMA**settings.hold)
+        *parts, rewards, ended, following = rollout(self.arenas, self.network)
+        advantages = advantages_of(rewards, ended, parts[-1], following, GAMMA**settings.hold)
+        *decided, values, advantages = (part.flatten(0, 1) for part in (*parts, advantages))
+        figures = improve(self.network, self.optimiser, [*decided, advantages, advantages + values])
         before, made = self.decisions, HORIZON * self.arenas.batch.num_rows
         self.decisions += made
         if settings.self_play and self.decisions // SNAPSHOT > before // SNAPSHOT:

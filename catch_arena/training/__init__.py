@@ -6,7 +6,8 @@ docs/howto/training.md shows their use.
   prey, and what all agents share. compiled: a decision function for one hunter, compiled for many hunters.
 - sb3, gymnasium_vector, torchrl: adapters, one for each library.
 - networks: a trained network in NumPy. fitting: an observation in the width that a network was trained with.
-- destinations, pointer: the inputs of the trained agents that ship, and their networks.
+- destinations, pointer: candidate places as inputs of a network, and the networks that choose one.
+- mixed: many arenas whose hunters and prey each have a player. flat: agents that choose a command by a network.
 
 Names of this package load on first use. An adapter raises a ConfigError if its library is missing.
 """

@@ -163,7 +163,8 @@ class _Block:
         forward, left = self.targets.forward[:, :1], self.targets.left[:, :1]
         caught: NDArray[np.bool_] = self.targets.present > 0
         within = forward * forward + left * left < (0.999 * self.limits.reach_m) ** 2
-        caught[:, :1] &= within & self._is_nearest(forward, left) & (not self.hosted)
+        alone = self.limits.hunters_per_catch == 1  # else the hunter must wait for a partner
+        caught[:, :1] &= within & self._is_nearest(forward, left) & (alone and not self.hosted)
         caught[:, 1:] = False
         return caught
 

@@ -1,77 +1,24 @@
 """examples/train_ppo.py, imitate.py and train_sb3.py: short runs, what they leave, and what goes wrong."""
 
-import csv
 import importlib.util
-import os
-import signal
+import json
 import subprocess
 import sys
 import time
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from training_runs import ROOT, SHORT, begun, check, interrupted, output_of, refused, run, table, train, trainer
 
+from catch_arena import scenario
 from catch_arena.agents.patrol import Agent as Patrol
 from catch_arena.batch_policy import BatchView
+from catch_arena.layout import columns
 from catch_arena.policy import Limits
 from catch_arena.tournament.loading import create_policy
 from catch_arena.training import LearnerBatch
 from catch_arena.training.pointer import PointerAgent, PointerNetwork, weight_shapes
-
-ROOT = Path(__file__).parents[2]
-SHORT = ("--hidden=8", "--evaluate=0", "--seed=3")
-SMALL = {"ARENAS": 8, "HORIZON": 16, "MINIBATCH": 64, "SNAPSHOT": 128}
-TRAIN = """
-from catch_arena import interrupts
-
-interrupts.listen()
-import sys
-
-sys.path.insert(0, {folder!r})
-import train_ppo, {module}
-
-for module in (train_ppo, {module}):
-    vars(module).update({constants!r})
-interrupts.run({module}.main)
-"""
-
-
-def output_of(command, *, fails=False):
-    """Output of a command, from both channels."""
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
-    assert (done.returncode != 0) == fails, done.stdout + done.stderr
-    return done.stdout + done.stderr
-
-
-def run(script, *arguments, fails=False):
-    """Output of a script."""
-    return output_of([sys.executable, ROOT / script, *arguments], fails=fails)
-
-
-def trainer(*arguments, module="train_ppo", **constants):
-    """Command of train_ppo.py, or of another trainer, with small constants."""
-    code = TRAIN.format(folder=str(ROOT / "examples"), module=module, constants=SMALL | constants)
-    return [sys.executable, "-c", code, *map(str, arguments)]
-
-
-def train(*arguments, **constants):
-    """Output of a small run of train_ppo.py."""
-    return output_of(trainer(*arguments, **constants))
-
-
-def table(path):
-    """The rows of a CSV file."""
-    with path.open() as file:
-        return list(csv.DictReader(file))
-
-
-def refused(*arguments, **constants):
-    """Last line of a run that is refused."""
-    printed = output_of(trainer(*arguments, **constants), fails=True)
-    assert "Traceback" not in printed
-    return printed.splitlines()[-1]
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +50,64 @@ CURVE = """decisions,seconds,agent,matches,rating,rating_low,rating_high,win_sha
 """
 
 
+def evaluation(side, against, decisions, **figures):
+    """A row of a curve.json."""
+    return {"side": side, "against": against, "decisions": decisions, "seconds": 7, **figures}
+
+
+def test_curves_of_sides_have_a_table_and_a_panel_for_each_opponent(tmp_path):
+    """A column and a line for each seed; catches of prey are those of the script."""
+    for name, catches in (("one", 4.0), ("two", 6.0)):
+        curve = [
+            evaluation("hunters", "flee", 0, catches=[0.1, -0.1, 0.3]),
+            evaluation("prey", "intercept", 0, catches=[19, 18, 20]),
+            evaluation("hunters", "flee", 2_000_000 + 200_000 * catches, catches=[catches, catches - 1, catches + 1]),
+        ]
+        if name == "two":  # this one has got further
+            curve.append(evaluation("hunters", "flee", 4_000_000, catches=[8, 8, 8]))
+        (tmp_path / name).mkdir()
+        found = {"settings": {"scenario": "tag", "seed": 1}, "curve": curve}
+        (tmp_path / name / "curve.json").write_text(json.dumps(found))
+    runs = [tmp_path / "one", tmp_path / "two"]
+    printed = run("examples/training_curves.py", *runs, "--out", tmp_path / "curve.svg").splitlines()
+    assert printed[:6] == [
+        "",
+        "catches of hunters against flee in tag:",
+        "",
+        "| decisions | one | two |",
+        "|---:|---:|---:|",
+        "| 0 thousand | 0.1 (0.0 to 0.3) | 0.1 (0.0 to 0.3) |",
+    ]
+    assert printed[6] == "| 3.0 million | 4.0 (3.0 to 5.0) | 6.0 (5.0 to 7.0) |"
+    assert printed[8] == "catches of intercept against prey in tag:"
+    assert printed[12:] == [
+        "| 0 thousand | 19.0 (18.0 to 20.0) | 19.0 (18.0 to 20.0) |",
+        f"curve: {tmp_path / 'curve.svg'}",
+    ]
+    drawn = ET.parse(tmp_path / "curve.svg").getroot()  # noqa: S314 - ours
+    assert drawn.get("viewBox") == "0 0 640 660"
+    lines = [path.get("d") for path in drawn.findall("{*}path") if path.get("fill") == "none"]
+    # the axes end at 4 million decisions and at 8 catches
+    assert lines[:2] == ["M60.0 277.0L452.0 160.0", "M60.0 277.0L508.0 100.0L620.0 40.0"]
+    assert len(lines) == 4
+    titles = [text.text for text in drawn.findall("{*}text") if text.get("font-weight") and text.text]
+    assert titles == ["catches of hunters against flee in tag", "catches of intercept against prey in tag"]
+
+
+def test_shares_of_wins_are_in_percent(tmp_path):
+    curve = [evaluation("seat", "nearest", 1_000_000, wins=[0.5, 0.4, 0.6], catches=[3, 2, 4])]
+    found = {"settings": {"scenario": "standard"}, "curve": curve}
+    (tmp_path / "curve.json").write_text(json.dumps(found))
+    printed = run("examples/training_curves.py", tmp_path).splitlines()
+    assert printed[1] == "share of wins of seat against nearest in standard:"
+    assert printed[-1] == "| 1.0 million | 50 % (40 to 60) |"
+    curve[0]["wins"] = [0.5]
+    (tmp_path / "curve.json").write_text(json.dumps(found))
+    printed = run("examples/training_curves.py", tmp_path, fails=True)
+    assert "curve.json: is not a curve of train_sides.py" in printed
+    assert len(printed.splitlines()) == 1
+
+
 def test_curves_of_several_seeds_are_one_table(tmp_path):
     """The mean, the least and the most; the lead is that over the best of the others."""
     for name, rating, share in (("a", 190, 0.5), ("b", 100, 0.4), ("c", 220, 0.75)):
@@ -125,12 +130,6 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
     output = run("examples/training_curves.py", tmp_path / "c", fails=True)
     assert "is not a curve of train_ppo.py" in output
     assert len(output.splitlines()) == 1
-
-
-def check(agent):
-    """`catch-arena check-agent` accepts an agent."""
-    command = [sys.executable, "-m", "catch_arena", "check-agent", str(agent), "--scenario", "duel"]
-    assert "ok" in subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 
 
 @pytest.mark.torch
@@ -230,24 +229,6 @@ def test_a_run_goes_on_with_the_settings_that_it_began_with(tmp_path):
     train("--out", second, "--decisions", 256, "--resume")
     assert [int(row["decisions"]) for row in table(second / "progress.csv")] == [128, 256]
     assert PointerNetwork.load(second / "agent.npz").weights["prior"] == 1.5
-
-
-def begun(*arguments, **constants):
-    """Process of a small run, whose lines can be read."""
-    command = trainer(*arguments, **constants)
-    return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
-    )
-
-
-def interrupted(process):
-    """Return its lines after a Ctrl-C."""
-    os.killpg(process.pid, signal.SIGINT)
-    output = process.communicate(timeout=120)[0].splitlines()
-    assert process.returncode == 130
-    with pytest.raises(ProcessLookupError):
-        os.killpg(process.pid, 0)  # nothing of it is left
-    return output
 
 
 @pytest.mark.torch
@@ -404,9 +385,28 @@ def test_past_selves_that_win_are_met_more_often(module, monkeypatch):
 
 
 @pytest.mark.torch
-def test_the_short_example_leaves_an_agent_that_plays(tmp_path):
-    output = run("examples/train_sb3.py", "--out", tmp_path / "sb3", "--scenario", "duel", "--steps", 8192)
+@pytest.mark.parametrize(("name", "control"), [("duel", "target"), ("partners", "target"), ("pack", "velocity")])
+def test_the_short_example_leaves_an_agent_that_plays(tmp_path, name, control):
+    output = run("examples/train_sb3.py", "--out", tmp_path / "sb3", "--scenario", name, "--steps", 8192)
     assert "check-agent" in output
     made = create_policy(str(tmp_path / "sb3" / "agent.py"))
-    assert made.network.inputs == 57
-    check(tmp_path / "sb3" / "agent.py")
+    assert made.network.inputs == len(columns(scenario(name)))
+    assert made.control == control
+    check(tmp_path / "sb3" / "agent.py", name)
+
+
+@pytest.mark.torch
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ("--prey-agent flee", "prey_agent must be None in a scenario without prey, got flee"),
+        ("--scenario tag --prey-agent nobody", "nobody"),
+        ("--scenario moon", "unknown scenario 'moon'"),
+        ("--steps 0", "--steps must be at least 1, got 0"),
+    ],
+)
+def test_what_stable_baselines3_cannot_learn_is_one_line(tmp_path, options, error):
+    output = run("examples/train_sb3.py", "--out", tmp_path / "sb3", *options.split(), fails=True)
+    assert output.startswith("train_sb3: ")
+    assert error in output
+    assert len(output.splitlines()) == 1

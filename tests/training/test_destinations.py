@@ -66,3 +66,5 @@ def test_a_target_within_reach_that_no_rival_is_nearer_to_is_passed_over():
         seen = destinations(view_of(observation, limits))
         assert seen.legal[0, seen.places] == legal
         assert seen.legal[0, seen.places + 1]
+        waiting = destinations(view_of(observation, dataclasses.replace(limits, hunters_per_catch=2)))
+        assert waiting.legal[0, waiting.places]  # it is not caught before a partner is there (R5.10)

@@ -1,0 +1,430 @@
+"""Train the sides of a scenario by PPO, against each other too: `python examples/train_sides.py --scenario tag`.
+
+A side is what one network plays: `seat`, one hunter; `team`, all hunters of one team; `hunters`, all hunters; `prey`,
+all prey. In each episode one of the sides that learn is at home in each arena. Every other party of the match is played
+by the present network of its side, by one of its past selves, or by a scripted agent. So prey and hunters can learn
+against each other, and a hunter with team-mates that it has not met.
+
+PPO is that of train_ppo.py. Fictitious play with past selves: Heinrich, Lanctot and Silver, "Fictitious self-play in
+extensive-form games", 2015. The present network alone would forget how to beat the earlier ones.
+
+Files in --out: `hunters.py`, `hunters.npz`, `prey.py`, `prey.npz`, agents for any tournament; `snapshots/`, the same of
+earlier times; `curve.json`, the results against scripted agents, which training_curves.py draws.
+"""
+
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()  # before the imports below, which take seconds
+
+import json
+import os
+import sys
+import time
+from argparse import ArgumentDefaultsHelpFormatter, ArgumentParser, Namespace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would wait for those of torch and of other runs
+
+import numpy as np
+
+from catch_arena.errors import CatchArenaError, ConfigError, install_hint
+
+try:
+    import torch
+    from torch import Tensor, nn
+except ModuleNotFoundError:
+    sys.exit(f"train_sides: torch is not installed: {install_hint('train')}")
+
+from train_ppo import Network, advantages_of, improve, tensors
+
+from catch_arena.config import ArenaConfig, RewardWeights
+from catch_arena.files import prepare_folder, whole_file
+from catch_arena.layout import columns, prey_columns
+from catch_arena.policy import Side
+from catch_arena.scenarios import scenario
+from catch_arena.training.destinations import destinations
+from catch_arena.training.flat import COMMANDS, FlatAgent
+from catch_arena.training.mixed import LEARNER, BatchPlayer, MixedBatch, play_matches
+from catch_arena.training.networks import Mlp
+from catch_arena.training.pointer import PointerAgent, drive
+
+HORIZON = 64  # decisions of each agent in a rollout
+RATE = 5e-4  # learning rate at the beginning; it falls linearly to a twentieth
+GAMMA = 0.985  # discount of a step
+SNAPSHOT = 500_000  # decisions between two past selves
+MOST_SELVES = 12  # past selves of a side
+SIDES = ("seat", "team", "hunters", "prey")
+
+
+def settings_from(arguments: list[str]) -> tuple[Namespace, ArenaConfig]:
+    """Return the options of a command line, and the arena."""
+    parser = ArgumentParser(description=(__doc__ or "").splitlines()[0], formatter_class=ArgumentDefaultsHelpFormatter)
+    add = parser.add_argument
+    add("--out", type=Path, default=Path("runs/sides"), help="folder of the run")
+    add("--scenario", default="tag", help="scenario to learn in")
+    add("--learn", default="hunters,prey", help=f"sides that learn, separated by commas: {', '.join(SIDES)}")
+    add("--network", choices=("flat", "pointer"), default="flat", help="network of hunters; prey has a flat one")
+    add("--opponents", default="intercept", help="scripted agents that play hunters, separated by commas")
+    add("--prey-opponents", default="flee", help="scripted agents that play prey, separated by commas")
+    add("--self-play", type=float, default=0.7, help="share of the other parties that present and past selves play")
+    add("--progress", type=float, default=0.1, help="reward of hunters per metre that they come nearer to a target")
+    add("--decisions", type=int, default=20_000_000, help="number of decisions of the side that makes most")
+    add("--seed", type=int, default=1, help="seed of the networks and the arenas")
+    add("--hold", type=int, default=1, help="number of steps for which a decision holds")
+    add("--hidden", type=int, default=64, help="units of each layer")
+    add("--arenas", type=int, default=256, help="number of arenas that are stepped together")
+    add("--evaluate", type=int, default=1_000_000, help="decisions between matches against scripted agents")
+    add("--matches", type=int, default=64, help="number of these matches, for each scripted agent")
+    settings = parser.parse_args(arguments)
+    least = {"decisions": 1, "seed": 0, "hold": 1, "hidden": 1, "arenas": 16, "evaluate": 1, "matches": 2}
+    for name, number in least.items():
+        if getattr(settings, name) < number:
+            parser.error(f"--{name} must be at least {number}, got {getattr(settings, name)}")
+    if not 0 <= settings.self_play <= 1:
+        parser.error(f"--self-play must be from 0 to 1, got {settings.self_play}")
+    settings.learn = settings.learn.split(",")
+    config = scenario(settings.scenario, control="velocity")
+    prey = config.prey > 0
+    here = {"seat": config.hunters > 1, "team": config.teams is not None, "hunters": prey, "prey": prey}
+    for word in settings.learn:
+        if not here.get(word):
+            known = ", ".join(word for word in SIDES if here[word])
+            parser.error(f"--learn must name sides of {settings.scenario}, {known}; got {word!r}")
+    if len(set(settings.learn) - {"prey"}) > 1 or len(set(settings.learn)) < len(settings.learn):
+        parser.error(f"--learn must name one side of hunters, prey, or both; got {','.join(settings.learn)}")
+    rivals = config.hunters - (1 if config.teams is None else len(config.teams[0]))
+    paid = 0.0 if "hunters" in settings.learn else -1 / max(1, rivals)  # zero-sum among hunters that compete
+    return settings, config.replace(rewards=RewardWeights(catch=1.0, rival_catch=paid, progress=settings.progress))
+
+
+class Party(NamedTuple):
+    """Agents of a match that one player plays."""
+
+    side: Side
+    agents: list[int]  # first hunters by seat, then prey
+
+
+def parties_of(config: ArenaConfig, learn: list[str]) -> list[Party]:
+    """Return the parties of a match: those of hunters are as large as the side that learns."""
+    hunters = list(range(config.hunters))
+    groups = [hunters]
+    if "seat" in learn:
+        groups = [[seat] for seat in hunters]
+    if "team" in learn and config.teams is not None:
+        groups = [list(team) for team in config.teams]
+    prey = list(range(config.hunters, config.hunters + config.prey))
+    return [Party("hunter", group) for group in groups] + ([Party("prey", prey)] if prey else [])
+
+
+class Flat(nn.Module):
+    """Actor, which chooses one of COMMANDS, and critic: perceptrons over an observation with standardised columns."""
+
+    head = "commands"
+    judge = Network.judge
+
+    def __init__(self, inputs: int, hidden: int) -> None:
+        super().__init__()
+        self.actor, self.critic = perceptron(inputs, hidden, len(COMMANDS)), perceptron(inputs, hidden, 1)
+        with torch.no_grad():
+            self.actor[-1].weight.mul_(0.1)  # all commands are about equally likely at first
+        self.middle, self.scale = torch.zeros(inputs), torch.ones(inputs)
+
+    def standardise(self, seen: Tensor) -> None:
+        """Take the mean and the deviation of each column from observations (N, D); a constant one is not scaled."""
+        self.middle, deviation = seen.mean(0), seen.std(0)
+        self.scale = torch.where(deviation > 1e-6, deviation, torch.ones(()))
+
+    def forward(self, seen: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Compute log-probabilities of the commands (N, 15), no velocities (N, 2), and values (N,)."""
+        x = (seen - self.middle) / self.scale
+        log_p = torch.log_softmax(self.actor(x), -1)
+        if not log_p.isfinite().all():
+            raise ConfigError("the network's output is not finite; lower RATE in train_sides.py")
+        return log_p, torch.zeros(len(seen), 2), self.critic(x)[:, 0]
+
+    def mlp(self) -> Mlp:
+        """Return the actor in NumPy, for observations as they are."""
+        first, *others = [(one.weight.detach().numpy(), one.bias.detach().numpy()) for one in self.actor[::2]]
+        weights = first[0] / self.scale.numpy()
+        return Mlp([(weights, first[1] - weights @ self.middle.numpy()), *((w.copy(), b.copy()) for w, b in others)])
+
+
+def perceptron(inputs: int, hidden: int, outputs: int) -> nn.Sequential:
+    """Return a network with two hidden layers."""
+    middle = (nn.Linear(inputs, hidden), nn.Tanh(), nn.Linear(hidden, hidden), nn.Tanh())
+    return nn.Sequential(*middle, nn.Linear(hidden, outputs))
+
+
+class Learner:
+    """A side that learns: its network, and what its present network has played since the last update."""
+
+    def __init__(self, word: str, settings: Namespace, batch: MixedBatch) -> None:
+        self.word, self.settings, self.batch = word, settings, batch
+        self.side: Side = "prey" if word == "prey" else "hunter"
+        self.pointer = settings.network == "pointer" and self.side == "hunter"
+        table = prey_columns if self.side == "prey" else columns
+        self.network: Any = Flat(len(table(batch.config)), settings.hidden)
+        if self.pointer:
+            self.network = Network(Namespace(head="destination", hidden=settings.hidden, prior=0.0))
+        self.optimiser = torch.optim.Adam(self.network.parameters(), RATE, eps=1e-5)
+        self.decisions = 0
+        self.kept: list[tuple[Tensor, ...]] = []  # of the agents that decide, by step
+        self.tables: list[tuple[Tensor, ...]] = []  # of all agents of the side, by step
+
+    def look(self) -> tuple[Any, tuple[Tensor, ...]]:
+        """Return the candidates of a pointer network, and the inputs of the network, for the agents that it plays."""
+        view = self.batch.view(self.side, self.batch.rows(self.side))
+        if self.pointer:
+            seen = destinations(view)
+            return (view, seen), tensors(seen)
+        return None, (torch.from_numpy(view.observations),)
+
+    def decide(self) -> None:
+        """Decide for all agents that the present network plays."""
+        looked, inputs = self.look()
+        every, velocities, value = self.network(*inputs)
+        choices = torch.multinomial(every.exp(), 1)[:, 0]
+        log_p, _ = self.network.judge(every, velocities, choices, velocities)
+        self.kept.append((*inputs, choices, velocities, log_p))
+        self.tables.append((self.spread(value), self.spread(torch.ones(len(value)))))
+        self.rows, self.chosen = self.batch.rows(self.side), choices.numpy()
+        if self.pointer:
+            self.limits, seen = looked[0].limits, looked[1]
+            self.resting = self.chosen < seen.places
+            ahead, aside = (table[np.arange(len(choices)), self.chosen] for table in (seen.forward, seen.left))
+            x, y, cosine, sine = self.batch.observations[self.rows].T[:4].astype(np.float64)
+            self.place = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+
+    def command(self, commands: np.ndarray, playing: np.ndarray) -> None:
+        """Write the commands (B, N, 2) that follow from the last decision; zeros after the end of a match."""
+        given = COMMANDS[self.chosen] if not self.pointer else None
+        if self.pointer:
+            x, y, cosine, sine = self.batch.observations[self.rows].T[:4].astype(np.float64)
+            dx, dy = self.place[0] - x, self.place[1] - y
+            given = drive(cosine * dx + sine * dy, cosine * dy - sine * dx, self.resting, self.limits)
+        commands[self.rows] = np.where(playing[self.rows[0], None], given, 0)
+
+    def spread(self, values: Tensor) -> Tensor:
+        """Return values of the agents that the present network plays in a table of the side: (B, n), else zeros."""
+        table = torch.zeros(self.batch.seated.shape)
+        table[self.batch.rows(self.side)] = values
+        return table[:, self.batch.agents(self.side)]
+
+    def reward(self, rewards: np.ndarray, over: np.ndarray) -> None:
+        """Take the rewards (B, N) of a step, and the arenas (B,) whose match has ended."""
+        gained = torch.from_numpy(rewards[:, self.batch.agents(self.side)].copy())
+        self.tables[-1] += gained, torch.from_numpy(over)[:, None].expand(gained.shape)
+
+    def learn(self) -> dict[str, Any]:
+        """Learn from all decisions since the last update."""
+        with torch.no_grad():
+            following = self.spread(self.network(*self.look()[1])[2])
+        values, decided, rewards, ended = map(torch.stack, zip(*self.tables, strict=True))  # (HORIZON, B, n)
+        chosen = decided > 0
+        advantages = advantages_of(rewards, ended, values, following, GAMMA**self.settings.hold)[chosen]
+        values = values[chosen]
+        played = [*map(torch.cat, zip(*self.kept, strict=True)), advantages, advantages + values]
+        self.optimiser.param_groups[0]["lr"] = RATE * max(0.05, 1 - self.decisions / self.settings.decisions)
+        self.decisions += len(values)
+        self.kept.clear()
+        self.tables.clear()
+        return improve(self.network, self.optimiser, played)
+
+    def frozen(self) -> Any:
+        """Return an agent that plays as the present network does, without exploring."""
+        if self.pointer:
+            return PointerAgent(self.network.actor())
+        return FlatAgent(self.network.mlp(), self.settings.scenario)
+
+    def export(self, folder: Path, name: str) -> None:
+        """Write an agent for any tournament, with its weights next to it."""
+        (self.network.actor() if self.pointer else self.network.mlp()).save(prepare_folder(folder) / f"{name}.npz")
+        module, base, more = "flat", "FlatAgent", f', "{self.settings.scenario}"'
+        if self.pointer:
+            module, base, more = "pointer", "PointerAgent", ""
+        kind, hunts = ("Prey", HUNTS) if self.side == "prey" else ("Agent", "")
+        (folder / f"{name}.py").write_text(AGENT.format(hunts=hunts, module=module, kind=kind, base=base, more=more))
+
+
+AGENT = '''"""Agent that examples/train_sides.py has trained; its weights are in the .npz file next to it."""
+
+from pathlib import Path
+
+{hunts}from catch_arena.training.{module} import {base}
+
+
+class {kind}({base}):
+    def __init__(self) -> None:
+        super().__init__(Path(__file__).with_suffix(".npz"){more})
+'''
+HUNTS = "from catch_arena.agents.nearest import Agent as Agent  # each entrant of a tournament hunts too\n"
+
+
+class Run:
+    """The sides that learn, and the arenas in which they meet."""
+
+    def __init__(self, settings: Namespace, config: ArenaConfig) -> None:
+        self.settings, self.config = settings, config
+        self.parties = parties_of(config, settings.learn)
+        self.scripts: dict[Side, list[object]] = {"hunter": settings.opponents.split(",")}
+        if config.prey:
+            self.scripts["prey"] = settings.prey_opponents.split(",")
+        self.draw = np.random.default_rng(settings.seed)
+        self.batch = MixedBatch(config, settings.arenas, self.scripts)
+        self.learners = [Learner(word, settings, self.batch) for word in settings.learn]
+        learning = [one.side for one in self.learners]
+        self.homes = [place for place, party in enumerate(self.parties) if party.side in learning]
+        self.turns = np.arange(settings.arenas)
+        self.seconds = 0.0
+        self.curve: list[dict[str, Any]] = []
+        # the arenas start at different times of their matches, so that each rollout has all parts of a match
+        self.batch.reset(settings.seed)
+        self.begin(np.arange(settings.arenas))
+        lead, looks = self.draw.integers(0, config.max_steps // settings.hold, settings.arenas), list[list[Tensor]]()
+        for step in range(config.max_steps // settings.hold):
+            if step % 20 == 0:
+                looks.append([one.look()[1][0] for one in self.learners])
+            self.play(learn=False)
+            self.batch.reset(arenas=lead == step)
+        for learner, seen in zip(self.learners, zip(*looks, strict=True), strict=True):
+            if not learner.pointer:
+                learner.network.standardise(torch.cat(seen))
+
+    def begin(self, arenas: np.ndarray) -> None:
+        """Draw the players of these arenas, (n,). One party is at home: a present network plays it."""
+        home = np.array(self.homes)[self.turns[arenas] % len(self.homes)]
+        numbers = np.zeros((len(arenas), self.batch.seated.shape[1]), np.int64)
+        for place, party in enumerate(self.parties):
+            numbers[:, party.agents] = np.where(home == place, LEARNER, self.drawn(party.side, len(arenas)))[:, None]
+        self.turns[arenas] += 1
+        self.batch.seat(arenas, numbers)
+
+    def drawn(self, side: Side, count: int) -> np.ndarray:
+        """Draw players that are not at home: half of the share of self-play is for the present network."""
+        scripts, players = len(self.scripts[side]), len(self.batch.players[side])
+        scripted = self.draw.integers(0, scripts, count)
+        if all(one.side != side for one in self.learners):
+            return scripted
+        past = self.draw.integers(scripts, players, count) if players > scripts else np.full(count, LEARNER)
+        own = np.where(self.draw.random(count) < 0.5, LEARNER, past)
+        return np.where(self.draw.random(count) < self.settings.self_play, own, scripted)
+
+    @torch.no_grad()
+    def play(self, *, learn: bool = True) -> None:
+        """Play --hold steps with one decision; the present networks stand still if they do not learn from it."""
+        learners = self.learners if learn else []
+        for one in learners:
+            one.decide()
+        gained, playing = np.zeros(self.batch.seated.shape, np.float32), np.ones(len(self.turns), np.bool_)
+        for _ in range(self.settings.hold):
+            commands = np.zeros((*self.batch.seated.shape, 2), np.float32)
+            for one in learners:
+                one.command(commands, playing)
+            rewards, over = self.batch.step(commands)
+            gained[playing] += rewards[playing]
+            playing &= ~over
+            if over.any():
+                self.begin(np.flatnonzero(over))
+        for one in learners:
+            one.reward(gained, ~playing)
+
+    def update(self) -> None:
+        """Play, learn, let the pools grow if it is time, and report."""
+        begun, made, shown = time.perf_counter(), 0, []
+        for _ in range(HORIZON):
+            self.play()
+        for one in self.learners:
+            before = one.decisions
+            figures = one.learn()
+            made += one.decisions - before
+            if self.settings.self_play and one.decisions // SNAPSHOT > before // SNAPSHOT:
+                self.grow(one)
+            shown.append(f"{one.word} {one.decisions:,}, entropy {figures['entropy']:.2f}")
+        spent = time.perf_counter() - begun
+        self.seconds += spent
+        print(f"{'; '.join(shown)}; {self.seconds:.0f} s, {made / spent:,.0f} decisions/s", flush=True)
+
+    def grow(self, learner: Learner) -> None:
+        """Take the present network into its side's pool; it replaces one of the past selves if there are too many."""
+        players, scripts = self.batch.players[learner.side], len(self.scripts[learner.side])
+        past = BatchPlayer.of(learner.frozen(), learner.side)
+        if len(players) < scripts + MOST_SELVES:
+            players.append(past)
+        else:  # the matches that run go on with it
+            players[scripts + int(self.draw.integers(MOST_SELVES))] = past
+
+    def evaluate(self) -> None:
+        """Play each side against each scripted agent, and write curve.json and the agents."""
+        for one in self.learners:
+            hunting = sum(party.side == "hunter" for party in self.parties)
+            against: Side = "prey" if one.side == "hunter" and hunting == 1 else "hunter"
+            for script in self.scripts[against]:
+                row: dict[str, Any] = {"side": one.word, "against": script, "decisions": one.decisions}
+                self.curve.append(row | {"seconds": round(self.seconds)} | self.measured(one, script, against))
+                print(json.dumps(self.curve[-1]), flush=True)
+            one.export(self.settings.out, one.word)
+            one.export(self.settings.out / "snapshots", f"{one.word}_{one.decisions}")
+        settings = vars(self.settings) | {"out": str(self.settings.out)}
+        with whole_file(self.settings.out / "curve.json") as file:
+            file.write(json.dumps({"settings": settings, "curve": self.curve}, indent=1).encode())
+
+    def measured(self, learner: Learner, script: object, against: Side) -> dict[str, list[float]]:
+        """Return the catches of a side (of prey: how often it is caught) and its share of wins, with intervals."""
+        players = {side: list(scripts[:1]) for side, scripts in self.scripts.items()}
+        players[against] = [script]
+        players[learner.side] = [*players[learner.side], learner.frozen()]
+        matches = np.arange(self.settings.matches)
+        own = [party.agents for party in self.parties if party.side == learner.side]
+        home = np.array(own)[matches % len(own)]  # (M, agents of the party)
+        seated = np.zeros((len(matches), self.batch.seated.shape[1]), np.int64)
+        seated[matches[:, None], home] = 1
+        found = play_matches(self.config, players, seated, 10**6 + self.settings.seed)
+        if learner.side == "prey":
+            return {"catches": interval(found["times_caught"].sum(axis=1))}
+        catches = {"catches": interval(found["score"][matches[:, None], home].sum(axis=1))}
+        if against == "prey":
+            return catches
+        first = found["rank"][:, : self.config.hunters] == 1
+        team = 1 if self.config.teams is None else len(self.config.teams[0])  # team-mates share a win
+        wins = interval(first[matches[:, None], home].all(axis=1) * team / first.sum(axis=1))
+        return catches | {"wins": [min(1.0, figure) for figure in wins]}
+
+
+def interval(numbers: np.ndarray) -> list[float]:
+    """Return the mean of independent matches, and its interval of 95 % (normal approximation)."""
+    mean, half = float(numbers.mean()), 1.96 * float(numbers.std(ddof=1)) / len(numbers) ** 0.5
+    return [round(mean, 3), round(max(0.0, mean - half), 3), round(mean + half, 3)]
+
+
+def train() -> None:
+    """Train until the last decision."""
+    settings, config = settings_from(sys.argv[1:])
+    if (settings.out / "curve.json").exists():
+        raise ConfigError(f"--out must be a new folder: {settings.out} has a run already")
+    torch.set_num_threads(1)
+    torch.manual_seed(settings.seed)
+    run = Run(settings, config)
+    interrupts.add_to_message(lambda: f"{settings.out} has the agents of the last evaluation")
+    most = 0
+    while True:
+        before, most = most, max(one.decisions for one in run.learners)
+        if before // settings.evaluate < most // settings.evaluate or most >= settings.decisions or not run.curve:
+            run.evaluate()
+        if most >= settings.decisions:
+            break
+        run.update()
+    print(f"{settings.out}: curve.json, and agents {', '.join(f'{one.word}.py' for one in run.learners)}", flush=True)
+
+
+def main() -> None:
+    """Train; an error is one line."""
+    try:
+        train()
+    except (CatchArenaError, ValueError, OSError) as error:
+        sys.exit(f"train_sides: {error}")
+
+
+if __name__ == "__main__":
+    interrupts.run(main)
