@@ -113,6 +113,7 @@ bench: $(VENV)/ready-bench ## measure the speed, next to other environments (doc
 
 card: $(VENV)/ready ## measure all shipped agents in the suite, and write docs/reference/card.md; keeps its matches in out/card
 	$(BIN)/python scripts/card.py
+	$(BIN)/python scripts/cross_play.py
 
 pictures: $(VENV)/ready ## draw the README's picture and animation
 	$(BIN)/python scripts/pictures.py

@@ -60,6 +60,8 @@ isolation, on a machine that did other work too.
 HEADINGS: Final = ("agent", "control", "blocks", "training", "held out", "gap", "first", "forfeits", "per move")
 TABLE: Final = re.compile(r"(?:^\| \[?`.*\n)+", re.MULTILINE)
 """Pattern of the rows of a table, one for each agent."""
+CROSS_PLAY: Final = "## Cross-play of learned agents\n"
+"""Heading of the last part of the card, which scripts/cross_play.py writes."""
 SECTIONS: Final = re.compile(r"^(?=### )", re.MULTILINE)
 """Pattern of the beginning of an agent's section."""
 KEY: Final = """
@@ -85,9 +87,10 @@ def main() -> int:
         measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
         text, known = page(measured, args.blocks), {}
+        card, heading, cross_play = PAGE.read_text(encoding="utf-8").partition(CROSS_PLAY)
         if args.agents:
-            text, known = merged(PAGE.read_text(encoding="utf-8"), text, args.blocks), references(SUITE)
-        write_whole(PAGE, text.encode())
+            text, known = merged(card, text, args.blocks), references(SUITE)
+        write_whole(PAGE, (text + heading + cross_play).encode())
         write_whole(FILE, references_text(SUITE, measured, known).encode())
     except CatchArenaError as error:
         print(error, file=sys.stderr)

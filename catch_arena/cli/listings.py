@@ -18,12 +18,14 @@ _LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
 
 
 @main.command()
-def agents() -> None:
+def agents(
+    *, ladder: Annotated[bool, typer.Option("--ladder", help="List the frozen learned agents instead.")] = False
+) -> None:
     """List the agents that come with the package."""
     from catch_arena.tournament.loading import shipped
 
     listing = plain_table("agent", "what it does", text="what it does")
-    for name, line in shipped().items():
+    for name, line in shipped(ladder=ladder).items():
         listing.add_row(name, line)
     own_console().print(listing)
 

@@ -12,6 +12,7 @@ from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import echo, own_console, plain_table, shown
 
 if TYPE_CHECKING:
+    from catch_arena.suite.contents import Suite
     from catch_arena.suite.measures import AgentMeasures
     from catch_arena.suite.references import Scores
     from catch_arena.tournament.statistics.intervals import Estimate
@@ -27,6 +28,10 @@ _FIRST = {True: "yes", None: "open", False: "no"}
 def suite(
     agents: Agents,
     *,
+    name: Annotated[
+        str | None,
+        typer.Option("--suite", metavar="NAME", help="Suite to play.", show_default="catch_arena_suite_v1"),
+    ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Play few matches for a first look; do not publish the figures.")
     ] = False,
@@ -41,7 +46,7 @@ def suite(
         typer.Option(
             metavar="DIR",
             help="Folder for the matches, with a folder for each agent and scenario.",
-            show_default="out/suite, or out/suite-quick",
+            show_default="out/suite, out/NAME with --suite; with --quick also -quick",
         ),
     ] = None,
     resume: Resume = False,
@@ -56,7 +61,7 @@ def suite(
     from catch_arena.cli.progress import noting_kept_results, progress_bar
     from catch_arena.cli.tables import duration
     from catch_arena.files import prepare_folder, write_whole
-    from catch_arena.suite.contents import QUICK_BLOCKS, SUITE
+    from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
     from catch_arena.suite.measures import measure
     from catch_arena.suite.references import references
@@ -64,17 +69,18 @@ def suite(
     from catch_arena.tournament.isolation.playing import sandbox_for
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
-    out = out or Path("out/suite-quick" if quick else "out/suite")
+    chosen = suite_called(name)
+    out = out or Path("out", (name or "suite") + "-quick" * quick)
     workers = jobs_or_all(jobs)
     quotas = trust.quotas()
     if json is not None:
         output_file(json, ".json", force=force)
     entered = enter_agents(agents, quotas)
-    opponents = enter_opponents(SUITE)
-    blocks = QUICK_BLOCKS if quick else SUITE.blocks
+    opponents = enter_opponents(chosen)
+    blocks = QUICK_BLOCKS if quick else chosen.blocks
     evaluations = [
         Evaluation(
-            SUITE,
+            chosen,
             agent,
             opponents,
             folder_of(out, agent),
@@ -95,10 +101,10 @@ def suite(
     total = sum(evaluation.matches for evaluation in evaluations)
     seconds = sum(evaluation.estimate_s() for evaluation in evaluations)
     processes = f"{workers} processes" if workers > 1 else "one process"
-    echo(f"{SUITE.name} (digest {SUITE.digest}): {len(SUITE.scenarios)} scenarios, {blocks} blocks of each")
+    echo(f"{chosen.name} (digest {chosen.digest}): {len(chosen.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
         echo(
-            f"--quick: a first look, NOT the protocol, which has {SUITE.blocks} blocks; "
+            f"--quick: a first look, NOT the protocol, which has {chosen.blocks} blocks; "
             f"intervals (? below) need {FEWEST_BLOCKS} blocks"
         )
     takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of them played already"
@@ -118,18 +124,18 @@ def suite(
 
         for evaluation in evaluations:
             evaluation.play(workers, on_results)
-    known = references(SUITE)
+    known = references(chosen)
     measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:
         _show(measures, known)
     if runs:
         _show_runs(measured)
     if not known:
-        echo(f"there are no reference scores for {SUITE.name} {SUITE.digest}; `make card` plays the references")
+        echo(f"there are no reference scores for {chosen.name} {chosen.digest}")
     if quick:
         echo("NOT the protocol: leave out --quick for figures that others can compare with")
     if json is not None:
-        write_whole(json, _json_text(measured, known, runs=runs).encode())
+        write_whole(json, _json_text(chosen, measured, known, runs=runs).encode())
         echo(f"figures: {json}")
     echo(f"matches: {out}")
 
@@ -183,13 +189,14 @@ def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
         echo(f"an interval needs {FEWEST_RUNS} training runs")
 
 
-def _json_text(measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]", *, runs: bool) -> str:
+def _json_text(
+    suite: "Suite", measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]", *, runs: bool
+) -> str:
     from json import dumps
 
-    from catch_arena.suite.contents import SUITE
     from catch_arena.suite.measures import DIGITS, facts_of, over_training_runs
 
-    found: dict[str, Any] = {"agents": [facts_of(SUITE, measures, known) for measures in measured]}
+    found: dict[str, Any] = {"agents": [facts_of(suite, measures, known) for measures in measured]}
     if runs:
         found["method_iqm"] = {
             part: over_training_runs(measured, held_out=held_out).to_dict(DIGITS)

@@ -1,6 +1,6 @@
-"""Contents of a suite: scenarios for training and held-out ones, the opponents in each, and the number of matches.
+"""Contents of the suites: scenarios for training and held-out ones, the opponents in each, and the number of matches.
 
-`catch_arena_suite_v1` is frozen, because numbers in papers belong to it. Every change goes into a new version.
+A suite is frozen under its name, because numbers in papers belong to it. Every change goes into a new version.
 """
 
 import hashlib
@@ -11,6 +11,7 @@ from itertools import combinations
 from typing import Any, Final
 
 from catch_arena.config import RULESET, ArenaConfig
+from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block
 from catch_arena.tournament.parties import Parties
@@ -34,7 +35,9 @@ class SuiteScenario:
     name: str
     config: ArenaConfig
     opponents: tuple[str, ...]
-    """Names of shipped agents. In each block other ones of them fill the seats that the agent leaves free."""
+    """Names of shipped agents, frozen learned ones included. In each block other ones of them fill the seats that the
+    agent leaves free.
+    """
     held_out: bool
     description: str
     """Short description of what differs from other scenarios."""
@@ -119,9 +122,17 @@ class Suite:
         }
 
 
-def _shipped(name: str, description: str) -> SuiteScenario:
-    config = SCENARIOS[name].replace(control=ArenaConfig().control)  # each agent plays under its own control
-    return SuiteScenario(name, config, TRAINING_OPPONENTS, held_out=False, description=description)
+def _shipped(name: str, description: str, opponents: tuple[str, ...] = TRAINING_OPPONENTS) -> SuiteScenario:
+    return SuiteScenario(name, _own_control(name), opponents, held_out=False, description=description)
+
+
+def _learned(name: str, description: str, opponents: tuple[str, ...], *, arena: str = "standard") -> SuiteScenario:
+    return SuiteScenario(name, _own_control(arena), opponents, held_out=True, description=description)
+
+
+def _own_control(name: str) -> ArenaConfig:
+    """Return a shipped scenario in which each agent plays under its own control."""
+    return SCENARIOS[name].replace(control=ArenaConfig().control)
 
 
 def _held_out(name: str, description: str, opponents: tuple[str, ...], **settings: Any) -> SuiteScenario:
@@ -200,4 +211,47 @@ SUITE: Final = Suite(
     blocks=10,
     seed=1,
 )
-"""The current version of the suite."""
+"""The suite with scripted opponents, which is the usual one."""
+
+LADDER: Final = Suite(
+    name="catch_arena_ladder_v1",
+    scenarios=(
+        _shipped("standard", "four hunters in turtlesim's arena, against scripts"),
+        _shipped("partners", "two teams of two, and a catch needs two hunters; against a script", ("together",)),
+        _learned(
+            "beginners",
+            "`standard` against agents that have learned for a short time",
+            tuple(f"ladder.standard_seat_1_{age}k" for age in (0, 62, 111, 157, 203)),
+        ),
+        _learned(
+            "graduates",
+            "`standard` against learned agents",
+            (
+                *(f"ladder.standard_seat_1_{age}k" for age in (263, 402, 808)),
+                "ladder.standard_seat_2_805k",
+                "ladder.standard_seat_3_808k",
+            ),
+        ),
+        _learned(
+            "teams",
+            "`partners` against learned teams",
+            ("ladder.partners_seat_1_2509k", "ladder.partners_seat_2_2514k", "ladder.partners_seat_3_2502k"),
+            arena="partners",
+        ),
+    ),
+    blocks=10,
+    seed=2,
+)
+"""The suite with frozen learned opponents in its held-out scenarios."""
+
+
+def suite_called(name: str | None) -> Suite:
+    """Return a suite by its name; without a name, the usual one.
+
+    Raises:
+        ConfigError: for an unknown name.
+    """
+    suites = {one.name: one for one in (SUITE, LADDER)}
+    if name is not None and name not in suites:
+        raise ConfigError(f"unknown suite {name!r}: {suggest(name, suites)}")
+    return SUITE if name is None else suites[name]

@@ -24,6 +24,8 @@ COMMAND: Final = "cmd:"
 """Prefix of the spec of a command."""
 SHIPPED: Final = "catch_arena.agents"
 """Package of the agents that come with Catch Arena."""
+LADDER: Final = "ladder."
+"""Prefix of the names of frozen learned agents, which are in the package `catch_arena.agents.ladder`."""
 IN_FOLDER: Final = "agent.py"
 """Name of the file with the class `Agent`, if an agent is a folder."""
 _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
@@ -65,8 +67,14 @@ def shipped_spec(name: str) -> str:
 
 
 def shipped_names() -> list[str]:
-    """Return the names of the agents that come with the package."""
-    return sorted(module.name for module in pkgutil.iter_modules(agents.__path__))
+    """Return the names of the agents that come with the package, without frozen learned ones."""
+    return sorted(module.name for module in pkgutil.iter_modules(agents.__path__) if not module.ispkg)
+
+
+def ladder_names() -> list[str]:
+    """Return the names of the frozen learned agents that come with the package, such as `ladder.tag_prey_1_400k`."""
+    folders = [str(Path(folder) / "ladder") for folder in agents.__path__]
+    return sorted(module.name for module in pkgutil.iter_modules(folders, LADDER))
 
 
 def is_shipped(spec: str) -> bool:
@@ -113,7 +121,7 @@ def resolve(word: str) -> AgentSpec:
         raise AgentError(f"{word}: a file is given alone, and its class is called Agent: {file}")
     path = Path(os.path.abspath(Path(word).expanduser()))  # noqa: PTH100 - absolute() keeps ".."; links stay
     is_path = os.sep in word or word.endswith(".py")
-    if word in (known := shipped_names()):
+    if word in (known := ladder_names() if word.startswith(LADDER) else shipped_names()):
         return AgentSpec(shipped_spec(word), (word,))
     if is_path or os.path.lexists(path):
         return _resolve_path(word, path)

@@ -17,7 +17,16 @@ from typing import Final
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
 from catch_arena.files import wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
-from catch_arena.tournament.agent_spec import COMMAND, IN_FOLDER, SHIPPED, content_of, file_of, folder_of, shipped_names
+from catch_arena.tournament.agent_spec import (
+    COMMAND,
+    IN_FOLDER,
+    SHIPPED,
+    content_of,
+    file_of,
+    folder_of,
+    ladder_names,
+    shipped_names,
+)
 
 NOT_INSTALLED: Final = "which is not installed here"
 """Part of the error for a missing module that an agent imports."""
@@ -27,9 +36,10 @@ _FILE_MODULE: Final = "catch_arena_agent_"
 """Prefix of the name of the module in an agent's file."""
 
 
-def shipped() -> dict[str, str]:
-    """Return the agents that come with the package, by name, with one line about each."""
-    return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in shipped_names()}
+def shipped(*, ladder: bool = False) -> dict[str, str]:
+    """Return the agents that come with the package, or the frozen learned ones, by name, with one line about each."""
+    names = ladder_names() if ladder else shipped_names()
+    return {name: (load_module(f"{SHIPPED}.{name}").__doc__ or "").partition("\n")[0] for name in names}
 
 
 def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:

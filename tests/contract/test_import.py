@@ -54,6 +54,6 @@ def test_every_package_is_in_a_wheel():
     listed = tomllib.loads((root.parent / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
     files = [path for path in root.rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     here = {".".join(path.parent.relative_to(root.parent).parts) for path in files}
-    docs = root.parent / "docs"  # at the top of the repository
-    pages = {".".join(("catch_arena", *path.parent.relative_to(root.parent).parts)) for path in docs.rglob("*.md")}
-    assert listed == sorted({*here, "catch_arena.docs", *pages})
+    top = [*(root.parent / "docs").rglob("*.md"), *(root.parent / "agents").rglob("*.py")]  # of the repository
+    moved = {".".join(("catch_arena", *path.parent.relative_to(root.parent).parts)) for path in top}
+    assert listed == sorted({*here, *moved})

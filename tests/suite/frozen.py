@@ -1,29 +1,34 @@
-"""Contents of the suite's version and its first matches, written once for each version.
+"""Contents of each suite and its first matches, written once for each version.
 
-`PYTHONPATH=tests python tests/suite/frozen.py` writes tests/data/suite_v1.json. That is right while nobody has
-published numbers of this version; after that, what must be otherwise goes into the next one.
+`PYTHONPATH=tests python tests/suite/frozen.py NAME` writes the suite's file in tests/data. That is right while nobody
+has published numbers of this version; after that, what must be otherwise goes into the next one.
 """
 
 import json
+import sys
 from pathlib import Path
 
-from catch_arena.suite.contents import SUITE
+from catch_arena.suite.contents import suite_called
 from catch_arena.suite.evaluation import Evaluation, enter_opponents
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.playing import play_entrants
 
-FILE = Path(__file__).parents[1] / "data" / "suite_v1.json"
+DATA = Path(__file__).parents[1] / "data"
 STEPS = 150
 """Of the first match of each scenario."""
 
 
-def first_matches():
+def file_of(suite):
+    return DATA / f"{suite.name.removeprefix('catch_arena_')}.json"
+
+
+def first_matches(suite):
     """By scenario: the seed and the seating of the first match of `nearest`, and the digest after so many steps."""
     (agent,) = enter(["nearest"])
-    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), Path(), SUITE.blocks, None, 0)
+    evaluation = Evaluation(suite, agent, enter_opponents(suite), Path(), suite.blocks, None, 0)
     found = {}
-    for scenario in SUITE.scenarios:
-        match = next(iter(SUITE.plan(scenario, 1)))
+    for scenario in suite.scenarios:
+        match = next(iter(suite.plan(scenario, 1)))
         entrants = evaluation.entrants(scenario)
         seated = [entrants[index] for index in match.seating]
         seeds = match.agent_seeds
@@ -33,6 +38,7 @@ def first_matches():
 
 
 if __name__ == "__main__":
-    text = json.dumps({"digest": SUITE.digest, "facts": SUITE.facts(), "first_matches": first_matches()}, indent=1)
-    FILE.write_text(text + "\n")
-    print(FILE)  # noqa: T201 - a script
+    SUITE = suite_called(sys.argv[1])
+    text = json.dumps({"digest": SUITE.digest, "facts": SUITE.facts(), "first_matches": first_matches(SUITE)}, indent=1)
+    file_of(SUITE).write_text(text + "\n")
+    print(file_of(SUITE))  # noqa: T201 - a script

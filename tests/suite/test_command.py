@@ -126,11 +126,23 @@ def test_one_that_cannot_begin_is_told_once(run, tmp_path):
     assert "intervals (? below) need 4 blocks\n" in result.stdout
 
 
+def test_another_suite_is_played_by_its_name_in_a_folder_of_its_own(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(contents, "LADDER", dataclasses.replace(SMALL, name="other_v1"))
+    assert run("contested", "--quick").exit_code == 0
+    result = run("contested", "--quick", "--suite", "other_v1", "--json", "other.json")
+    assert result.exit_code == 0, result.output
+    assert "other_v1 (digest " in result.stdout
+    assert (tmp_path / "out/other_v1-quick/contested/four/tournament.sqlite").exists()
+    (figures,) = json.loads((tmp_path / "other.json").read_text())["agents"]
+    assert figures["suite"] == "other_v1"
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["nearst"], "unknown agent 'nearst': did you mean nearest"),
         (["nearest", "--json", "there.json"], "there.json: already exists; use --force"),
+        (["nearest", "--suite", "ladder"], "unknown suite 'ladder': known: catch_arena_ladder_v1, small_v1"),
         (["nearest", "--out", "there.json"], "there.json: cannot be written: is a file, not a folder"),
     ],
 )

@@ -5,31 +5,43 @@ import json
 from pathlib import Path
 
 import pytest
-from suite.frozen import FILE, first_matches
+from suite.frozen import file_of, first_matches
 
 from catch_arena.suite.contents import (
+    LADDER,
     QUICK_BLOCKS,
     REFERENCES,
     SUITE,
 )
 from catch_arena.suite.references import references, references_text
 
-FROZEN = json.loads(FILE.read_text())
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "suite.md").read_text()
-each_scenario = pytest.mark.parametrize("scenario", SUITE.scenarios, ids=lambda one: one.name)
+SUITES = (SUITE, LADDER)
+each_suite = pytest.mark.parametrize("suite", SUITES, ids=lambda one: one.name)
+each_scenario = pytest.mark.parametrize(
+    ("suite", "scenario"), [pytest.param(suite, one, id=one.name) for suite in SUITES for one in suite.scenarios]
+)
 
 
-def test_version_1_is_what_it_was():
+@each_suite
+def test_version_1_is_what_it_was(suite):
     """If this fails, you have changed a published suite, what is held out in it or who plays: make a version 2 instead.
     Settings that are new since then stand at their defaults, and are not in it.
     """
-    assert json.loads(json.dumps(SUITE.facts())) == FROZEN["facts"]
-    assert SUITE.digest == FROZEN["digest"]
+    frozen = json.loads(file_of(suite).read_text())
+    assert json.loads(json.dumps(suite.facts())) == frozen["facts"]
+    assert suite.digest == frozen["digest"]
+    assert f"**{suite.digest}**" in PAGE
 
 
-def test_version_1_plays_as_it_did():
+def test_the_usual_suite_has_the_digest_of_its_papers():
+    assert SUITE.digest == "00cf1f7a05d96aec"
+
+
+@each_suite
+def test_version_1_plays_as_it_did(suite):
     """Rules, spawns and opponents too: a changed opponent changes every number that was published."""
-    assert json.loads(json.dumps(first_matches())) == FROZEN["first_matches"]
+    assert json.loads(json.dumps(first_matches(suite))) == json.loads(file_of(suite).read_text())["first_matches"]
 
 
 @pytest.mark.parametrize("change", ["name", "blocks", "seed", "scenarios", "an opponent", "a setting"])
@@ -47,17 +59,17 @@ def test_the_digest_stands_for_everything(change):
 
 
 @each_scenario
-def test_the_agent_plays_every_seat_of_a_block_once_on_the_same_targets(scenario):
-    plan = SUITE.plan(scenario, SUITE.blocks)
+def test_the_agent_plays_every_seat_of_a_block_once_on_the_same_targets(suite, scenario):
+    plan = suite.plan(scenario, suite.blocks)
     blocks = list(plan.blocks())
-    assert len(blocks) == SUITE.blocks
-    assert plan.size == sum(map(len, blocks)) == SUITE.blocks * len(scenario.parties)
+    assert len(blocks) == suite.blocks
+    assert plan.size == sum(map(len, blocks)) == suite.blocks * len(scenario.parties)
     for block in blocks:
         assert sorted(match.seating.index(0) for match in block) == list(range(len(scenario.parties)))
         assert all(match.seating.count(0) == 1 for match in block)
         assert len({match.seed for match in block}) == 1
         assert len({tuple(sorted(match.seating)) for match in block}) == 1
-    assert len({block[0].seed for block in blocks}) == SUITE.blocks
+    assert len({block[0].seed for block in blocks}) == suite.blocks
 
 
 def test_a_quick_look_plays_the_first_matches_of_the_protocol():

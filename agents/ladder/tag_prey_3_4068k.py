@@ -1,0 +1,15 @@
+"""Frozen prey of `tag` after 4,067,731 decisions; training seed 3."""
+
+from pathlib import Path
+
+from catch_arena.agents.ladder.tag_hunters_3_12027k import Agent
+from catch_arena.training.flat import FlatAgent
+
+__all__ = ["Agent", "Prey"]
+
+
+class Prey(FlatAgent):
+    """Agent with weights in the .npz file next to this one, made by examples/train_sides.py."""
+
+    def __init__(self) -> None:
+        super().__init__(Path(__file__).with_suffix(".npz"), "tag")
