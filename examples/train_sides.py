@@ -91,7 +91,7 @@ def settings_from(arguments: list[str]) -> tuple[Namespace, ArenaConfig]:
     for word in settings.learn:
         if not here.get(word):
             known = ", ".join(word for word in SIDES if here[word])
-            parser.error(f"--learn must name sides of {settings.scenario}, {known}; got {word!r}")
+            parser.error(f"--learn must name sides of {settings.scenario} ({known}), got {word!r}")
     if len(set(settings.learn) - {"prey"}) > 1 or len(set(settings.learn)) < len(settings.learn):
         parser.error(f"--learn must name one side of hunters, prey, or both; got {','.join(settings.learn)}")
     rivals = config.hunters - (1 if config.teams is None else len(config.teams[0]))

@@ -52,7 +52,7 @@ def test_both_sides_of_tag_learn_and_play_in_a_tournament(tmp_path):
     """More past selves than the pool keeps."""
     out = tmp_path / "run"
     printed = train("--out", out, *SHORT, "--decisions", 1800, "--prey-opponents", "flee,flee", MOST_SELVES=2)
-    assert printed.splitlines()[-1] == f"{out}: curve.json, and agents hunters.py, prey.py"
+    assert f"{out}: curve.json, and agents hunters.py, prey.py" in printed.splitlines()
     curve = rows_of(out)
     assert [(row["side"], row["against"]) for row in curve[:3]] == [
         ("hunters", "flee"), ("hunters", "flee"), ("prey", "intercept"),
@@ -160,9 +160,9 @@ def test_ctrl_c_is_one_line_and_keeps_the_last_evaluation(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "error"),
     [
-        ("--learn team", "--learn must name sides of tag, seat, hunters, prey; got 'team'"),
-        ("--scenario standard --learn prey", "--learn must name sides of standard, seat; got 'prey'"),
-        ("--scenario standard", "--learn must name sides of standard, seat; got 'hunters'"),
+        ("--learn team", "--learn must name sides of tag (seat, hunters, prey), got 'team'"),
+        ("--scenario standard --learn prey", "--learn must name sides of standard (seat), got 'prey'"),
+        ("--scenario standard", "--learn must name sides of standard (seat), got 'hunters'"),
         (
             "--scenario partners --learn seat,team",
             "--learn must name one side of hunters, prey, or both; got seat,team",
