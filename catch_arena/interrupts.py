@@ -173,6 +173,16 @@ def _end_descendants() -> None:
                 except OSError:  # the process has just ended
                     pass
             time.sleep(_PAUSE_S)
+    _reap()
+
+
+def _reap() -> None:
+    """Collect the children that have ended: after this process the system may take a moment to do so."""
+    try:
+        while os.waitpid(-1, os.WNOHANG)[0]:
+            pass
+    except (AttributeError, OSError):  # no child is left, or not on Linux
+        pass
 
 
 def _adopt_orphans() -> None:
