@@ -41,7 +41,7 @@ from train_ppo import Network, advantages_of, improve, tensors
 
 from catch_arena.config import ArenaConfig, RewardWeights
 from catch_arena.files import prepare_folder, whole_file
-from catch_arena.layout import columns, prey_columns
+from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.training.destinations import destinations
@@ -164,8 +164,8 @@ class Learner:
         self.word, self.settings, self.batch = word, settings, batch
         self.side: Side = "prey" if word == "prey" else "hunter"
         self.pointer = settings.network == "pointer" and self.side == "hunter"
-        table = prey_columns if self.side == "prey" else columns
-        self.network: Any = Flat(len(table(batch.config)), settings.hidden)
+        size = prey_observation_size if self.side == "prey" else observation_size
+        self.network: Any = Flat(size(batch.config), settings.hidden)
         if self.pointer:
             self.network = Network(Namespace(head="destination", hidden=settings.hidden, prior=0.0))
         self.optimiser = torch.optim.Adam(self.network.parameters(), RATE, eps=1e-5)
@@ -175,7 +175,8 @@ class Learner:
 
     def look(self) -> tuple[Any, tuple[Tensor, ...]]:
         """Return the candidates of a pointer network, and the inputs of the network, for the agents that it plays."""
-        view = self.batch.view(self.side, self.batch.rows(self.side))
+        self.rows = self.batch.rows(self.side)
+        view = self.batch.view(self.side, self.rows)
         if self.pointer:
             seen = destinations(view)
             return (view, seen), tensors(seen)
@@ -189,7 +190,7 @@ class Learner:
         log_p, _ = self.network.judge(every, velocities, choices, velocities)
         self.kept.append((*inputs, choices, velocities, log_p))
         self.tables.append((self.spread(value), self.spread(torch.ones(len(value)))))
-        self.rows, self.chosen = self.batch.rows(self.side), choices.numpy()
+        self.chosen = choices.numpy()
         if self.pointer:
             self.limits, seen = looked[0].limits, looked[1]
             self.resting = self.chosen < seen.places
@@ -199,17 +200,18 @@ class Learner:
 
     def command(self, commands: np.ndarray, playing: np.ndarray) -> None:
         """Write the commands (B, N, 2) that follow from the last decision; zeros after the end of a match."""
-        given = COMMANDS[self.chosen] if not self.pointer else None
         if self.pointer:
             x, y, cosine, sine = self.batch.observations[self.rows].T[:4].astype(np.float64)
             dx, dy = self.place[0] - x, self.place[1] - y
             given = drive(cosine * dx + sine * dy, cosine * dy - sine * dx, self.resting, self.limits)
+        else:
+            given = COMMANDS[self.chosen]
         commands[self.rows] = np.where(playing[self.rows[0], None], given, 0)
 
     def spread(self, values: Tensor) -> Tensor:
-        """Return values of the agents that the present network plays in a table of the side: (B, n), else zeros."""
+        """Return values of the agents of the last look in a table of the side, with zeros for the others: (B, n)."""
         table = torch.zeros(self.batch.seated.shape)
-        table[self.batch.rows(self.side)] = values
+        table[self.rows] = values
         return table[:, self.batch.agents(self.side)]
 
     def reward(self, rewards: np.ndarray, over: np.ndarray) -> None:

@@ -6,7 +6,7 @@ can learn, and past selves and scripted agents can be opponents and team-mates (
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.vector import VectorArena
 from catch_arena.errors import ConfigError
-from catch_arena.layout import columns, prey_columns
+from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Limits, PreyLimits, Side, control_of
 from catch_arena.training.players import Player, acts_in_batches, name_and_policy
 
@@ -63,7 +63,8 @@ class MixedBatch:
     """
 
     def __init__(self, config: ArenaConfig, num_envs: int, players: Mapping[Side, Sequence[object]]) -> None:
-        if len({Limits.of(config, seat) for seat in range(config.hunters)}) > 1:
+        limits, *others = {Limits.of(config, seat) for seat in range(config.hunters)}
+        if others:
             raise ConfigError("hunters must have equal limits, and those of this scenario differ")
         self.config: Final = config
         self.arena: Final = VectorArena(config, num_envs, any_control=True)
@@ -71,7 +72,9 @@ class MixedBatch:
         """The players of each side, "hunter" and "prey"; `seat` takes their numbers."""
         self.seated: Final = np.full((num_envs, config.hunters + config.prey), LEARNER)
         """Number of the player of each agent, or LEARNER: (B, N)."""
-        self._limits = Limits.of(config)
+        self._limits = {word: dataclasses.replace(limits, control=word) for word in get_args(Control)}
+        self._prey_limits = PreyLimits.of(config) if config.prey else None
+        self._size, self._prey_size = observation_size(config), prey_observation_size(config)
         self._last_rank = config.targets_seen
         self.observations, self.infos = np.zeros((0, 0, 0), np.float32), dict[str, Any]()
         """Observations and infos of `VectorArena`; the next step overwrites them."""
@@ -100,10 +103,9 @@ class MixedBatch:
     def view(self, side: Side, rows: Rows, control: Control = "velocity") -> Any:
         """Return what these agents see: a `BatchView` of hunters or a `PreyBatchView`."""
         seen = self.observations[rows]
-        if side == "prey":
-            return PreyBatchView(seen[:, : len(prey_columns(self.config))], PreyLimits.of(self.config))
-        limits = dataclasses.replace(self._limits, control=control)
-        return BatchView(seen[:, : len(columns(self.config))], self.infos["action_mask"][rows], limits)
+        if self._prey_limits is not None and side == "prey":
+            return PreyBatchView(seen[:, : self._prey_size], self._prey_limits)
+        return BatchView(seen[:, : self._size], self.infos["action_mask"][rows], self._limits[control])
 
     def step(self, commands: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Play a step.
