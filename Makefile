@@ -83,7 +83,7 @@ browser: $(VENV)/ready-dev $(VENV)/ready-browser ## play videos and open pages i
 	$(BIN)/pytest tests/browser
 
 window: $(VENV)/ready-dev ## play in a real window, on an X server without a screen, which must be installed
-	@(for one in Xvfb xdotool xwd; do command -v $$one >/dev/null || exit 1; done) || { echo "X11 programs are missing: apt-get install xvfb xdotool x11-apps"; exit 1; }
+	@(for one in Xvfb xdotool; do command -v $$one >/dev/null || exit 1; done) || { echo "X11 programs are missing: apt-get install xvfb xdotool"; exit 1; }
 	$(BIN)/pytest tests/window
 
 ros: $(VENV)/ready-dev ## play and grade with real ROS 2 nodes (needs a compiler, and 700 MB in .venv-ros)

@@ -18,7 +18,8 @@ _WAIT_S = 180.0
 class Desk:
     """The server's screen: what is on it, and hands on its keyboard."""
 
-    def __init__(self, display: str) -> None:
+    def __init__(self, display: str, screen: Path) -> None:
+        self.screen = screen
         self.environment = {**os.environ, "DISPLAY": display, "SDL_VIDEODRIVER": "x11"}
 
     def keys(self, *words: str) -> None:
@@ -26,8 +27,8 @@ class Desk:
         subprocess.run(["xdotool", *words], env=self.environment, check=True)
 
     def picture(self) -> np.ndarray:
-        """The whole screen, (height, width, 3), red first."""
-        dump = subprocess.run(["xwd", "-root", "-silent"], env=self.environment, check=True, capture_output=True).stdout
+        """The whole screen, (height, width, 3), red first, from the server's memory; its form is XWD."""
+        dump = self.screen.read_bytes()
         header = np.frombuffer(dump[:100], ">u4").astype(int)
         start, width, height, bits, line, colors = header[[0, 4, 5, 11, 12, 19]]
         rows = np.frombuffer(dump, np.uint8, line * height, start + 12 * colors).reshape(height, line)
@@ -59,14 +60,16 @@ class Desk:
 
 
 @pytest.fixture(scope="session")
-def desk() -> Iterator[Desk]:
+def desk(tmp_path_factory) -> Iterator[Desk]:
     read, write = os.pipe()
+    memory = tmp_path_factory.mktemp("screen")
     words = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-nolisten", "tcp", "-noreset"]
+    words += ["-fbdir", str(memory)]
     with subprocess.Popen(words, pass_fds=[write], stderr=subprocess.DEVNULL) as server:
         os.close(write)
         with os.fdopen(read) as numbers:
             display = f":{numbers.readline().strip()}"
-        yield Desk(display)
+        yield Desk(display, memory / "Xvfb_screen0")
         server.terminate()
 
 
