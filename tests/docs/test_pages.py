@@ -32,7 +32,9 @@ SMALLER = {
     "tournament": ("--set", "time_limit_s=8", "--rounds", "1"),
     "compare": ("--set", "time_limit_s=8", "--max-blocks", "2"),
     "suite": ("--quick",),
-    "grade": ("--limit", "step_ms=60", "--limit", "bank_s=1"),  # one submission of the sample class hangs
+    # one submission of the sample class hangs
+    "league": ("--set", "time_limit_s=8", "--max-matches", "4", "--limit", "step_ms=60", "--limit", "bank_s=1"),
+    "grade": ("--limit", "step_ms=60", "--limit", "bank_s=1"),
     "render": ("--size", "320x320", "--fps", "2"),
     "clip": ("--size", "320x320", "--fps", "2"),
     "highlights": ("--size", "320x320", "--fps", "2"),
