@@ -11,7 +11,7 @@ DENO := DENO_DIR=$(VENV)/deno DENO_NO_UPDATE_CHECK=1 $(BIN)/deno
 WORKERS := --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SPREAD := --numprocesses 2 --dist worksteal
 USUAL := not nightly and not extras and not hostile and not torch and not rclpy
-MEASURED := not nightly and not large and not hostile and not torch and not rclpy
+MEASURED := not nightly and not hostile and not torch and not rclpy
 RULES := tests/golden tests/oracle tests/properties tests/rulebook tests/unit
 QUICK := $(RULES) tests/contract tests/docs/test_docs.py tests/docs/test_docstrings.py
 
@@ -65,12 +65,12 @@ numba: $(VENV)/ready-dev ## run the tests of the rules, compiled in Numba's own 
 boundscheck: $(VENV)/ready-dev ## run the tests of the rules, of batches and of compiled opponents, with bounds checks
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest $(SPREAD) $(RULES) tests/vector tests/training/test_opponents.py
 
-# Coverage cannot measure compiled code, so most tests run without the compiler. The first run has it, with an empty cache,
-# for the functions that only the compiler calls.
+# Coverage cannot measure compiled code: all tests run with it, and those of the rules once more without the compiler. The
+# cache is empty at first, for the functions that only the compiler calls.
 coverage: $(VENV)/ready-dev $(VENV)/ready-extras ## measure coverage: at least 95 %, and every line and branch of the rules
 	rm -rf out/coverage
-	NUMBA_CACHE_DIR=out/coverage/compiled $(BIN)/coverage run -m pytest tests/unit
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(WORKERS) -m '$(MEASURED)' tests
+	NUMBA_CACHE_DIR=out/coverage/compiled $(BIN)/coverage run -m pytest $(WORKERS) -m '$(MEASURED)' tests
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(SPREAD) -m 'not nightly and not large' $(RULES)
 	$(BIN)/coverage combine --quiet || true  # a killed process leaves a damaged file
 	$(BIN)/coverage report --fail-under 95
 	$(BIN)/coverage report --fail-under 100 --include 'catch_arena/core/*'
