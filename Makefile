@@ -46,7 +46,7 @@ train: $(VENV)/ready-dev $(VENV)/ready-torch ## run short trainings (torch: 3 GB
 hostile: $(VENV)/ready-dev ## run agents that attack the tournament, its results and each other
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
 
-nightly: long laws interpreted boundscheck coverage mutate compat pythons ## run all tests that take long, among them compat, pythons, and ros on each Python
+nightly: long laws interpreted boundscheck numba coverage mutate compat pythons ## run all tests that take long, among them compat, pythons, and ros on each Python
 	$(BIN)/python scripts/ros_nodes.py --all
 
 long: $(VENV)/ready-dev ## run the tests that are marked nightly
