@@ -63,6 +63,16 @@ def refused(*arguments, **constants):
     return printed.splitlines()[-1]
 
 
+def refused_here(module, arguments, monkeypatch, capsys):
+    """Error of a run in this process, which need not load torch again."""
+    for name, value in SMALL.items():
+        monkeypatch.setattr(module, name, value, raising=False)
+    monkeypatch.setattr(sys, "argv", [module.__name__, *map(str, arguments)])
+    with pytest.raises(SystemExit) as ended:
+        module.main()
+    return capsys.readouterr().err + str(ended.value)
+
+
 def check(agent, scenario="duel"):
     """`catch-arena check-agent` accepts an agent."""
     command = [sys.executable, "-m", "catch_arena", "check-agent", str(agent), "--scenario", scenario]

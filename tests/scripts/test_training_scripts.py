@@ -9,7 +9,20 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from training_runs import ROOT, SHORT, begun, check, interrupted, output_of, refused, run, table, train, trainer
+from training_runs import (
+    ROOT,
+    SHORT,
+    begun,
+    check,
+    interrupted,
+    output_of,
+    refused,
+    refused_here,
+    run,
+    table,
+    train,
+    trainer,
+)
 
 from catch_arena import scenario
 from catch_arena.agents.patrol import Agent as Patrol
@@ -307,13 +320,14 @@ def test_a_run_that_is_killed_leaves_an_agent_and_goes_on(tmp_path):
         ("--opponents nearest,", "an agent must be a name, a file, a folder or a command"),
     ],
 )
-def test_bad_options_are_one_line(tmp_path, arguments, error):
+def test_bad_options_are_one_line(module, tmp_path, arguments, error, monkeypatch, capsys):
     short = [*SHORT, "--out", tmp_path / "run", "--decisions", 512]
     opponents = [] if "--opponents" in arguments else ["--opponents", "nearest"]
     network = tmp_path / "other.npz"
     weights = {name: np.zeros(shape) for name, shape in weight_shapes("destination", 8).items()}
     PointerNetwork("destination", weights).save(network)
-    assert error in refused(*short, *opponents, *arguments.replace("other.npz", str(network)).split())
+    given = [*short, *opponents, *arguments.replace("other.npz", str(network)).split()]
+    assert error in refused_here(module, given, monkeypatch, capsys)
 
 
 @pytest.mark.torch
