@@ -289,10 +289,11 @@ def advantages_of(rewards: Tensor, ended: Tensor, values: Tensor, following: Ten
     return result
 
 
-def improve(network: Any, optimiser: torch.optim.Adam, played: list[Tensor]) -> dict[str, Any]:
+def improve(network: Any, optimiser: Any, played: list[Tensor], bonus: float = ENTROPY) -> dict[str, Any]:
     """Make some epochs of PPO with N decisions, and return figures of the last minibatch.
 
     `played` has the network's inputs, choices, velocities, their log-probabilities, advantages and returns: (N, ...).
+    `bonus` is the weight of the entropy in the loss.
     """
     *seen, choices, velocities, before, advantages, returns = played
     advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
@@ -305,7 +306,7 @@ def improve(network: Any, optimiser: torch.optim.Adam, played: list[Tensor]) -> 
             gain = torch.minimum(ratio * advantages[rows], clipped * advantages[rows]).mean()
             error = (value - returns[rows]).square().mean()
             optimiser.zero_grad()
-            (0.5 * error - gain - ENTROPY * entropy.mean()).backward()
+            (0.5 * error - gain - bonus * entropy.mean()).backward()
             nn.utils.clip_grad_norm_(network.parameters(), 0.5)
             optimiser.step()
     return {"gain": gain.item(), "value_error": error.item(), "entropy": entropy.mean().item()}

@@ -66,6 +66,8 @@ def settings_from(arguments: list[str]) -> tuple[Namespace, ArenaConfig]:
     add("--scenario", default="tag", help="scenario to learn in")
     add("--learn", default="hunters,prey", help=f"sides that learn, separated by commas: {', '.join(SIDES)}")
     add("--network", choices=("flat", "pointer"), default="flat", help="network of hunters; prey has a flat one")
+    add("--prior", type=float, default=0.0, help="of a pointer network: added to the logit of what a script would take")
+    add("--entropy", type=float, default=0.002, help="weight of the entropy in the loss; more explores for longer")
     add("--opponents", default="intercept", help="scripted agents that play hunters, separated by commas")
     add("--prey-opponents", default="flee", help="scripted agents that play prey, separated by commas")
     add("--self-play", type=float, default=0.7, help="share of the other parties that present and past selves play")
@@ -167,7 +169,7 @@ class Learner:
         size = prey_observation_size if self.side == "prey" else observation_size
         self.network: Any = Flat(size(batch.config), settings.hidden)
         if self.pointer:
-            self.network = Network(Namespace(head="destination", hidden=settings.hidden, prior=0.0))
+            self.network = Network(Namespace(head="destination", hidden=settings.hidden, prior=settings.prior))
         self.optimiser = torch.optim.Adam(self.network.parameters(), RATE, eps=1e-5)
         self.decisions = 0
         self.kept: list[tuple[Tensor, ...]] = []  # of the agents that decide, by step
@@ -232,7 +234,7 @@ class Learner:
         self.decisions += len(values)
         self.kept.clear()
         self.tables.clear()
-        return improve(self.network, self.optimiser, played)
+        return improve(self.network, self.optimiser, played, self.settings.entropy)
 
     def frozen(self) -> Any:
         """Return an agent that plays as the present network does, without exploring."""
@@ -360,11 +362,10 @@ class Run:
     def evaluate(self) -> None:
         """Play each side against each scripted agent, and write curve.json and the agents."""
         for one in self.learners:
-            hunting = sum(party.side == "hunter" for party in self.parties)
-            against: Side = "prey" if one.side == "hunter" and hunting == 1 else "hunter"
-            for script in self.scripts[against]:
+            for script in self.scripts[opposed(self.parties, one.side)]:
                 row: dict[str, Any] = {"side": one.word, "against": script, "decisions": one.decisions}
-                self.curve.append(row | {"seconds": round(self.seconds)} | self.measured(one, script, against))
+                row["seconds"] = round(self.seconds)
+                self.curve.append(row | measure(self.settings, self.config, one.side, one.frozen(), [script]))
                 print(json.dumps(self.curve[-1]), flush=True)
             one.export(self.settings.out, one.word)
             one.export(self.settings.out / "snapshots", f"{one.word}_{one.decisions}")
@@ -372,26 +373,42 @@ class Run:
         with whole_file(self.settings.out / "curve.json") as file:
             file.write(json.dumps({"settings": settings, "curve": self.curve}, indent=1).encode())
 
-    def measured(self, learner: Learner, script: object, against: Side) -> dict[str, list[float]]:
-        """Return the catches of a side (of prey: how often it is caught) and its share of wins, with intervals."""
-        players = {side: list(scripts[:1]) for side, scripts in self.scripts.items()}
-        players[against] = [script]
-        players[learner.side] = [*players[learner.side], learner.frozen()]
-        matches = np.arange(self.settings.matches)
-        own = [party.agents for party in self.parties if party.side == learner.side]
-        home = np.array(own)[matches % len(own)]  # (M, agents of the party)
-        seated = np.zeros((len(matches), self.batch.seated.shape[1]), np.int64)
-        seated[matches[:, None], home] = 1
-        found = play_matches(self.config, players, seated, 10**6 + self.settings.seed)
-        if learner.side == "prey":
-            return {"catches": interval(found["times_caught"].sum(axis=1))}
-        catches = {"catches": interval(found["score"][matches[:, None], home].sum(axis=1))}
-        if against == "prey":
-            return catches
-        first = found["rank"][:, : self.config.hunters] == 1
-        team = 1 if self.config.teams is None else len(self.config.teams[0])  # team-mates share a win
-        wins = interval(first[matches[:, None], home].all(axis=1) * team / first.sum(axis=1))
-        return catches | {"wins": [min(1.0, figure) for figure in wins]}
+
+def opposed(parties: list[Party], side: Side) -> Side:
+    """Return the side that a side is measured against: hunters, or prey if all hunters are one party."""
+    return "prey" if side == "hunter" and sum(party.side == "hunter" for party in parties) == 1 else "hunter"
+
+
+def measure(
+    settings: Namespace, config: ArenaConfig, side: Side, agent: object, opponents: list[Any]
+) -> dict[str, list[float]]:
+    """Return the catches of an agent (of prey: how often it is caught) and its share of wins, with intervals.
+
+    The agent plays one party, and the opponents the others of the opposed side, one of them in each match.
+    """
+    parties = parties_of(config, settings.learn)
+    against = opposed(parties, side)
+    players: dict[Side, list[object]] = {"hunter": [], "prey": settings.prey_opponents.split(",")[: config.prey]}
+    players[against] = [*opponents]
+    players[side] = [*(opponents if side == against else []), agent]
+    matches = np.arange(settings.matches)
+    own = [party.agents for party in parties if party.side == side]
+    home = np.array(own)[matches % len(own)]  # (M, agents of the party)
+    seated = np.zeros((len(matches), config.hunters + config.prey), np.int64)
+    for party in parties:
+        if party.side == against:
+            seated[:, party.agents] = (matches // len(own) % len(opponents))[:, None]
+    seated[matches[:, None], home] = len(players[side]) - 1
+    found = play_matches(config, players, seated, 10**6 + settings.seed)
+    if side == "prey":
+        return {"catches": interval(found["times_caught"].sum(axis=1))}
+    catches = {"catches": interval(found["score"][matches[:, None], home].sum(axis=1))}
+    if against == "prey":
+        return catches
+    first = found["rank"][:, : config.hunters] == 1
+    team = 1 if config.teams is None else len(config.teams[0])  # team-mates share a win
+    wins = interval(first[matches[:, None], home].all(axis=1) * team / first.sum(axis=1))
+    return catches | {"wins": [min(1.0, figure) for figure in wins]}
 
 
 def interval(numbers: np.ndarray) -> list[float]:

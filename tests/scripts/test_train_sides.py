@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import training_runs
 from command_line import run as catch_arena
-from training_runs import ROOT, check
+from training_runs import ROOT, check, refused_here
 
 from catch_arena import scenario
 from catch_arena.layout import columns, prey_columns
@@ -119,6 +119,29 @@ def test_the_same_seed_learns_the_same(tmp_path):
     assert [row | {"seconds": 0} for row in rows_of(one)] == [row | {"seconds": 0} for row in rows_of(again)]
 
 
+def test_runs_are_measured_against_each_other(tmp_path):
+    """Each snapshot plays the last agents of the other run."""
+    runs, out = [tmp_path / "one", tmp_path / "two"], tmp_path / "others"
+    for seed, run in enumerate(runs):
+        train("--out", run, *SHORT, "--seed", seed)
+    training_runs.run("examples/measure_others.py", *runs, "--matches", 4, "--out", out)
+    for run in runs:
+        measured = {(row["side"], row["decisions"], row["against"]) for row in rows_of(out / run.name)}
+        opponents = {"hunters": "prey of other runs", "prey": "hunters of other runs"}
+        assert measured == {(row["side"], row["decisions"], opponents[row["side"]]) for row in rows_of(run)}
+    printed = training_runs.run("examples/training_curves.py", *(out / run.name for run in runs))
+    assert "catches of hunters of other runs against prey in tag:" in printed
+    train("--out", tmp_path / "prey", *SHORT, "--learn", "prey")
+    for words, error in (
+        (runs[:1], "give two or more runs with equal --scenario and --learn"),
+        ([runs[0], tmp_path / "prey"], "give two or more runs with equal --scenario and --learn"),
+        ([runs[0], out], "must be a folder that train_sides.py wrote"),
+        ([*runs, "--matches", 1], "--matches must be at least 2, got 1"),
+    ):
+        refusal = training_runs.run("examples/measure_others.py", *words, "--out", out, fails=True)
+        assert error in refusal.splitlines()[-1]
+
+
 def test_the_network_decides_the_same_in_torch_and_in_numpy(module):
     """The standardisation is part of the first layer."""
     import torch
@@ -186,6 +209,7 @@ def test_ctrl_c_is_one_line_and_keeps_the_last_evaluation(tmp_path):
         ("--network deep", "argument --network: invalid choice: 'deep'"),
     ],
 )
-def test_bad_options_are_one_line(tmp_path, arguments, error):
-    assert error in refused("--out", tmp_path / "run", *SHORT, *arguments.split())
+def test_bad_options_are_one_line(module, tmp_path, arguments, error, monkeypatch, capsys):
+    given = ["--out", tmp_path / "run", *SHORT, *arguments.split()]
+    assert error in refused_here(module, given, monkeypatch, capsys)
     assert not (tmp_path / "run").exists()
