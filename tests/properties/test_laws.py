@@ -1,10 +1,9 @@
 """The laws that follow from the rulebook, on cases and matches that hypothesis looks for.
 
-test_batch.py has rows of a batch, test_keeping.py restored states.
+test_engine_equals_oracle.py has rows of a batch, test_keeping.py restored states.
 """
 
 import itertools
-import math
 from collections import Counter, defaultdict
 from random import Random
 from typing import Any
@@ -16,12 +15,11 @@ from hypothesis import strategies as st
 from oracle.arena import OracleArena
 from oracle.arithmetic import wrap
 from oracle.turtles import Hunter, Turtle, distance, micrometres
-from properties.matches import EFFORT, seen, settings_of, some_batch_actions, some_config, some_pose, some_seed
+from properties.matches import EFFORT, settings_of, some_batch_actions, some_config, some_pose, some_seed
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.layout import SELF_COLUMNS, target_features
 from catch_arena.verdicts import Ruling, Verdict
 
 Case = dict[str, Any]
@@ -241,25 +239,6 @@ def test_r5_5_the_lot_favours_no_seat(policy: Any, claimants: int) -> None:
 
 
 @MATCHES
-@given(source=SOURCES, seeds=st.tuples(SEEDS, SEEDS), actions=SEEDS)
-def test_equal_inputs_play_equal_matches(source: Random, seeds: tuple[int, int], actions: int) -> None:
-    """R10.1: whatever the engine has played before."""
-    config = some_config(source)
-    used, fresh = Engine(config), Engine(config)
-    used.reset([seeds[0]])
-    earlier = Random(~actions)
-    for _ in range(STEPS):
-        used.step(*some_batch_actions(earlier, config, 1))
-    used.reset([seeds[1]])
-    fresh.reset([seeds[1]])
-    one, other = Random(actions), Random(actions)
-    for step in range(STEPS):
-        assert seen(used, 0) == seen(fresh, 0), f"step {step}, {settings_of(config)}"
-        used.step(*some_batch_actions(one, config, 1))
-        fresh.step(*some_batch_actions(other, config, 1))
-
-
-@MATCHES
 @given(source=SOURCES, seed=SEEDS, actions=SEEDS)
 def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, actions: int) -> None:
     """R5.8, R3.1, R3.4 to R3.6, R5.2: catches + alive = spawned, every firing and every number is accounted for, and
@@ -425,37 +404,6 @@ def test_what_a_hunter_does_not_see_changes_nothing_for_it(source: Random, seed:
     other.place(0, moved_hunters, moved_targets, moved_prey)
     assert np.array_equal(other.observations[0, seat], engine.observations[0, seat]), settings_of(config)
     assert np.array_equal(other.masks[0, seat], engine.masks[0, seat])
-
-
-@settings(MATCHES, max_examples=2 * MATCHES.max_examples)
-@given(source=SOURCES, seed=SEEDS, actions=SEEDS)
-def test_what_a_hunter_sees_stands_where_it_says(source: Random, seed: int, actions: int) -> None:
-    """R7.5: each rank's place, without noise, is one of a target within the radius and the cone, or within reach; and
-    there are as many ranks as such targets, up to K. In floats, which leave out what is near an edge.
-    """
-    config = with_partial_view(some_config(source), source).replace(view_noise_m=0.0)
-    engine = Engine(config)
-    engine.reset([seed])
-    chosen = Random(actions)
-    width = len(target_features(config)._fields)
-    for _ in range(STEPS // 3):
-        engine.step(*some_batch_actions(chosen, config, 1))
-    world = engine.world(0)
-    for seat, hunter in enumerate(world.hunters):
-        surely, perhaps = 0, 0
-        for target in world.targets:
-            away = math.dist((hunter.x, hunter.y), (target.x, target.y))
-            turn = math.atan2(target.y - hunter.y, target.x - hunter.x) - hunter.theta
-            off = abs(math.remainder(turn, math.tau)) - math.radians(config.view_angle_deg / 2)
-            beyond = away - (math.inf if config.view_radius_m is None else config.view_radius_m)
-            off = -math.inf if config.view_angle_deg == 360 else off
-            out = min(max(beyond, off), away - config.reaches[seat])
-            surely += out < -2e-6
-            perhaps += out < 2e-6
-        ranks = engine.observations[0, seat, len(SELF_COLUMNS) :][: width * config.targets_seen].reshape(-1, width)
-        seen = int(ranks[:, 2].sum())
-        assert min(surely, config.targets_seen) <= seen <= min(perhaps, config.targets_seen), settings_of(config)
-        assert int(engine.masks[0, seat].sum()) == 1 + seen
 
 
 def with_partial_view(config: ArenaConfig, source: Random) -> ArenaConfig:

@@ -1,11 +1,10 @@
-"""The engine's rows keep to themselves: ended arenas, resets, withdrawals, targets and prey by name."""
+"""The engine's rows keep to themselves: places, targets and prey by name, and lanes that are no arenas."""
 
 import numpy as np
 import pytest
 
 from catch_arena.core import state
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
-from catch_arena.core.state import RUNNING, TERMINATED, TRUNCATED
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
@@ -18,34 +17,6 @@ def actions(engine, value=1):
     hunters, prey = engine.config.hunters, engine.config.prey
     choices = np.full((engine.num_arenas, hunters), value, dtype=np.int64)
     return choices, np.zeros((engine.num_arenas, hunters + prey, 2), dtype=np.float32)
-
-
-def test_an_arena_that_has_ended_stands_still_while_its_block_plays_on():
-    """R5.2: its requests are MATCH_OVER, its rewards zero, its state as it was; a reset of that row revives it."""
-    engine = Engine(scenario("standard", target_budget=1, initial_targets=1, time_limit_s=6), num_arenas=5)
-    engine.reset(range(5))
-    while not engine.ends.any():
-        engine.step(*actions(engine))
-    row = int(np.flatnonzero(engine.ends == TERMINATED)[0])
-    before, observed = engine.state(row), engine.observations[row].copy()
-    others = [engine.digest(other) for other in range(5) if not engine.ends[other]]
-    engine.step(*actions(engine))
-
-    assert (engine.state(row) == before).all()
-    assert (engine.observations[row] == observed).all()
-    assert (engine.rewards[row] == 0).all()
-    assert (engine.parts[row] == 0).all()
-    assert {ruling.verdict for ruling in engine.rulings(row)} == {Verdict.MATCH_OVER}
-    assert [(ruling.verdict, ruling.target, ruling.distance_um, ruling.winner) for ruling in engine.rulings(row)] == [
-        (Verdict.MATCH_OVER, None, None, None)
-    ] * engine.config.hunters
-    assert all(engine.digest(r) not in others for r in range(5) if not engine.ends[r])
-
-    engine.reset([77], arenas=[row])
-    alone = Engine(engine.config)
-    alone.reset([77])
-
-    assert engine.digest(row) == alone.digest()
 
 
 def test_a_request_by_name_after_the_end_is_told_too():
@@ -76,40 +47,6 @@ def test_lanes_that_are_no_arenas_get_no_answers(control):
     tallies = seats[:, state.TALLIES // state.LANES :]
     assert not tallies[:, :, 5:].any()
     assert tallies[:, :, :5].any()
-
-
-def test_the_next_episode_begins_where_one_has_ended_and_nowhere_else():
-    """A.5: the arena beside it, which was reset two steps later, plays its own episode to the end."""
-    config = scenario("duel", time_limit_s=2)
-    engine, late = Engine(config, 2, auto_reset=True), Engine(config)
-    engine.reset([1, 2])
-    for _ in range(2):
-        engine.step(*actions(engine))
-    engine.reset([3], arenas=[1])
-    late.reset([3])
-    for _ in range(config.max_steps - 2):
-        engine.step(*actions(engine))
-        late.step(*actions(late))
-
-    assert engine.ends.tolist() == [TRUNCATED, RUNNING]
-    assert engine.digest(1) == late.digest()
-    late.reset(next_seeds(np.array([1], dtype=np.uint64)))
-    assert engine.digest(0) == late.digest()
-
-
-def test_a_slot_that_is_left_is_empty_throughout():
-    """core/state.py: what lies behind the alive targets is zero."""
-    engine = Engine(scenario("standard", control="full", reach_m=50.0, spawn_frequency_hz=0.001), num_arenas=2)
-    engine.reset([1, 2])
-    for alive in (7, 6):
-        choices, commands = actions(engine, 0)
-        choices[0, 1] = 1
-        engine.step(choices, commands)
-
-        assert len(engine.world(0).targets) == alive
-        assert (engine._views.targets[0, alive:, :, 0] == 0).all()
-        assert (engine._views.targets[0, :alive, 0, 0] > 0).all()
-        assert len(engine.world(1).targets) == 8
 
 
 def test_seeds_are_checked_and_derived():
@@ -145,49 +82,6 @@ def test_targets_are_put_where_they_have_been_for_some_time():
     engine.place(33, hunters, targets)
     view = Limits.of(engine.config).view(engine.observations[33, 0].tolist(), [])
     assert sorted(target.age for target in view.targets) == [0.0, 0.0, *[np.float32(0.3)] * 2]
-
-
-def test_who_is_withdrawn_sits_in_one_row_alone():
-    """R1.6, R12.5: also behind the first chunk. Prey stands still; in row 0 it is out, and no other target stops."""
-    moving = {"target_motion": "wander", "max_targets": 2, "initial_targets": 2, "spawn_frequency_hz": 9.0}
-    config = scenario("duel", prey=2, prey_returns_s=None, **moving)
-    engine = Engine(config, 34)
-    engine.reset(range(34))
-    for row in range(34):
-        caught = 5.0 if row == 0 else 3.0
-        engine.place(row, [(5.0, 5.0, 0.0), (9.0, 9.0, 0.0)], [], [(caught, 5.0, 0.0), (3.0, 8.0, 0.0)])
-    commands = np.ones((34, 4, 2), np.float32)
-    for _ in range(3):
-        engine.step(np.ones((34, 2), np.int64), commands)
-    engine.withdraw(32, 1)
-    engine.withdraw(31, 0)
-    engine.withdraw(32, 3)
-    engine.withdraw(31, 2)
-    engine.withdraw(0, 2)
-    worlds = [engine.world(row) for row in range(34)]
-    assert worlds[0].prey[0].target is None
-    assert {len(world.targets) for world in worlds} == {2}
-    assert [(row, seat) for row, one in enumerate(worlds) for seat in (0, 1) if one.hunters[seat].withdrawn] == [
-        (31, 0),
-        (32, 1),
-    ]
-    assert [(row, index) for row, one in enumerate(worlds) for index in (0, 1) if one.prey[index].withdrawn] == [
-        (0, 0),
-        (31, 0),
-        (32, 1),
-    ]
-    still = {(row, one.prey) for row, world in enumerate(worlds) for one in world.targets if one.linear_velocity == 0.0}
-    assert still == {(31, "prey_0"), (32, "prey_1")}
-
-
-def test_withdrawn_prey_is_the_last_in_the_record_of_an_episode():
-    """R12.5: although it was caught as rarely as the other."""
-    engine = Engine(scenario("duel", prey=2, max_cycles=2), auto_reset=True)
-    engine.reset([1])
-    engine.withdraw(0, 2)
-    for _ in range(2):
-        engine.step(*actions(engine, 0))
-    assert engine.records[0, 2:, state.FINAL_RANK].tolist() == [2, 1]
 
 
 def test_prey_that_is_out_is_not_placed_and_targets_are_only_as_far_as_there_is_room():
