@@ -97,8 +97,3 @@ def test_who_drives_itself_has_no_choices():
     for view in views("standard", control="velocity"):
         assert fit_mask(view, "standard").shape == (0,)
         assert fit_observation(view, "duel").shape == (57,)
-
-
-def test_an_unknown_scenario_is_named():
-    with pytest.raises(ConfigError, match="unknown scenario 'standart': did you mean standard"):
-        fit_observation(next(views("duel")), "standart")

@@ -12,7 +12,6 @@ from catch_arena.layout import prey_columns
 from catch_arena.policy import control_of
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
-from catch_arena.training import LearnerBatch
 from catch_arena.training.mixed import LEARNER, BatchPlayer, MixedBatch, play_matches
 
 SHORT = {"max_cycles": 25, "reach_m": 1.0}
@@ -138,42 +137,6 @@ class Turning:
         return np.full((len(view.observations), 2), (1.0, self.turn))
 
 
-class Chasing(Turning):
-    """An agent that chooses a target."""
-
-    control = "target"
-
-    def act_batch(self, view):
-        return np.full(len(view.observations), self.turn)
-
-
-class Failing(Turning):
-    def act_batch(self, view):
-        raise ValueError(f"no, {type(view).__name__}")
-
-
-@pytest.mark.parametrize(
-    ("player", "message"),
-    [
-        (Turning(2.0), r"player Turning: actions must be numbers in \[-1, 1\], got \[1.0, 2.0\]"),
-        (Turning(float("nan")), r"player Turning: actions must be numbers in \[-1, 1\], got \[1.0, nan\]"),
-        (Chasing(99), "player Chasing: actions must be whole numbers from 0 to 8, got 99"),
-        (Chasing(0.5), "player Chasing: actions must"),
-        (Failing(), "player Failing: act_batch raised ValueError: no, BatchView"),
-    ],
-)
-def test_a_player_that_fails_is_named_in_one_line(player, message):
-    """Nothing has moved."""
-    batch = MixedBatch(scenario("duel", control="velocity"), 2, {"hunter": [player]})
-    batch.reset(1)
-    batch.seat(np.arange(2), np.zeros((2, 2), np.int64))
-    before = batch.arena.digest(1)
-    with pytest.raises(AgentError, match=message) as caught:
-        batch.step(np.zeros((2, 2, 2), np.float32))
-    assert "\n" not in str(caught.value)
-    assert batch.arena.digest(1) == before
-
-
 @pytest.mark.parametrize(
     ("name", "players", "error", "message"),
     [
@@ -231,23 +194,6 @@ def test_a_match_is_that_of_a_one_arena_env(config, names):
         assert ((found["rank"][arena, : config.hunters] == 1) == (found["team_score"][arena] == best)).all()
     assert found["score"].any()
     assert (len(lengths) > 1) == (config is ENDING)
-
-
-def test_matches_are_those_of_a_batch_with_opponents():
-    """All seats have the same agent, so it is not important which one a batch would draw."""
-    config = scenario("duel", **SHORT)
-    found = play_matches(config, {"hunter": ["nearest"]}, np.zeros((5, 2), np.int64), 9)
-    batch = LearnerBatch(config, 5, opponents="nearest", learners=1)
-    observations, masks = batch.reset(seed=9)
-    policy = create_policy(resolve_spec("nearest"), "hunter")
-    policy.reset(0)
-    for _ in range(25):
-        rows = zip(observations.tolist(), masks.tolist(), strict=True)
-        step = batch.step(np.array([policy.act(View(*row, Limits.of(config))) for row in rows]))
-        observations, masks = step.observations, step.masks
-    together = step.figures["score"] + step.figures["opponent_scores"][:, 0]
-    assert found["score"].sum(axis=1).tolist() == together.tolist()
-    assert together.any()
 
 
 def test_the_same_seed_plays_the_same_matches():
