@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from oracle.arithmetic import draw, key
 
-from catch_arena import ArenaService, Engine, Verdict, arbitrate, explain, explain_step, scenario
+from catch_arena import ArenaService, Verdict, arbitrate, explain, explain_step
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import step_at
 from catch_arena.explanation.seen_targets import SeenTargets
-from catch_arena.layout import columns
 from catch_arena.messages import CatchTurtleRequest
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
@@ -392,24 +391,6 @@ def test_a_dropout_is_told_apart_from_a_withdrawal(play):
             explain_step(match, world.step, seat).lines()
         )
         assert explain_step(match, world.step - 1, seat).hunters[0].out is None
-
-
-def test_rivals_are_ranked_as_the_engine_ranks_them():
-    """All chase the nearest target, and most rivals are equally far in the end."""
-    engine = Engine(scenario("standard"))
-    engine.reset([3])
-    sight = SeenTargets(engine.config)
-    places = {column.name: place for place, column in enumerate(columns(engine.config))}
-    for _ in range(engine.config.max_steps - 1):
-        engine.step(np.ones((1, 4), np.int64), np.zeros((1, 4, 2), np.float32))
-        world = engine.world()
-        for seat, me in enumerate(world.hunters):
-            for rank, seen in enumerate(sight.ranked_rivals(world, seat), start=1):
-                rival = world.hunters[seen]
-                ahead = math.cos(me.theta) * (rival.x - me.x) + math.sin(me.theta) * (rival.y - me.y)
-                left = math.cos(me.theta) * (rival.y - me.y) - math.sin(me.theta) * (rival.x - me.x)
-                shown = [engine.observations[0, seat, places[f"rival_{rank}.{name}"]] for name in ("forward", "left")]
-                assert shown == pytest.approx([ahead, left], abs=1e-5)
 
 
 def test_what_is_no_replay_or_no_step_is_refused(crowded):
