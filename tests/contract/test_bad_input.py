@@ -94,12 +94,6 @@ def test_a_config_that_cannot_be_is_refused(overrides, message):
         catch_arena.parallel_env(**overrides)
 
 
-def test_an_unknown_scenario_gets_suggestions():
-    """The nearest right name."""
-    with pytest.raises(ConfigError, match=r"unknown scenario 'standart': did you mean standard\?"):
-        catch_arena.parallel_env("standart")
-
-
 @pytest.mark.parametrize("seed", [-1, 2**64, 1.5, "7", True])
 def test_a_seed_that_is_none_is_refused(seed):
     """Whole numbers below 2^64 only; the episode under way goes on."""

@@ -81,22 +81,6 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     assert "none of 1 replays" in run("mosaic", "quiet", "-o", "grid.mp4").output
 
 
-@pytest.mark.parametrize(
-    ("words", "error"),
-    [
-        (["mosaic", "replays", "-o", "grid.avi"], "must end in"),
-        (["render", "replays/m0.replay", "-o", "m.mp4", "--size", "9x9"], "size must be"),
-        (["highlights", "replays", "-o", "best.txt"], "must end in"),
-        (["mosaic", "replays", "-o", "grid.mp4", "--view-of", "eve"], "unknown hunter 'eve'"),
-    ],
-)
-def test_bad_words_are_one_line(words, error):
-    result = run(*words)
-    assert result.exit_code == 2
-    assert error in result.output
-    assert len(result.stderr.splitlines()) == 1
-
-
 def test_ctrl_c_leaves_no_half_written_video(tmp_path):
     words = [sys.executable, "-m", "catch_arena", "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:

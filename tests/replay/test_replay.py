@@ -30,15 +30,6 @@ def recorded():
     return record()
 
 
-def test_a_file_that_cannot_be_written_leaves_nothing(recorded, tmp_path):
-    """A folder that is not there: our own error, and no half-written file."""
-    replay, _ = recorded
-    with pytest.raises(OutputError, match="cannot be written"):
-        replay.save(tmp_path / "nowhere" / "match.replay")
-
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_only_regular_files_are_replaced(recorded, tmp_path):
     """A device or a folder stays what it is; a link is followed."""
     replay, _ = recorded
