@@ -70,7 +70,7 @@ boundscheck: $(VENV)/ready-dev ## run the tests of the rules, of batches and of 
 coverage: $(VENV)/ready-dev $(VENV)/ready-extras ## measure coverage: at least 95 %, and every line and branch of the rules
 	rm -rf out/coverage
 	NUMBA_CACHE_DIR=$(CURDIR)/out/coverage/compiled $(BIN)/coverage run -m pytest $(WORKERS) -m '$(MEASURED)' tests
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(SPREAD) -m 'not nightly and not large' $(RULES)
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest $(SPREAD) -m 'not nightly and not large' $(RULES) tests/vector
 	$(BIN)/coverage combine --quiet || true  # a killed process leaves a damaged file
 	$(BIN)/coverage report --fail-under 95
 	$(BIN)/coverage report --fail-under 100 --include 'catch_arena/core/*'
