@@ -71,6 +71,7 @@ def settings_from(arguments: list[str]) -> tuple[Namespace, ArenaConfig]:
     add("--opponents", default="intercept", help="scripted agents that play hunters, separated by commas")
     add("--prey-opponents", default="flee", help="scripted agents that play prey, separated by commas")
     add("--self-play", type=float, default=0.7, help="share of the other parties that present and past selves play")
+    add("--share", type=float, default=0.0, help="with hunters: reward of a hunter for a catch of the others")
     add("--progress", type=float, default=0.1, help="reward of hunters per metre that they come nearer to a target")
     add("--decisions", type=int, default=20_000_000, help="number of decisions of the side that makes most")
     add("--seed", type=int, default=1, help="seed of the networks and the arenas")
@@ -97,7 +98,7 @@ def settings_from(arguments: list[str]) -> tuple[Namespace, ArenaConfig]:
     if len(set(settings.learn) - {"prey"}) > 1 or len(set(settings.learn)) < len(settings.learn):
         parser.error(f"--learn must name one side of hunters, prey, or both; got {','.join(settings.learn)}")
     rivals = config.hunters - (1 if config.teams is None else len(config.teams[0]))
-    paid = 0.0 if "hunters" in settings.learn else -1 / max(1, rivals)  # zero-sum among hunters that compete
+    paid = settings.share if "hunters" in settings.learn else -1 / max(1, rivals)  # zero-sum among hunters that compete
     return settings, config.replace(rewards=RewardWeights(catch=1.0, rival_catch=paid, progress=settings.progress))
 
 
