@@ -38,7 +38,7 @@ def curve_of(run: Path, others: list[Path], settings: Namespace) -> list[dict[st
     for side, word in sides.items():
         opponent = sides.get(opposed(parties_of(config, settings.learn), side))
         if opponent is None:
-            raise ConfigError(f"{run}: nobody has learned to play against its {word}; give runs of both sides")
+            raise ConfigError(f"{run}: no side has learned to play against its {word}; give runs of both sides")
         opponents = [str(other / f"{opponent}.py") for other in others]
         ages = sorted(int(path.stem.split("_")[1]) for path in (run / "snapshots").glob(f"{word}_*.py"))
         for age in ages:
