@@ -64,13 +64,15 @@ def refused(*arguments, **constants):
 
 
 def refused_here(module, arguments, monkeypatch, capsys):
-    """Error of a run in this process, which need not load torch again."""
+    """Last line of a run in this process that is refused; it need not load torch again."""
     for name, value in SMALL.items():
         monkeypatch.setattr(module, name, value, raising=False)
     monkeypatch.setattr(sys, "argv", [module.__name__, *map(str, arguments)])
     with pytest.raises(SystemExit) as ended:
         module.main()
-    return capsys.readouterr().err + str(ended.value)
+    printed = capsys.readouterr().err + str(ended.value.code)
+    assert "Traceback" not in printed
+    return printed.removesuffix("\n2").splitlines()[-1]
 
 
 def check(agent, scenario="duel"):
