@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, Control
+from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, View
 from catch_arena.training.fitting import fit_observation
 from catch_arena.training.networks import Mlp
@@ -32,7 +33,9 @@ class FlatAgent:
     def __init__(self, network: Mlp | str | os.PathLike[str], trained: str | ArenaConfig) -> None:
         self.network: Final = network if isinstance(network, Mlp) else Mlp.load(network)
         self.trained: Final = trained
-        self.network.require_outputs(len(COMMANDS))
+        outputs = len(self.network.layers[-1][1])
+        if outputs != len(COMMANDS):
+            raise ConfigError(f"the network must have {len(COMMANDS)} outputs, got {outputs}")
 
     def reset(self, seed: int) -> None:
         """Begin an episode; there is no state to reset."""

@@ -76,15 +76,6 @@ class Mlp:
         """Width of the observations that the network takes."""
         return len(self.layers[0][0].T)
 
-    def require_outputs(self, count: int) -> None:
-        """Check the number of outputs.
-
-        Raises:
-            ConfigError: for another number.
-        """
-        if len(self.layers[-1][1]) != count:
-            raise ConfigError(f"the network must have {count} outputs, got {len(self.layers[-1][1])}")
-
     def __call__(self, observations: ArrayLike) -> NDArray[np.float32]:
         """Return the outputs, (..., outputs), for observations, (..., inputs).
 
