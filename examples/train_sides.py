@@ -85,12 +85,12 @@ def settings_from(arguments: list[str]) -> tuple[Namespace, ArenaConfig]:
     for name, number in least.items():
         if getattr(settings, name) < number:
             parser.error(f"--{name} must be at least {number}, got {getattr(settings, name)}")
-    if not 0 <= settings.self_play <= 1:
-        parser.error(f"--self-play must be from 0 to 1, got {settings.self_play}")
+    for name in ("self_play", "entropy"):
+        if not 0 <= getattr(settings, name) <= 1:
+            parser.error(f"--{name.replace('_', '-')} must be from 0 to 1, got {getattr(settings, name)}")
     settings.learn = settings.learn.split(",")
     config = scenario(settings.scenario, control="velocity")
-    prey = config.prey > 0
-    here = {"seat": config.hunters > 1, "team": config.teams is not None, "hunters": prey, "prey": prey}
+    here = dict.fromkeys(SIDES, config.prey > 0) | {"seat": config.hunters > 1, "team": config.teams is not None}
     for word in settings.learn:
         if not here.get(word):
             known = ", ".join(word for word in SIDES if here[word])

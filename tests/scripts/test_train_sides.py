@@ -200,6 +200,7 @@ def test_ctrl_c_is_one_line_and_keeps_the_last_evaluation(tmp_path):
         ("--opponents nearest,", "an agent must be a name, a file, a folder or a command"),
         ("--self-play 2", "--self-play must be from 0 to 1, got 2.0"),
         ("--self-play nan", "--self-play must be from 0 to 1, got nan"),
+        ("--entropy nan", "--entropy must be from 0 to 1, got nan"),
         ("--progress nan", "rewards.progress must be a finite number"),
         ("--decisions 0", "--decisions must be at least 1, got 0"),
         ("--hold 0", "--hold must be at least 1, got 0"),
