@@ -17,7 +17,7 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import SavedState
 from catch_arena.envs.actions import clipped
 from catch_arena.envs.vector import VectorArena
-from catch_arena.equality import equal_fields
+from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError
 from catch_arena.layout import Column, columns, prey_observation_size
 from catch_arena.plain import whole_number
@@ -58,14 +58,11 @@ class LearnerStep(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SavedLearners:
+class SavedLearners(EqualByBits):
     """Saved state of a `LearnerBatch`, from its `save`; it can be pickled, and any number can be kept.
 
     Two are equal if every bit is equal. Agents are compared by their own `==`; without one they equal only themselves.
     """
-
-    __eq__ = equal_fields
-    __hash__ = None  # type: ignore[assignment]
 
     arena: SavedState
     opponents: SavedOpponents | None
