@@ -298,8 +298,8 @@ class Engine:
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: return the rank at which a seat sees the target of that name; 0 if it does not see it."""
-        numbers = self._views.targets_seen(arena, seat)
-        return next((rank for rank, number in enumerate(numbers, 1) if self.config.target_name(number) == name), 0)
+        names = [self.config.target_name(number) for number in self.numbers_seen(seat)[arena] if number]
+        return names.index(name) + 1 if name in names else 0
 
     def numbers_seen(self, seat: int) -> NDArray[np.int64]:
         """R7.1: return the numbers of the targets that a seat sees in each arena, by rank: (B, ranks), 0 for none."""
