@@ -161,10 +161,7 @@ class Engine:
             self.parts[chosen] = 0.0
             self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
-        if arenas is None:
-            self._observe(0, len(self.chunks), resets)
-        else:
-            self._observe_chunks_of(chosen, resets)
+        self._observe(chosen, resets)
 
     def step(
         self,
@@ -195,20 +192,11 @@ class Engine:
 
         self.threads.run(num_parts, play)
 
-    def _observe(self, first_chunk: int, stop_chunk: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations and masks of the chunks from `first_chunk` up to `stop_chunk`."""
+    def _observe(self, arenas: Sequence[int] | NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """Begin episodes, and write the observations and masks of the chunks that contain these arenas."""
         thread, playing = 0, False
-        self._run_tick(thread, first_chunk, stop_chunk, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
-
-    def _observe_chunk_of(self, arena: int) -> None:
-        self._observe(arena // LANES, arena // LANES + 1)
-
-    def _observe_chunks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations of the chunks that contain these arenas."""
-        chunks = np.unique(arenas // LANES)
-        gaps = np.flatnonzero(np.diff(chunks) > 1) + 1
-        for adjoining in np.split(chunks, gaps) if len(chunks) else ():  # one call for each run of chunks
-            self._observe(adjoining[0], adjoining[-1] + 1, resets)
+        for chunk in np.unique(np.asarray(arenas) // LANES):
+            self._run_tick(thread, chunk, chunk + 1, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
             resets = _NO_RESETS  # all episodes have begun
 
     def withdraw(self, arena: int, agent: int) -> None:
@@ -217,7 +205,7 @@ class Engine:
             dropouts.withdraw_at(self._memory, arena, agent)
         else:
             withdraw_prey_at(self._memory, arena, agent - self.config.hunters)
-        self._observe_chunk_of(arena)
+        self._observe([arena])
 
     def place(
         self,
@@ -241,7 +229,7 @@ class Engine:
         # 0.0 is added so that no zero is negative
         poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
         placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
-        self._observe_chunk_of(arena)
+        self._observe([arena])
 
     def place_batch(
         self,
@@ -270,12 +258,12 @@ class Engine:
         self.rewards[arenas] = 0.0
         if self.with_infos:
             self.parts[arenas] = 0.0
-        self._observe_chunks_of(arenas)
+        self._observe(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: add a target outside the timer and return its number, the next one; return 0 in a full arena (R3.5)."""
         number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero is negative
-        self._observe_chunk_of(arena)
+        self._observe([arena])
         return number
 
     def kill(self, arena: int, number: int) -> bool:
@@ -283,7 +271,7 @@ class Engine:
         if prey plays it, since such a target is never killed.
         """
         killed = spawner.kill(self._memory, arena, number)
-        self._observe_chunk_of(arena)
+        self._observe([arena])
         return killed
 
     # reading

@@ -215,7 +215,7 @@ class VectorArena:
             seeds = np.array([checked_seed(one) for one in seed], dtype=np.uint64)
         else:
             seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
-        self._engine.reset(seeds, None if arenas is None else chosen)
+        self._engine.reset(seeds, chosen)
         self._has_begun = True
         self._ended[chosen] = False
         return self._reset_results()
