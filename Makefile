@@ -29,6 +29,7 @@ compat: $(VENV)/ready ## train with each supported library, in an environment of
 	$(BIN)/python scripts/compat $(CLIENTS)
 
 demo: $(VENV)/ready ## play a tournament of seven agents; make its report, a video of the final, and the best moments (out/demo)
+	rm -rf out/demo
 	$(BIN)/python scripts/demo.py --out out/demo
 
 test: $(VENV)/ready-dev ## run the usual tests
