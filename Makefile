@@ -26,9 +26,10 @@ help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
 
 compat: $(VENV)/ready ## train with each supported library, in an environment of its own (gigabytes; docs/reference/compatibility.md)
-	$(BIN)/python scripts/compat $(CLIENTS)
+	$(BIN)/python scripts/compat.py $(CLIENTS)
 
 demo: $(VENV)/ready ## play a tournament of seven agents; make its report, a video of the final, and the best moments (out/demo)
+	rm -rf out/demo
 	$(BIN)/python scripts/demo.py --out out/demo
 
 test: $(VENV)/ready-dev ## run the usual tests

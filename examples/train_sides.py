@@ -46,7 +46,7 @@ from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.training.destinations import destinations
 from catch_arena.training.flat import COMMANDS, FlatAgent
-from catch_arena.training.mixed import LEARNER, BatchPlayer, MixedBatch, play_matches
+from catch_arena.training.mixed import LEARNER, MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
 from catch_arena.training.pointer import PointerAgent, drive
 
@@ -308,7 +308,7 @@ class Run:
 
     def drawn(self, side: Side, count: int) -> np.ndarray:
         """Draw players that are not at home: half of the share of self-play is for the present network."""
-        scripts, players = len(self.scripts[side]), len(self.batch.players[side])
+        scripts, players = len(self.scripts[side]), len(self.batch.players[side].pool)
         scripted = self.draw.integers(0, scripts, count)
         if all(one.side != side for one in self.learners):
             return scripted
@@ -354,11 +354,9 @@ class Run:
     def grow(self, learner: Learner) -> None:
         """Take the present network into its side's pool; it replaces one of the past selves if there are too many."""
         players, scripts = self.batch.players[learner.side], len(self.scripts[learner.side])
-        past = BatchPlayer.of(learner.frozen(), learner.side)
-        if len(players) < scripts + MOST_SELVES:
-            players.append(past)
-        else:  # the matches that run go on with it
-            players[scripts + int(self.draw.integers(MOST_SELVES))] = past
+        players.add(learner.frozen())
+        if len(players.pool) > scripts + MOST_SELVES:  # the matches that run go on with it
+            players.pool[scripts + int(self.draw.integers(MOST_SELVES))] = players.pool.pop()
 
     def evaluate(self) -> None:
         """Play each side against each scripted agent, and write curve.json and the agents."""

@@ -11,7 +11,6 @@ import argparse
 import json
 import os
 import shlex
-import shutil
 import subprocess
 import sys
 import time
@@ -24,11 +23,6 @@ FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", 
 """Agents that play; a fixed list, so that new agents do not change the demo."""
 SEED: Final = 7
 PICTURE: Final = ("--size", "1280x720", "--fps", "30")
-MARK: Final = "demo.began"
-"""File that marks a folder as made by the demo, which may therefore remove its contents."""
-NOT_OURS: Final = """\
-{folder} was not made by the demo, and stays as it is.
-Remove it, or name another folder:  --out FOLDER"""
 
 
 def has_desktop() -> bool:
@@ -53,32 +47,8 @@ def run(*words: object) -> None:
         sys.exit(code)
 
 
-def make_folder(out: Path) -> None:
-    """Make the folder, and remove the files of an earlier demo from it.
-
-    Raises:
-        SystemExit: the demo did not make the folder, or cannot write to it; the message says so.
-    """
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        left = list(out.iterdir())
-        if left and not (out / MARK).exists():
-            sys.exit(NOT_OURS.format(folder=out))
-        (out / MARK).touch()
-        for path in left:
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path)
-            elif path.name != MARK:  # the mark stays, so that an interrupted removal can be repeated
-                path.unlink()
-    except FileExistsError:
-        sys.exit(NOT_OURS.format(folder=out))
-    except OSError as error:
-        sys.exit(f"{error.filename}: {error.strerror}")
-
-
 def demo(out: Path) -> dict[str, Path]:
     """Play the matches, and make the videos and the report; return the path of each result by its title."""
-    make_folder(out)
     replay, video, moments = out / "final.replay", out / "final.mp4", out / "moments.mp4"
     run("tournament", *FIELD, "--seed", SEED, "--record", "--out", out)
     best = [line["agent"] for line in json.loads((out / "standings.json").read_text())["standings"][:4]]
@@ -91,8 +61,7 @@ def demo(out: Path) -> dict[str, Path]:
 def main() -> None:
     """Run the demo."""
     parser = argparse.ArgumentParser(description=__doc__)
-    help_text = "folder to write to; the files of an earlier demo in it are removed"
-    parser.add_argument("--out", type=Path, default=Path("out/demo"), help=help_text)
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), help="new folder for the results")
     help_text = "open the results; the default if there is a desktop"
     parser.add_argument("--open", action=argparse.BooleanOptionalAction, default=has_desktop(), help=help_text)
     args = parser.parse_args()

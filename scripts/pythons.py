@@ -45,15 +45,19 @@ def find_python(version: str) -> Path | None:
     return None
 
 
-def run(log: Path, folder: Path, *command: str | Path) -> bool:
-    """Run a command in a folder; return whether it succeeds; print the end of its log if it fails."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(log.with_suffix("") / "compiled")}
+def run(log: Path, folder: Path, *command: str | Path, **variables: str) -> bool:
+    """Run a command in a folder, with a log; return whether it succeeds, and print the end of the log if it fails.
+
+    `variables` are added to the environment.
+    """
     with log.open("a", encoding="utf-8") as file:
         print("$", *command, file=file, flush=True)
-        code = subprocess.run(command, cwd=folder, stdout=file, stderr=file, env=environment, check=False).returncode
+        options = {"stdout": file, "stderr": file, "env": os.environ | variables}
+        code = subprocess.run(command, cwd=folder, check=False, **options).returncode
     if code:
         print(f"  failed: {' '.join(map(str, command))} ({log})")
-        print("\n".join(f"    {line}" for line in log.read_text(encoding="utf-8").splitlines()[-30:]), flush=True)
+        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+        print("\n".join(f"    {line}" for line in lines[-30:]), flush=True)
     return code == 0
 
 
@@ -67,11 +71,12 @@ def try_python(python: Path, wheel: Path, version: str, *, newest: bool) -> bool
     install += ["--group", f"{ROOT}/pyproject.toml:test"]
     install += [f"{wheel}[video]"] if newest else ["--resolution", "lowest-direct", "--editable", f"{ROOT}[video]"]
     tests = (environment / "bin" / "pytest", "-q", "-n", "2", "-p", "no:cacheprovider", "-m", "not nightly")
+    cache = {"NUMBA_CACHE_DIR": str(folder / "compiled")}
     passed = (
         run(log, OUT, UV, "venv", "--python", python, environment)
         and run(log, OUT, *install)
-        and all(run(log, played, environment / "bin" / "catch-arena", *line.split()) for line in COMMANDS)
-        and run(log, ROOT, *tests, *(f"tests/{name}" for name in RULES))
+        and all(run(log, played, environment / "bin" / "catch-arena", *line.split(), **cache) for line in COMMANDS)
+        and run(log, ROOT, *tests, *(f"tests/{name}" for name in RULES), **cache)
     )
     print(f"{folder.name}: {'passed' if passed else 'failed'} ({time.monotonic() - began:.0f} s)", flush=True)
     return passed

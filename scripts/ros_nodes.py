@@ -15,7 +15,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from pythons import find_python
+import pythons
 
 ROOT = Path(__file__).parents[1]
 ENVIRONMENTS = ROOT / ".venv-ros"
@@ -112,19 +112,15 @@ def make(folder: Path, python: Path, version: str) -> None:
 
 
 def run(folder: Path, *command: str | Path) -> None:
-    """Run a command in an environment, with a log next to it; end the script with one line if it fails."""
-    log = folder.parent / f"{folder.name}.log"
-    environment = os.environ | {
+    """Run a command in an environment, with a log next to it; end the script if it fails."""
+    environment = {
         "AMENT_PREFIX_PATH": str(folder),
         "CMAKE_PREFIX_PATH": str(folder),
         "LD_LIBRARY_PATH": str(folder / "lib"),
         "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}",
     }
-    with log.open("a") as file:
-        print("$", *command, file=file, flush=True)
-        result = subprocess.run(command, stdout=file, stderr=file, env=environment, check=False)
-    if result.returncode:
-        raise SystemExit(f"real ROS 2 nodes are not tested: {Path(command[0]).name} failed; see {log}")
+    if not pythons.run(folder.parent / f"{folder.name}.log", ROOT, *command, **environment):
+        raise SystemExit(f"real ROS 2 nodes are not tested: {Path(command[0]).name} failed")
 
 
 def output(*command: str | Path) -> str:
@@ -142,7 +138,9 @@ def main() -> int:
     )
     given, rest = parser.parse_known_args()
     own = sysconfig.get_python_version()
-    found = {one: python for one in VERSIONS if (python := Path(sys.executable) if one == own else find_python(one))}
+    found = {
+        one: python for one in VERSIONS if (python := Path(sys.executable) if one == own else pythons.find_python(one))
+    }
     wanted = list(found) if given.all else [own if own in found else next(iter(found), own)]
     codes = []
     for version in wanted:

@@ -2,8 +2,8 @@
 
 docs/howto/training.md shows their use.
 
-- batch: many arenas in which some seats learn. opponents: the agents in the other seats. players: the agents that play
-  prey, and what all agents share. compiled: a decision function for one hunter, compiled for many hunters.
+- batch: many arenas in which some seats learn. players: agents and the seats that they play. opponents: those that are
+  drawn for the seats of hunters that do not learn. compiled: a decision for one hunter, compiled for many hunters.
 - sb3, gymnasium_vector, torchrl: adapters, one for each library.
 - networks: a trained network in NumPy. fitting: an observation in the width that a network was trained with.
 - destinations, pointer: candidate places as inputs of a network, and the networks that choose one.

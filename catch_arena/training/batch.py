@@ -4,7 +4,7 @@ The adapters for training libraries are built on this module.
 """
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
@@ -19,12 +19,13 @@ from catch_arena.envs.actions import clipped
 from catch_arena.envs.vector import VectorArena
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError
-from catch_arena.layout import Column, columns, prey_observation_size
+from catch_arena.layout import Column, columns
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import shortened
-from catch_arena.training.opponents import Opponents, Pool, SavedOpponents
-from catch_arena.training.players import Player, PreyPlayers, action_arrays
+from catch_arena.tournament.entrants import SHIPPED_PREY
+from catch_arena.training.opponents import Opponents, Pool
+from catch_arena.training.players import Players, action_arrays
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -64,9 +65,8 @@ class SavedLearners(EqualByBits):
     """
 
     arena: SavedState
-    opponents: SavedOpponents | None
-    prey: Sequence[Player] | None
-    """The agent that plays all prey, or that of each prey, arena by arena; None without prey."""
+    opponents: Mapping[str, Any] | None
+    prey: Mapping[str, Any] | None
     seats: NDArray[np.int64]
     """Seats of the learners, (B, learners)."""
     rotation: NDArray[np.int64]
@@ -134,7 +134,8 @@ class LearnerBatch:
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
         """The opponents, or None; `add` and `weigh` change the pool for the episodes that begin after the call."""
-        self._prey = PreyPlayers(config, self.num_envs, prey_agent) if config.prey else None
+        agent = SHIPPED_PREY if prey_agent is None else prey_agent
+        self._prey = Players(config, self.num_envs, "prey", "prey", [agent]) if config.prey else None
         self._control: Final = config.controls[0]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
@@ -223,7 +224,7 @@ class LearnerBatch:
         if self.opponents is not None:
             self.opponents.act(self._seen, self._masks, self._choices, self._commands[:, :hunters])
         if self._prey is not None:
-            self._prey.act(self._seen_by_prey, self._commands[:, hunters:])
+            self._prey.act(self._seen_by_prey, self._masks, self._choices, self._commands[:, hunters:])
         seats = self._seats  # the seats of the episodes that end in this step
         observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
         self._take(observations, infos)
@@ -314,7 +315,7 @@ class LearnerBatch:
         self._seen = self._of_hunters(observations)
         self._masks = infos.get("action_mask", self._masks)
         if self._prey is not None:
-            self._seen_by_prey = observations[:, self.config.hunters :, : prey_observation_size(self.config)]
+            self._seen_by_prey = observations[:, self.config.hunters :]
 
     def _of_hunters(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
         return observations[:, : self.config.hunters, : len(self.columns)]
@@ -325,7 +326,9 @@ class LearnerBatch:
         if self.opponents is not None:
             self._seat(self.opponents, arenas)
         if self._prey is not None:
-            self._prey.begin_episodes(self._rng, arenas)
+            numbers, seats = np.zeros((2, len(arenas), self.config.prey), np.int64)
+            seats[:] = np.arange(self.config.prey)
+            self._prey.seat(arenas, seats, numbers, self._rng)
         self._has_begun = True
 
     def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:

@@ -4,21 +4,18 @@
 can learn, and past selves and scripted agents can be opponents and team-mates (examples/train_sides.py).
 """
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, NamedTuple, get_args
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.batch_policy import BatchView, PreyBatchView
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import ArenaConfig
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.vector import VectorArena
 from catch_arena.errors import ConfigError
-from catch_arena.layout import observation_size, prey_observation_size
-from catch_arena.policy import Limits, PreyLimits, Side, control_of
-from catch_arena.training.players import Player, acts_in_batches, name_and_policy
+from catch_arena.policy import Limits, Side
+from catch_arena.training.players import Players
 
 LEARNER: Final = -1
 """Number, in place of a player's, of an agent whose commands the caller gives."""
@@ -27,55 +24,32 @@ Rows = tuple[NDArray[np.int64], NDArray[np.int64]]
 """Arenas and agents, (n,) each; agents are the hunters by seat, then the prey."""
 
 
-class BatchPlayer(NamedTuple):
-    """An agent that acts for many hunters, or for many prey, in one call."""
-
-    player: Player
-    control: Control
-
-    @classmethod
-    def of(cls, agent: object, side: Side) -> "BatchPlayer":
-        """Return the player of an agent: a shipped name, a file, `package.module:Class`, a class or an object.
-
-        Raises:
-            AgentError: for an agent that cannot play.
-            ConfigError: for one without `act_batch`.
-        """
-        name, policy = name_and_policy("player", agent, side)
-        if not acts_in_batches(policy):
-            raise ConfigError(f"player {name} must have act_batch, which acts for many in one call; it has only act")
-        player = Player(f"player {name}", policy)
-        player.call("reset", 0)
-        return cls(player, "velocity" if side == "prey" else control_of(policy))
-
-
 class MixedBatch:
     """B arenas in lockstep with N agents each, the H hunters by seat and then the prey.
 
     Args:
         config: the arenas' settings; all hunters have equal limits.
         num_envs: B.
-        players: the agents of each side, see `BatchPlayer.of`. The lists in `self.players` may be changed.
+        players: the agents of each side, see `Player.of`.
 
     Raises:
-        ConfigError: for hunters with different limits, and for an agent without `act_batch`.
+        ConfigError: for hunters with different limits.
         AgentError: for an agent that cannot play.
     """
 
     def __init__(self, config: ArenaConfig, num_envs: int, players: Mapping[Side, Sequence[object]]) -> None:
-        limits, *others = {Limits.of(config, seat) for seat in range(config.hunters)}
-        if others:
+        if len({Limits.of(config, seat) for seat in range(config.hunters)}) > 1:
             raise ConfigError("hunters must have equal limits, and those of this scenario differ")
         self.config: Final = config
         self.arena: Final = VectorArena(config, num_envs, any_control=True)
-        self.players: Final = {side: [BatchPlayer.of(one, side) for one in agents] for side, agents in players.items()}
-        """The players of each side, "hunter" and "prey"; `seat` takes their numbers."""
+        self.players: Final[dict[Side, Players]] = {}
+        """The players of each side, "hunter" and "prey"; `add` takes more of them, and `seat` their numbers."""
+        sides: tuple[Side, ...] = ("hunter", "prey") if config.prey else ("hunter",)
+        for side in sides:
+            self.players[side] = Players(config, num_envs, side, "player", players.get(side, ()))
         self.seated: Final = np.full((num_envs, config.hunters + config.prey), LEARNER)
         """Number of the player of each agent, or LEARNER: (B, N)."""
-        self._limits = {word: dataclasses.replace(limits, control=word) for word in get_args(Control)}
-        self._prey_limits = PreyLimits.of(config) if config.prey else None
-        self._size, self._prey_size = observation_size(config), prey_observation_size(config)
-        self._last_rank = config.targets_seen
+        self._rng = np.random.default_rng()
         self.observations, self.infos = np.zeros((0, 0, 0), np.float32), dict[str, Any]()
         """Observations and infos of `VectorArena`; the next step overwrites them."""
 
@@ -86,11 +60,18 @@ class MixedBatch:
     def reset(self, seed: int | None = None, arenas: ArrayLike | None = None) -> None:
         """Begin episodes, see `VectorArena.reset`; the players stay seated."""
         self.observations, self.infos = self.arena.reset(seed, arenas)
+        if seed is not None:
+            self._rng = np.random.default_rng(seed)
+            for players in self.players.values():
+                players.begin(self._rng)
 
     def seat(self, arenas: NDArray[np.int64], numbers: NDArray[np.int64]) -> None:
         """Give the agents of these arenas (n,) their players, by number or LEARNER: (n, N)."""
         self.seated[arenas] = numbers
-        controls = ["velocity", *(one.control for one in self.players["hunter"])]
+        for side, players in self.players.items():
+            own = numbers[:, self.agents(side)]
+            players.seat(arenas, np.indices(own.shape)[1], own, self._rng)
+        controls = ["velocity", *(player.control for player in self.players["hunter"].pool)]
         codes = np.array([CONTROLS[control] for control in controls], np.int8)
         self.arena.set_controls(codes[numbers[:, : self.config.hunters] + 1], arenas)
 
@@ -100,12 +81,11 @@ class MixedBatch:
         arenas, agents = np.nonzero(self.seated[:, part] == number)
         return arenas, agents + part.start
 
-    def view(self, side: Side, rows: Rows, control: Control = "velocity") -> Any:
-        """Return what these agents see: a `BatchView` of hunters or a `PreyBatchView`."""
-        seen = self.observations[rows]
-        if self._prey_limits is not None and side == "prey":
-            return PreyBatchView(seen[:, : self._prey_size], self._prey_limits)
-        return BatchView(seen[:, : self._size], self.infos["action_mask"][rows], self._limits[control])
+    def view(self, side: Side, rows: Rows) -> Any:
+        """Return what these agents see if they drive themselves: a `BatchView` of hunters or a `PreyBatchView`."""
+        part = self.agents(side)
+        seats = rows[0], rows[1] - part.start
+        return self.players[side].view(self.observations[:, part], self.infos["action_mask"], seats, "velocity")
 
     def step(self, commands: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Play a step.
@@ -121,16 +101,8 @@ class MixedBatch:
         """
         choices = np.zeros((len(commands), self.config.hunters), np.int64)
         for side, players in self.players.items():
-            for number, (player, control) in enumerate(players):
-                rows = self.rows(side, number)
-                if len(rows[0]):
-                    ranks, velocities = player.act_batch(
-                        self.view(side, rows, control), control, self._last_rank, lambda _: ""
-                    )
-                    if ranks is not None:
-                        choices[rows] = ranks
-                    if velocities is not None:
-                        commands[rows] = velocities
+            part = self.agents(side)
+            players.act(self.observations[:, part], self.infos["action_mask"], choices, commands[:, part])
         self.observations, rewards, terminations, truncations, self.infos = self.arena.step(choices, commands)
         return rewards, terminations | truncations
 

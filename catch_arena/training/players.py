@@ -1,33 +1,78 @@
-"""Players inside the batch: agents whose errors name them, the agents that play prey, and actions of many hunters."""
+"""Players inside the batch: agents whose errors name them, the agents of one side, and actions of many of them."""
 
 import copy
-from collections.abc import Callable, Mapping, Sequence
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, ClassVar, Final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.batch_policy import PreyBatchView
+from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
-from catch_arena.policy import PreyLimits, Side
+from catch_arena.layout import observation_size, prey_observation_size
+from catch_arena.policy import Limits, PreyLimits, Side, control_of
 from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import resolve_spec
-from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.tournament.loading import create_policy
+
+_SEED_LIMIT: Final = 2**63
 
 
 @dataclass
 class Player:
     """An instance of an agent. Its errors are AgentErrors that name the agent, and its hunter or prey if it has one."""
 
+    role: str
+    """Word before the agent's name in errors."""
     name: str
-    """Name of the agent in errors."""
     policy: Any
+    control: Control
     place: str = ""
     """End of errors, which names the hunter or prey that the instance plays."""
+
+    @classmethod
+    def of(cls, role: str, agent: object, side: Side = "hunter") -> "Player":
+        """Return an agent's player.
+
+        Args:
+            role: word before its name in errors.
+            agent: a shipped name, a file, `package.module:Class`, a class, or an object, which plays itself.
+            side: the side that it plays.
+
+        Raises:
+            AgentError: for an agent that cannot play.
+        """
+        name, policy = type(agent).__name__, agent
+        if isinstance(agent, str):
+            name, policy = agent, create_policy(resolve_spec(agent), side)
+        elif isinstance(agent, type):
+            name = agent.__name__
+            try:
+                policy = agent()
+            except (Exception, SystemExit) as error:  # a stranger's code may raise anything
+                raise AgentError(f"{role} {name}: {name}() raised {reason(error)}") from error
+        made = cls(role, name, policy, "velocity" if side == "prey" else control_of(policy))
+        for method in ("reset", "act_batch" if made.in_batches else "act"):
+            if not callable(getattr(policy, method, None)):
+                raise AgentError(
+                    f"{made.label}: must have the methods reset and act_batch, or reset and act, but has no {method}"
+                )
+        return made
+
+    @property
+    def label(self) -> str:
+        """Name of the agent in errors."""
+        return f"{self.role} {self.name}"
+
+    @property
+    def in_batches(self) -> bool:
+        """True if the agent acts for many hunters or prey in one call."""
+        return callable(getattr(self.policy, "act_batch", None))
 
     def call(self, method: str, argument: object) -> Any:
         """Return the result of a method of the agent.
@@ -38,9 +83,9 @@ class Player:
         try:
             return getattr(self.policy, method)(argument)
         except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-            raise AgentError(f"{self.name}: {method} raised {reason(error)}{self.place}") from error
+            raise AgentError(f"{self.label}: {method} raised {reason(error)}{self.place}") from error
 
-    def act(self, view: Any, control: Control, ranks: int) -> tuple[int, tuple[float, float]]:
+    def act(self, view: Any, ranks: int) -> tuple[int, tuple[float, float]]:
         """Return the rank and the two velocities of the agent's action, checked as in an env of one arena.
 
         Raises:
@@ -48,27 +93,26 @@ class Player:
         """
         action = self.call("act", view)
         try:
-            return checked_action(control, self.name, action, ranks)
+            return checked_action(self.control, self.label, action, ranks)
         except ActionError as error:
             raise AgentError(f"{error}{self.place}") from None
 
     def act_batch(
-        self, view: Any, control: Control, last_rank: int, place: Callable[[int], str]
+        self, view: Any, last_rank: int, place: Callable[[int], str]
     ) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
         """Return the checked ranks, (N,), and velocities, (N, 2), of N actions; None if the control does not have them.
 
         Args:
             view: a `BatchView` or `PreyBatchView` of N observations.
-            control: control of those that the agent plays.
             last_rank: the greatest legal rank.
             place: a function that returns the end of an error about a row, which names the hunter or prey.
 
         Raises:
             AgentError: if the agent raises anything, or for actions that are not legal.
         """
-        actions, name = self.call("act_batch", view), f"{self.name}: actions"
+        actions, name = self.call("act_batch", view), f"{self.label}: actions"
         try:
-            ranks, velocities = action_arrays(name, actions, len(view.observations), control)
+            ranks, velocities = action_arrays(name, actions, len(view.observations), self.control)
         except ActionError as error:
             raise AgentError(str(error)) from None
         if ranks is not None:
@@ -86,9 +130,9 @@ class Player:
             AgentError: if the agent cannot be copied.
         """
         try:
-            return Player(self.name, copy.deepcopy(self.policy, memo), self.place)
+            return dataclasses.replace(self, policy=copy.deepcopy(self.policy, memo))
         except Exception as error:  # a stranger's code may raise anything
-            raise AgentError(f"{self.name}: copying the agent raised {reason(error)}") from error
+            raise AgentError(f"{self.label}: copying the agent raised {reason(error)}") from error
 
 
 def _require(requirement: str, given: NDArray[Any], legal: NDArray[np.bool_], place: Callable[[int], str]) -> None:
@@ -98,115 +142,152 @@ def _require(requirement: str, given: NDArray[Any], legal: NDArray[np.bool_], pl
         raise AgentError(f"{requirement}, got {given[row].tolist()}{place(row)}")
 
 
-def name_and_policy(role: str, agent: object, side: Side = "hunter") -> tuple[str, Any]:
-    """Return an agent's name and an instance of it.
+class Players:
+    """Agents of one side, and the seats that they play in B arenas: those of the hunters, or of the prey.
 
-    Args:
-        role: word in front of its name in errors.
-        agent: a shipped name, a file, `package.module:Class`, a class, or an object, which is returned itself.
-        side: the side that it plays.
-
-    Raises:
-        AgentError: for an agent that cannot play.
-    """
-    if isinstance(agent, str):
-        return agent, create_policy(resolve_spec(agent), side)
-    name, policy = type(agent).__name__, agent
-    if isinstance(agent, type):
-        name = agent.__name__
-        try:
-            policy = agent()
-        except (Exception, SystemExit) as error:  # a stranger's code may raise anything
-            raise AgentError(f"{role} {name}: {name}() raised {reason(error)}") from error
-    for method in ("reset", "act_batch" if acts_in_batches(policy) else "act"):
-        if not callable(getattr(policy, method, None)):
-            raise AgentError(
-                f"{role} {name}: must have the methods reset and act_batch, or reset and act, but has no {method}"
-            )
-    return name, policy
-
-
-def acts_in_batches(policy: object) -> bool:
-    """Return whether an agent acts for many hunters or prey in one call."""
-    return callable(getattr(policy, "act_batch", None))
-
-
-class PreyPlayers:
-    """The prey of a batch of arenas.
-
-    An agent with `act_batch` is called once a step for the prey of all arenas, and keeps nothing of a single prey; one
-    that has only `act` is called for each prey, and each has an instance of its own.
+    An agent with `act_batch` is called once a step for all seats that it plays, and keeps nothing of a single one; one
+    that has only `act` is called for each of them, and each has an instance of its own.
 
     Args:
         config: the arenas' settings.
         num_envs: B.
-        agent: the agent that plays: a shipped name, a file, `package.module:Class`, a class, or an object with
-            `act_batch` or `act`; None is the shipped one.
+        side: the side.
+        role: word before the agents' names in errors.
+        agents: the agents, see `Player.of`.
 
     Raises:
-        AgentError: for an agent that is not there, has no class `Prey`, or cannot play.
+        AgentError: for an agent that cannot play.
     """
 
-    def __init__(self, config: ArenaConfig, num_envs: int, agent: object | None) -> None:
-        agent = SHIPPED_PREY if agent is None else agent
-        self._limits = PreyLimits.of(config)
-        self._names = config.prey_names
-        name, policy = name_and_policy("prey", agent, "prey")
-        original = Player(f"prey {name}", policy)
-        self._in_batches = acts_in_batches(policy)
-        self._players = [original]
-        """One instance for all prey if it has `act_batch`; else that of each prey, arena by arena."""
-        if not self._in_batches:
-            self._players = [
-                Player(
-                    original.name,
-                    copy.deepcopy(original).policy if policy is agent else name_and_policy("prey", agent, "prey")[1],
-                    self._place(row),
-                )
-                for row in range(num_envs * config.prey)
-            ]
+    saved_attributes: ClassVar[tuple[str, ...]] = ("pool", "_seated", "_instances")
 
-    def _place(self, row: int) -> str:
-        arena, index = divmod(row, len(self._names))
-        return f" for {self._names[index]} in arena {arena}"
+    def __init__(self, config: ArenaConfig, num_envs: int, side: Side, role: str, agents: Iterable[object]) -> None:
+        self._side, self._role, self._ranks = side, role, config.targets_seen
+        self.pool = [Player.of(role, agent, side) for agent in agents]
+        """The players, by number."""
+        self._seat_names = config.prey_names if side == "prey" else config.hunter_names
+        self._limits: dict[Control, list[Any]] = {"velocity": [PreyLimits.of(config)] * config.prey}
+        self._size = prey_observation_size(config)
+        if side == "hunter":
+            limits = [Limits.of(config, seat) for seat in range(config.hunters)]
+            self._limits = {
+                word: [dataclasses.replace(its, control=word) for its in limits] for word in get_args(Control)
+            }
+            self._size = observation_size(config)
+        self._seats_differ = len(set(self._limits["velocity"])) > 1
+        self._seated = np.full((num_envs, len(self._seat_names)), -1)
+        self._instances: dict[tuple[int, int], Player] = {}
+        """The instance in each seat, by arena and seat, of agents that have only `act`."""
+
+    @property
+    def seated(self) -> NDArray[np.int64]:
+        """Agents in the seats of the running episodes, by number, -1 for learners: (B, seats)."""
+        return self._seated.copy()
+
+    def add(self, agent: object) -> int:
+        """Take one more agent into the pool.
+
+        Returns:
+            its number.
+
+        Raises:
+            AgentError: for an agent that cannot play.
+        """
+        player, number = Player.of(self._role, agent, self._side), len(self.pool)
+        self.pool.append(player)
+        if player.in_batches:
+            player.call("reset", number)
+        return number
 
     def begin(self, rng: np.random.Generator) -> None:
-        """Seed an agent that has `act_batch`."""
-        if self._in_batches:
-            self._players[0].call("reset", int(rng.integers(2**63)))
+        """Seed the agents that have `act_batch`."""
+        for player in self.pool:
+            if player.in_batches:
+                player.call("reset", int(rng.integers(_SEED_LIMIT)))
 
-    def begin_episodes(self, rng: np.random.Generator, arenas: NDArray[np.int64]) -> None:
-        """Begin an episode for each prey of these arenas, if each has an instance."""
-        begun = set(arenas.tolist())
-        for row, player in enumerate([] if self._in_batches else self._players):
-            if row // len(self._names) in begun:
-                player.call("reset", int(rng.integers(2**63)))
+    def seat(
+        self, arenas: NDArray[np.int64], seats: NDArray[np.int64], numbers: NDArray[np.int64], rng: np.random.Generator
+    ) -> None:
+        """Give seats (n, S) of the arenas (n,) to agents by their numbers (n, S); -1 and the other seats are learners'.
 
-    def act(self, observations: NDArray[np.float32], commands: NDArray[np.float32]) -> None:
-        """R12.2: write the actions of prey for these observations, (B, P, E), into `commands`: (B, P, 2) in [-1, 1].
-
-        Raises:
-            AgentError: for one that fails.
+        Agents that have only `act` begin an episode there.
         """
-        if self._in_batches:
-            view = PreyBatchView(np.array(observations).reshape(-1, observations.shape[-1]), self._limits)
-            _, velocities = self._players[0].act_batch(view, "velocity", 0, self._place)
-            commands[:] = np.asarray(velocities).reshape(commands.shape)
+        self._seated[arenas] = -1
+        self._seated[arenas[:, None], seats] = numbers
+        if all(player.in_batches for player in self.pool):
             return
-        for place, player in zip(np.ndindex(commands.shape[:2]), self._players, strict=True):
-            _, commands[place] = player.act(self._limits.view(observations[place].tolist(), ()), "velocity", 0)
+        begun = set(arenas.tolist())
+        self._instances = {place: one for place, one in self._instances.items() if place[0] not in begun}
+        for number, original in enumerate(self.pool):
+            for row, column in [] if original.in_batches else np.argwhere(numbers == number).tolist():
+                place = int(arenas[row]), int(seats[row, column])
+                self._instances[place] = player = copy.deepcopy(original)
+                player.place = self._place(*place)
+                player.call("reset", int(rng.integers(_SEED_LIMIT)))
 
-    def save(self) -> list[Player]:
-        """R10.2: return copies of all players, with everything that they store, for `restore`.
+    def view(self, observations: NDArray[np.float32], masks: NDArray[np.int8], rows: Any, control: Control) -> Any:
+        """Return what these seats see, all of the same limits: a `BatchView` or a `PreyBatchView`.
+
+        Args:
+            observations: those of all seats, (B, seats, at least D).
+            masks: those of all hunters, (B, H, K + 1); not read for prey.
+            rows: arenas and seats, (n,) each.
+            control: control of the hunters.
+        """
+        seen = observations[..., : self._size][rows]
+        limits = self._limits[control][int(rows[1][0]) if self._seats_differ else 0]
+        return PreyBatchView(seen, limits) if self._side == "prey" else BatchView(seen, masks[rows], limits)
+
+    def act(
+        self,
+        observations: NDArray[np.float32],
+        masks: NDArray[np.int8],
+        choices: NDArray[np.int64],
+        commands: NDArray[np.float32],
+    ) -> None:
+        """Write the agents' actions into `choices` (B, H), which prey does not have, and `commands` (B, seats, 2).
 
         Raises:
-            AgentError: for an agent that cannot be copied.
+            AgentError: for an agent that fails; it names the agent, and the hunter or prey if that is known.
         """
-        return copy.deepcopy(self._players)
+        for number, player in enumerate(self.pool):
+            arenas, seats = np.nonzero(self._seated == number)
+            if not len(arenas):
+                continue
+            if not player.in_batches:
+                for place in zip(arenas.tolist(), seats.tolist(), strict=True):
+                    mask = () if self._side == "prey" else masks[place].tolist()
+                    view = self._limits[player.control][place[1]].view(observations[place][: self._size].tolist(), mask)
+                    rank, commands[place] = self._instances[place].act(view, self._ranks)
+                    if player.control != "velocity":
+                        choices[place] = rank
+                continue
+            for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
+                rows = arenas[group], seats[group]
+                view = self.view(observations, masks, rows, player.control)
+                ranks, velocities = player.act_batch(view, self._ranks, partial(self._place_of_row, *rows))
+                if ranks is not None:
+                    choices[rows] = ranks
+                if velocities is not None:
+                    commands[rows] = velocities
 
-    def restore(self, saved: Sequence[Player]) -> None:
-        """Continue from copies that `save` returned, in this batch or in one of equal config and size."""
-        self._players = copy.deepcopy(list(saved))
+    def save(self) -> dict[str, Any]:
+        """R10.2: return a copy of the pool, the seats, and everything that the agents store, for `restore`.
+
+        Raises:
+            AgentError: if an agent cannot be copied; it names the agent.
+        """
+        return copy.deepcopy({name: getattr(self, name) for name in self.saved_attributes})
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Continue from a saved state of these players, or of others with an equal config and number of arenas."""
+        vars(self).update(copy.deepcopy(saved))
+
+    def _place(self, arena: int, seat: int) -> str:
+        return f" for {self._seat_names[seat]} in arena {arena}"
+
+    def _place_of_row(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], row: int) -> str:
+        return self._place(int(arenas[row]), int(seats[row]))
 
 
 def action_arrays(

@@ -5,13 +5,17 @@ so that other load on the machine affects all alike. Times are CPU time of all t
 get one thread each. Tables go to the screen, and with options to a JSON file and a page.
 """
 
+from catch_arena import interrupts
+
+if __name__ == "__main__":
+    interrupts.listen()  # before the imports below
+
 import argparse
 import importlib.metadata
 import json
 import os
 import platform
 import shlex
-import signal
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -58,8 +62,6 @@ def parse() -> argparse.Namespace:
         parser.error(f"--rounds must be at least 1 and --seconds positive, got {args.rounds} and {args.seconds}")
     if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0" and not args.quick:
         parser.error("the benchmark needs compiled code: unset NUMBA_DISABLE_JIT")
-    if args.pufferlib and not (args.pufferlib / peers.HEADER).is_file():
-        parser.error(f"--pufferlib must be PufferLib's source package, and {args.pufferlib} has no {peers.HEADER}")
     if args.page and not (args.page.is_file() and BEGIN in (text := args.page.read_text()) and END in text):
         parser.error(f"--page must be a page that has the marks {BEGIN} and {END}, got {args.page}")
     try:
@@ -76,35 +78,29 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
 
     Raises:
         UnmeasurableError: nothing can be measured.
-        KeyboardInterrupt: on Ctrl-C or SIGTERM. Processes and temporary folders are removed in any case.
     """
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     every = ours.rows(quick=args.quick)
     compared = {ours.ONE_ARENA, ours.BATCH, ours.LARGE} if "peers" in args.only else set()
     own = {name: row for name, row in every.items() if row.group in args.only or name in compared}
     with ExitStack() as stack:
-        try:
-            work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bench-")))
-            sides: dict[str, tuple[Side, Mapping[str, Row]]] = {}
+        work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bench-")))
+        sides: dict[str, tuple[Side, Mapping[str, Row]]] = {}
 
-            def start(name: str, title: str, root: Path | None, rows: Mapping[str, Row]) -> None:
-                side = Side(title, root, work / name, quick=args.quick, pufferlib=args.pufferlib)
-                stack.callback(side.end)
-                sides[name] = side, rows
+        def start(name: str, title: str, root: Path | None, rows: Mapping[str, Row]) -> None:
+            side = Side(title, root, work / name, quick=args.quick, pufferlib=args.pufferlib)
+            stack.callback(side.end)
+            sides[name] = side, rows
 
-            versions = measured_version()
-            if args.against:
-                commit = commit_of(args.against)
-                stack.enter_context(checked_out(commit, work / "older"))
-                start("before", f"{args.against} ({commit[:12]})", work / "older", own)
-                versions = f"Before: the commit {commit[:12]}. Now: {versions}"
-            start("now", "the current version", ROOT, own)
-            if "peers" in args.only:
-                start("peers", "it", None, peers.rows(quick=args.quick, pufferlib=args.pufferlib))
-            skipped = play(list(sides.values()), args.rounds, args.seconds)
-        finally:
-            for number in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(number, signal.SIG_IGN)  # a second Ctrl-C would prevent the removal of the checkout
+        versions = f"Catch Arena, {current()}, on {datetime.now(timezone.utc).date()}"
+        if args.against:
+            commit = commit_of(args.against)
+            stack.enter_context(checked_out(commit, work / "older"))
+            start("before", f"{args.against} ({commit[:12]})", work / "older", own)
+            versions = f"Before: the commit {commit[:12]}. Now: {versions}"
+        start("now", "the current version", ROOT, own)
+        if "peers" in args.only:
+            start("peers", "it", None, peers.rows(quick=args.quick, pufferlib=args.pufferlib))
+        skipped = play(list(sides.values()), args.rounds, args.seconds)
     if not any(side.rows for side, _ in sides.values()):
         raise UnmeasurableError(next(iter(skipped.values())))
     return {
@@ -161,15 +157,6 @@ def machine() -> str:
     )
 
 
-def measured_version() -> str:
-    """Return the current version and the date."""
-    try:
-        version = f"commit {current()}"
-    except UnmeasurableError:
-        version = f"version {importlib.metadata.version('catch-arena')}"
-    return f"Catch Arena, {version}, on {datetime.now(timezone.utc).date()}"
-
-
 def main() -> None:
     """Measure the chosen rows, and write the results."""
     args = parse()
@@ -177,9 +164,6 @@ def main() -> None:
         figures = measure(args)
     except UnmeasurableError as error:
         sys.exit(f"bench: {error}")
-    except KeyboardInterrupt:
-        print("bench: interrupted", file=sys.stderr)
-        sys.exit(130)
     text = written(figures)
     if args.quick:
         text = f"Measured with `--quick`: all sizes are tiny, and the figures mean nothing.\n\n{text}"
@@ -192,4 +176,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    interrupts.run(main)

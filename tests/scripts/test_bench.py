@@ -42,7 +42,6 @@ def test_a_quick_run_measures_each_row_or_says_why_not(tmp_path):
     [
         (("--only", "everything"), "invalid choice: 'everything'"),
         (("--against", "HEAD", "--only", "peers"), "--against measures no peers"),
-        (("--pufferlib", "docs"), "docs has no pufferlib/ocean/target/target.h"),
         (
             ("--against", "HEAD", "--page", "docs/explanation/performance.md"),
             "--against measures no peers and writes no page",

@@ -89,7 +89,7 @@ def test_both_sides_of_tag_learn_and_play_in_a_tournament(tmp_path):
         ("partners", "--learn team --opponents together", {"team": "Mlp.save"}),
         ("pack", "--learn hunters,prey --network pointer", {"hunters": "PointerNetwork.save", "prey": "Mlp.save"}),
         ("tag", "--learn seat", {"seat": "Mlp.save"}),
-        ("tag", "--learn prey --opponents nearest", {"prey": "Mlp.save"}),
+        ("tag", "--learn prey --opponents nearest,random --prey-opponents corners", {"prey": "Mlp.save"}),
         ("herd", "--learn seat,prey --self-play 1 --hold 2", {"seat": "Mlp.save", "prey": "Mlp.save"}),
     ],
 )
@@ -194,8 +194,6 @@ def test_ctrl_c_is_one_line_and_keeps_the_last_evaluation(tmp_path):
         ("--learn runner", "got 'runner'"),
         ("--scenario moon", "train_sides: unknown scenario 'moon'"),
         ("--scenario unequal --learn seat", "train_sides: hunters must have equal limits"),
-        ("--opponents random", "train_sides: player random must have act_batch"),
-        ("--prey-opponents corners", "train_sides: player corners must have act_batch"),
         ("--opponents nobody", "nobody"),
         ("--opponents nearest,", "an agent must be a name, a file, a folder or a command"),
         ("--self-play 2", "--self-play must be from 0 to 1, got 2.0"),

@@ -12,7 +12,7 @@ from catch_arena.layout import prey_columns
 from catch_arena.policy import control_of
 from catch_arena.tournament.agent_spec import resolve_spec
 from catch_arena.tournament.loading import create_policy
-from catch_arena.training.mixed import LEARNER, BatchPlayer, MixedBatch, play_matches
+from catch_arena.training.mixed import LEARNER, MixedBatch, play_matches
 
 SHORT = {"max_cycles": 25, "reach_m": 1.0}
 TWO_SIDES = {"hunter": ["intercept", "nearest"], "prey": ["flee"]}
@@ -39,14 +39,14 @@ def drawn(batch, source, count):
     numbers = np.full((count, batch.seated.shape[1]), LEARNER)
     for side, players in batch.players.items():
         shape = numbers[:, batch.agents(side)].shape
-        numbers[:, batch.agents(side)] = source.integers(LEARNER, len(players), shape)
+        numbers[:, batch.agents(side)] = source.integers(LEARNER, len(players.pool), shape)
     return numbers
 
 
 @pytest.mark.parametrize(
     ("name", "players"),
     [
-        ("standard", {"hunter": ["nearest", "intercept", "contested"]}),
+        ("standard", {"hunter": ["nearest", "intercept", "first"]}),
         ("partners", {"hunter": ["together", "nearest"]}),
         ("tag", TWO_SIDES),
         ("herd", TWO_SIDES),
@@ -115,7 +115,7 @@ def test_a_side_is_seen_by_those_who_play_it():
 def test_a_player_that_is_added_later_can_be_seated():
     batch = MixedBatch(scenario("duel", control="velocity", **SHORT), 2, {"hunter": ["nearest"]})
     batch.reset(3)
-    batch.players["hunter"].append(BatchPlayer.of(Turning(0.5), "hunter"))
+    assert batch.players["hunter"].add(Turning(0.5)) == 1
     batch.seat(np.arange(2), np.array([[1, 1], [0, LEARNER]]))
     commands = np.zeros((2, 2, 2), np.float32)
     batch.step(commands)
@@ -141,8 +141,6 @@ class Turning:
     ("name", "players", "error", "message"),
     [
         ("unequal", {"hunter": ["nearest"]}, ConfigError, "hunters must have equal limits, and those of this scenario"),
-        ("duel", {"hunter": ["random"]}, ConfigError, "player random must have act_batch, .* it has only act"),
-        ("tag", {"hunter": ["nearest"], "prey": ["corners"]}, ConfigError, "player corners must have act_batch"),
         ("duel", {"hunter": ["nobody"]}, AgentError, "nobody"),
         ("tag", {"prey": ["nearest"]}, AgentError, "nearest"),
         ("duel", {"hunter": [object()]}, AgentError, "player object: must have the methods reset and act_batch"),

@@ -150,7 +150,7 @@ def test_learners_move_on_by_a_seat_and_opponents_are_drawn_anew_in_each_episode
     for _ in range(200):
         batch.step(hold(batch))
         seats.append(batch.seats)
-        met.update(batch.opponents._seated[batch.opponents._seated >= 0].tolist())
+        met.update(batch.opponents.seated[batch.opponents.seated >= 0].tolist())
 
     assert seats[0].tolist() == [[0, 1], [1, 2], [2, 3], [3, 0]]
     assert seats[1].tolist() == [[1, 2], [2, 3], [3, 0], [0, 1]]

@@ -6,7 +6,6 @@ one and add their library. docs/reference/compatibility.md gets the table of res
 
 import argparse
 import json
-import os
 import re
 import subprocess
 import sys
@@ -14,12 +13,12 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[2]
+from pythons import run
+
+ROOT = Path(__file__).resolve().parents[1]
 PROGRAMS = ROOT / "examples"
 PAGE = ROOT / "docs" / "reference" / "compatibility.md"
 ENVIRONMENTS = ROOT / "out" / "compat"
-LIMIT_S = 3600
-"""Time limit of an installation or a training on a busy machine [s]."""
 
 
 class Client(NamedTuple):
@@ -49,31 +48,18 @@ CLIENTS = {
 }
 
 
-def run(log: Path, *command: object, folder: str | None = None) -> None:
-    """Run a command, and add its output to a file.
-
-    Raises:
-        subprocess.SubprocessError: the command failed, or took longer than the time limit.
-    """
-    environment = {**os.environ, "PYTHONWARNINGS": "ignore", "RAY_DEDUP_LOGS": "0"}
-    with log.open("ab") as output:
-        words = [str(word) for word in command]
-        options = {"stdout": output, "stderr": output, "env": environment, "cwd": folder, "timeout": LIMIT_S}
-        subprocess.run(words, check=True, **options)
-
-
-def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None = None) -> Path:
-    """Make an environment that has the packages of `base` too, unless it exists; return its Python."""
+def set_up(environment: Path, packages: list[tuple[str, ...]], base: Path | None = None) -> Path | None:
+    """Make an environment that has the packages of `base` too, unless it exists; return its Python, or None."""
     python, ready, log = environment / "bin" / "python", environment / "ready", environment.with_suffix(".log")
     wanted = json.dumps(packages)
     log.write_bytes(b"")
     if not (ready.exists() and ready.read_text() == wanted):
-        run(log, sys.executable, "-m", "venv", "--clear", *(["--without-pip"] if base else []), environment)
+        run(log, ROOT, sys.executable, "-m", "venv", "--clear", *(["--without-pip"] if base else []), environment)
         if base:
             part = f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
             (environment / part / "base.pth").write_text(f"{base / part}\n{ROOT}\n")
-        for some in packages:
-            run(log, python, "-m", "pip", "install", "--quiet", *some)
+        if not all(run(log, ROOT, python, "-m", "pip", "install", "--quiet", *some) for some in packages):
+            return None
         ready.write_text(wanted)
     return python
 
@@ -89,16 +75,13 @@ def try_client(name: str, base: Path) -> tuple[str, str]:
     client, environment = CLIENTS[name], ENVIRONMENTS / re.sub(r"\W+", "_", name.lower())
     packages = [client.requirements] if client.requirements else []
     packages += [("--no-deps", *client.without_dependencies)] if client.without_dependencies else []
-    log, result, found = environment.with_suffix(".log"), "could not be installed", ""
-    try:
-        python = set_up(environment, packages, base)
-        result, found = "fails", versions(python, client.reported)
-        with tempfile.TemporaryDirectory() as folder:  # files that clients write are not kept
-            run(log, python, PROGRAMS / f"{client.program}.py", *client.arguments, folder=folder)
-        result = "trains"
-    except subprocess.SubprocessError as error:
-        print(f"{error}; the end of {log}:", *log.read_text(errors="replace").splitlines()[-12:], sep="\n  ")
-    return result, found
+    python = set_up(environment, packages, base)
+    if python is None:
+        return "could not be installed", ""
+    words = (python, PROGRAMS / f"{client.program}.py", *client.arguments)
+    with tempfile.TemporaryDirectory() as folder:  # files that clients write are not kept
+        trains = run(environment.with_suffix(".log"), Path(folder), *words, PYTHONWARNINGS="ignore", RAY_DEDUP_LOGS="0")
+    return "trains" if trains else "fails", versions(python, client.reported)
 
 
 def page_with(page: str, results: dict[str, tuple[str, str]], common: str) -> str:
@@ -117,7 +100,7 @@ def page_with(page: str, results: dict[str, tuple[str, str]], common: str) -> st
 
 def main() -> int:
     """Try the clients; return 0 if all of them train, else 1."""
-    parser = argparse.ArgumentParser(prog="python scripts/compat", description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__)
     help_text = f"clients to try, of {', '.join(CLIENTS)}; without names, all"
     parser.add_argument("clients", nargs="*", metavar="CLIENT", help=help_text)
     wanted = parser.parse_args().clients or list(CLIENTS)
@@ -126,10 +109,9 @@ def main() -> int:
     ENVIRONMENTS.mkdir(parents=True, exist_ok=True)
     base = ENVIRONMENTS / "base"
     print(f"base environment: {base}", flush=True)
-    try:
-        python = set_up(base, [("torch",), ("--editable", str(ROOT))])
-    except subprocess.SubprocessError as error:
-        sys.exit(f"{error}; see {base}.log")
+    python = set_up(base, [("torch",), ("--editable", str(ROOT))])
+    if python is None:
+        return 1
     results = {}
     for name in wanted:
         print(f"{name} ...", flush=True)
