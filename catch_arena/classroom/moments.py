@@ -8,7 +8,6 @@ import msgspec
 
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.highlights import extract_events
 from catch_arena.explanation.sentences import capture_sentence, contest_sentence, refusals_sentence
 from catch_arena.player import packed_text
 from catch_arena.player.bundle import encode_bundle
@@ -140,6 +139,6 @@ def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:
     if lost:
         contest = lost[max(lost)]
         return contest.judged_ms, contest_sentence(contest, match.names, match.prey_by_target.get(contest.target))
-    caught = [catch.judged_ms for catch in extract_events(replay).catches if catch.seat == seat]
+    caught = [catch.judged_ms for catch in match.catches if catch.seat == seat]
     start, end = max(pairwise([0, *caught, replay.duration_ms]), key=lambda gap: gap[1] - gap[0])
     return start, f"From {seconds(start)} to {seconds(end)} it catches nothing, its longest wait in this match."

@@ -95,6 +95,18 @@ class HunterSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class Catch:
+    """One catch, and the scores after its step. A contender is a team, or a hunter if there are no teams."""
+
+    judged_ms: int
+    """Time at which the catch was judged [ms since reset]: the beginning of the step (R1.4)."""
+    seat: int
+    contender: int
+    scores: tuple[int, ...]
+    """Scores after the step, by contender."""
+
+
+@dataclass(frozen=True, slots=True)
 class TeamSummary:
     """Result of one team (R11.1)."""
 

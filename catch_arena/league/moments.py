@@ -6,7 +6,6 @@ from typing import Final, NamedTuple
 
 from catch_arena.classroom.moments import Moment, moment_of
 from catch_arena.explanation import explain
-from catch_arena.explanation.highlights import extract_events
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.replay import Replay
 from catch_arena.tournament.match import PlayedMatch
@@ -68,7 +67,7 @@ def best_moment(replay: Replay, seat: int) -> Moment:
     """Return the contest of a match that a hunter won by least, or its last catch, or the match's start."""
     match = explain(replay, seat)
     won = [contest for contest in match.contests if contest.claims[0].seat == seat and not contest.claims[1].mate]
-    caught = [catch for catch in extract_events(replay).catches if catch.seat == seat]
+    caught = [catch for catch in match.catches if catch.seat == seat]
     if won:
         closest = min(won, key=lambda contest: contest.margin_um or 0)
         text = contest_sentence(closest, match.names, match.prey_by_target.get(closest.target))

@@ -5,18 +5,18 @@ from itertools import zip_longest
 from typing import NamedTuple
 
 from catch_arena.errors import ReplayError
-from catch_arena.explanation.highlights import MatchEvents, extract_events
+from catch_arena.explanation import Explanation, explain
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.tournament.match import PlayedMatch
 
 
 class SelectedMatch(NamedTuple):
-    """Match that the page plays: its replay bundle, the reason for the choice, and its events."""
+    """Match that the page plays: its replay bundle, the reason for the choice, and its explanation."""
 
     bundle: str
     why: str
-    events: MatchEvents
+    explanation: Explanation
 
     @classmethod
     def of(cls, data: ReportData, match: str, why: str) -> "SelectedMatch":
@@ -26,7 +26,7 @@ class SelectedMatch(NamedTuple):
             ReplayError: if it was not recorded, or its file is no replay or a damaged one.
         """
         replay = data.replay(match)
-        return cls(bundle_text(replay), why, extract_events(replay))
+        return cls(bundle_text(replay), why, explain(replay))
 
 
 def select_matches(data: ReportData, budget: int, requested: Sequence[str] = ()) -> dict[str, SelectedMatch]:

@@ -11,7 +11,7 @@ from typing import Any, Final
 from urllib.parse import unquote
 
 from catch_arena.errors import CatchArenaError, OutputError, ReplayError
-from catch_arena.explanation.highlights import MatchEvents, extract_events
+from catch_arena.explanation import Explanation, explain
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.report.page import content_policy, page
@@ -38,7 +38,7 @@ class LiveReport:
         self._lock = threading.Lock()
         self._page = ""
         self._data: ReportData | None = None
-        self._events: dict[str, MatchEvents] = {}
+        self._explanations: dict[str, Explanation] = {}
         self._shown = ""
         self._next = 0.0
 
@@ -79,14 +79,14 @@ class LiveReport:
         else:
             self._data = ReportData.of(self._folder)
             self._look_at(self._data)
-            self._page = page(self._data, {}, self._events, watched=True)
+            self._page = page(self._data, {}, self._explanations, watched=True)
         self._shown = state
 
     def _look_at(self, data: ReportData) -> None:
-        """Extract the events of the newest recorded matches, a few for each refresh."""
-        for match in sorted(data.recorded - self._events.keys(), reverse=True)[:_LOOKED_AT]:
+        """Explain the newest recorded matches, a few for each refresh."""
+        for match in sorted(data.recorded - self._explanations.keys(), reverse=True)[:_LOOKED_AT]:
             with suppress(ReplayError):  # it was moved away, or has another ruleset
-                self._events[match] = extract_events(data.replay(match))
+                self._explanations[match] = explain(data.replay(match))
 
 
 _WAITING: Final = (

@@ -12,7 +12,7 @@ from catch_arena.tournament.store import Tournament
 
 def test_contests_among_team_mates_make_no_match_interesting(monkeypatch):
     monkeypatch.setattr(selection, "bundle_text", str)
-    monkeypatch.setattr(selection, "extract_events", str)
+    monkeypatch.setattr(selection, "explain", str)
     monkeypatch.setattr(ReportData, "replay", lambda _, match: match)
 
     def played(name: str, lost: tuple[int, int], to_mates: tuple[int, int]) -> PlayedMatch:
