@@ -15,7 +15,7 @@ from catch_arena.render import cards, hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.blurred_view import Belief, BlurredView
 from catch_arena.render.captions import Captions, Commentary, caption_shapes
-from catch_arena.render.event_feed import EventFeed, feed_shapes
+from catch_arena.render.event_feed import FeedItem, feed_shapes, with_items
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
@@ -101,7 +101,7 @@ class MatchRenderer:
         self._commentary = Commentary(self.info)
         self._timeline = timeline.Timeline(self.info.duration_ms)
         self._standings_animation = StandingsAnimation()
-        self._feed = EventFeed()
+        self._feed: tuple[FeedItem, ...] = ()
         self._standings: tuple[hud.AgentScore, ...] = ()
         self._scores: tuple[int, ...] = ()
         self._prey_colors: dict[int, Color] = {}
@@ -138,7 +138,7 @@ class MatchRenderer:
         self._motion = motion
         annotations = annotations_of(motion.before, motion.after, by_lot=self.info.by_lot)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
-        self._feed.record(annotations)
+        self._feed = with_items(self._feed, annotations)
         after = motion.after
         self._scores = after.team_scores
         self._commentary.record(began_ms, annotations, self._scores)
@@ -254,7 +254,7 @@ class MatchRenderer:
         self._update(
             plan.standings, (lines, view_of), lambda: standings_shapes(plan.standings, info, lines, unit, view_of)
         )
-        self._update(plan.feed, self._feed.items, lambda: feed_shapes(plan.feed, info, self._feed.items, unit))
+        self._update(plan.feed, self._feed, lambda: feed_shapes(plan.feed, info, self._feed, unit))
         area, history = plan.timeline, self._timeline
         card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
         redrawn = self._update(area, history.catches, lambda: timeline.timeline_shapes(area, info, history, unit))
