@@ -44,12 +44,12 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     return shapes
 
 
-def trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D, seat_color: Color | None = None) -> Stroke:
-    """Return a piece of a hunter's way in its colour, or of a target's way."""
+def trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D, agent_color: Color | None) -> Stroke:
+    """Return a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
     points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
-    if seat_color is None:
+    if agent_color is None:
         return Stroke(*points, viewport.target_trail_width, TARGET_TRAIL)
-    return Stroke(*points, viewport.trail_width, seat_color)
+    return Stroke(*points, viewport.trail_width, agent_color)
 
 
 def arena_shapes(
