@@ -9,8 +9,7 @@ from math import inf
 from catch_arena.conformance.adjudicator_calls import DiffersError, RaisedError, time_limit
 from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner
 from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
-from catch_arena.conformance.case_files import load_cases
-from catch_arena.conformance.cases import ArbiterCase, ArenaCase
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase, load_cases
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
