@@ -36,7 +36,7 @@ from catch_arena.tournament.players import Fault
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.store import STORE, Store, Tournament, only_one_plays_in, terms_of
+from catch_arena.tournament.store import Store, Tournament, only_one_plays_in, terms_of
 
 STATE: Final = ".league"
 """Folder of the store, the replays, the logs and the copies of versions, in the league's folder."""
@@ -191,13 +191,11 @@ def _opened(folder: Path, rules: Rules, secret: Secret | None) -> Iterator[tuple
     with suppress(OSError):  # a file system without permissions
         state.chmod(0o700)  # copies of private files, and logs
     with only_one_plays_in(folder):
-        entrants: tuple[Entrant, ...] = ()
-        if (state / STORE).exists() and (state / STORE).stat().st_size:  # it is empty if its first run was killed
-            with Store.read(state) as store:
-                entrants, secret = store.tournament.entrants, secret or store.tournament.secret
-        secret = secret or Secret.of(None)
+        before = Store.tournament_in(state)
+        secret = secret or (before.secret if before else Secret.of(None))
         terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
-        about = Tournament(rules.config, entrants, {"format": "league"}, terms, secret.text)
+        entrants = before.entrants if before else ()
+        about = Tournament(rules.config, entrants, {"format": "league"}, secret.text, terms)
         with Store.begin(about, state, resume=True) as store:
             yield store, secret
 
@@ -341,7 +339,7 @@ def _play(
                 for block, players in enumerate(groups, number)
             )
             number += len(groups)
-            play_waiting(store, executor, streaks, league.state, played.extend)
+            play_waiting(store, executor, streaks, played.extend)
 
 
 def _present_path(spec: str, folder: Path) -> str:

@@ -27,7 +27,7 @@ class Match:
     seating: tuple[int, ...]
     """Index of the player among the entrants, by party (parties.py)."""
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
-    """Seed of the player, by party; if empty, these seeds follow from the match's own."""
+    """Seed of the player, by party."""
 
     def title(self, block_size: int) -> str:
         """Return the text that names the match for people, such as "round 1, match 5".
