@@ -1,13 +1,13 @@
 """Highlights: moments of recorded matches that are worth seeing, each with its reason and a score.
 
-They follow from the facts of `explain`. docs/howto/videos.md has the rules and scores in words.
+They follow from the facts of `explain`. `SCORES` has the rule of each kind, and docs/howto/videos.md has it in words.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Final, Literal, NamedTuple, get_args
+from typing import Final, Literal, NamedTuple
 
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import metres, seconds, short_length
@@ -16,7 +16,16 @@ from catch_arena.verdicts import Verdict
 
 Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
 
-KINDS: Final = get_args(Kind)
+SCORES: Final[Mapping[Kind, Callable[..., float]]] = {
+    "contest": lambda margin_um, reach_um: 1.0 - math.log1p(margin_um) / math.log1p(reach_um),
+    "capture": lambda in_play_ms, duration_ms: in_play_ms / duration_ms,
+    "lead": lambda at_ms, duration_ms: (at_ms / duration_ms) ** 2,
+    "streak": lambda catches: 1.0 - 2.0 / catches,
+    "finish": lambda difference, most: (1.0 - difference / most) ** 2,
+    "upset": lambda favourites_share, winners_share: favourites_share - winners_share,
+}
+"""Function of each kind that returns a highlight's score in [0, 1] from the numbers of that kind."""
+KINDS: Final = tuple(SCORES)
 
 CLOSE_CATCHES: Final = 2
 """Largest difference between the first and the second score of a close match."""
@@ -138,8 +147,8 @@ def _contests(match: Explanation) -> Iterable[Highlight]:
             reason = (
                 f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
             )
-        score = 1.0 - math.log1p(margin_um) / math.log1p(max(match.reaches_um))
-        yield _highlight("contest", score, contest.judged_ms, event, reason)
+        numbers = (margin_um, max(match.reaches_um))
+        yield _highlight("contest", numbers, contest.judged_ms, event, reason)
 
 
 def _captures(match: Explanation) -> Iterable[Highlight]:
@@ -147,7 +156,7 @@ def _captures(match: Explanation) -> Iterable[Highlight]:
         event = f"{match.names[capture.seat]} catches {match.prey_names[capture.prey]}"
         place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
         reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
-        yield _highlight("capture", capture.in_play_ms / match.duration_ms, capture.judged_ms, event, reason)
+        yield _highlight("capture", (capture.in_play_ms, match.duration_ms), capture.judged_ms, event, reason)
 
 
 def _leads(match: Explanation) -> Iterable[Highlight]:
@@ -165,7 +174,7 @@ def _leads(match: Explanation) -> Iterable[Highlight]:
         if leader is not None:
             event = f"{names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
             reason = f"{names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
-            yield _highlight("lead", (at_ms / match.duration_ms) ** 2, at_ms, event, reason)
+            yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
         leader, since_ms = new, at_ms
 
 
@@ -179,7 +188,7 @@ def _streaks(match: Explanation) -> Iterable[Highlight]:
         event = f"{match.names[seat]} catches {len(times)} in a row"
         reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
         start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
-        yield _highlight("streak", 1.0 - 2.0 / len(times), times[-1], event, reason, start_ms=start_ms)
+        yield _highlight("streak", (len(times),), times[-1], event, reason, start_ms=start_ms)
 
 
 def _finish(match: Explanation) -> Iterable[Highlight]:
@@ -196,7 +205,7 @@ def _finish(match: Explanation) -> Iterable[Highlight]:
     start_ms, end_ms = max(0, match.duration_ms - LAST_MS), match.duration_ms + AFTER_MS
     late = [catch.judged_ms for catch in match.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
     decisive_ms = late[-1] if late else max(start_ms, match.duration_ms - 1000)
-    yield _highlight("finish", (1.0 - difference / best) ** 2, decisive_ms, event, reason, start_ms, end_ms)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms, end_ms)
 
 
 def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
@@ -219,22 +228,22 @@ def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight
         f"It won {100 * shares[winner]:.0f} % of its other matches, and {names[favourite]} "
         f"{100 * shares[favourite]:.0f} %; from here on it leads (R6.1)"
     )
-    yield _highlight("upset", shares[favourite] - shares[winner], at_ms, event, reason)
+    yield _highlight("upset", (shares[favourite], shares[winner]), at_ms, event, reason)
 
 
 def _highlight(
     kind: Kind,
-    score: float,
+    numbers: Sequence[float],
     decisive_ms: int,
     event: str,
     reason: str,
     start_ms: int | None = None,
     end_ms: int | None = None,
 ) -> Highlight:
-    """Return a highlight, which by default spans a few seconds around the decisive instant."""
+    """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
     start_ms = max(0, decisive_ms - BEFORE_MS) if start_ms is None else start_ms
     end_ms = decisive_ms + AFTER_MS if end_ms is None else end_ms
-    return Highlight(kind, start_ms, decisive_ms, end_ms, score, event, reason)
+    return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
 
 
 def _best_other(scores: Sequence[int], contender: int) -> int:
