@@ -65,7 +65,7 @@ class MatchWindow:
     ) -> None:
         self._info, self._seed = info, seed
         self._inputs, self._seat, self._save = inputs, seat, save
-        self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
+        self._screen = Screen(f"Catch Arena: {info.title}", size)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()

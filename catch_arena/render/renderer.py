@@ -118,11 +118,7 @@ class MatchRenderer:
         """
         if self._blurred is not None:
             recent = range(step - _OBSERVED_AHEAD, step)
-            self._observations = {
-                recent_step: self._observations[recent_step]
-                for recent_step in recent
-                if recent_step in self._observations
-            }
+            self._observations = {old: seen for old, seen in self._observations.items() if old in recent}
             self._observations[step] = observations.copy()
 
     def enter(self, motion: StepMotion) -> None:
@@ -344,14 +340,9 @@ class ArenaPainter:
         )
 
 
-def png(pixels: Pixels) -> bytes:
-    """Return a (height, width, 3 or 4) picture, red first, as a PNG file; the fourth byte is unused."""
-    order = cv2.COLOR_RGB2BGR if pixels.shape[2] == 3 else cv2.COLOR_RGBA2BGR
-    return bytes(cv2.imencode(".png", cv2.cvtColor(pixels, order))[1])
-
-
 def png_html(config: ArenaConfig, world: World) -> str:
     """Return an HTML image of a world with its standings, which includes the picture's data."""
-    content = png(ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world))
+    pixels = ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world)
+    content = cv2.imencode(".png", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR))[1].tobytes()
     caption = f"step {world.step}, {world.time_ms / 1000:.1f} s"
     return f'<img alt="Catch Arena, {caption}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'
