@@ -167,7 +167,6 @@ class Pool:
 
     def __init__(self, opponents: Opponents, self_play: float) -> None:
         self.opponents, self.self_play, self.scripted = opponents, self_play, len(opponents.names)
-        self.selves: list[PointerNetwork] = []
         self.beaten = np.full(self.scripted, 0.5)  # share of wins of the learner against each: a moving average
         self.alive = np.ones(self.scripted, np.bool_)
 
@@ -181,7 +180,6 @@ class Pool:
 
     def grow(self, network: PointerNetwork) -> None:
         """Add the present self, and retire the weakest if there are too many."""
-        self.selves.append(network)
         self.opponents.add(PointerAgent(network))
         self.beaten, self.alive = np.append(self.beaten, 0.5), np.append(self.alive, True)
         present = np.flatnonzero(self.alive[self.scripted :]) + self.scripted
@@ -191,9 +189,9 @@ class Pool:
     def weigh(self) -> None:
         """Give more weight to an opponent that wins more."""
         hard = np.where(self.alive, (1 - self.beaten) ** 2 + 0.05, 0)
-        share = self.self_play if self.selves else 0.0
+        share = self.self_play if len(hard) > self.scripted else 0.0
         hard[: self.scripted] *= (1 - share) / hard[: self.scripted].sum()
-        if self.selves:
+        if share:
             hard[self.scripted :] *= share / hard[self.scripted :].sum()
         self.opponents.weigh(hard)
 
@@ -312,7 +310,7 @@ def improve(network: Any, optimiser: Any, played: list[Tensor], bonus: float = E
     return {"gain": gain.item(), "value_error": error.item(), "entropy": entropy.mean().item()}
 
 
-AGENT = '''"""Agent that examples/train_ppo.py has trained; its weights are in the .npz file next to it."""
+AGENT = '''"""Agent that PPO has trained; its weights are in the .npz file next to this one."""
 
 from pathlib import Path
 
@@ -320,6 +318,8 @@ from catch_arena.training.pointer import PointerAgent
 
 
 class Agent(PointerAgent):
+    """Agent that drives or chases as its network decides."""
+
     def __init__(self) -> None:
         super().__init__(Path(__file__).with_suffix(".npz"))
 '''
@@ -345,15 +345,13 @@ class Learner:
         advantages = advantages_of(rewards, ended, parts[-1], following, GAMMA**settings.hold)
         *decided, values, advantages = (part.flatten(0, 1) for part in (*parts, advantages))
         figures = improve(self.network, self.optimiser, [*decided, advantages, advantages + values])
-        before, made = self.decisions, HORIZON * self.arenas.batch.num_rows
-        self.decisions += made
+        before = self.decisions
+        self.decisions += HORIZON * self.arenas.batch.num_rows
         if settings.self_play and self.decisions // SNAPSHOT > before // SNAPSHOT:
             self.pool.grow(self.network.actor())
         self.pool.weigh()
-        spent = time.perf_counter() - begun
-        self.seconds = round(self.seconds + spent, 3)
+        self.seconds = round(self.seconds + time.perf_counter() - begun, 3)
         figures["wins"] = float(self.pool.beaten[: self.pool.scripted].mean())
-        figures["agent_steps_per_s"] = made * settings.hold * self.arenas.batch.config.hunters / spent
         self.progress.append({"decisions": self.decisions, "seconds": self.seconds, **figures})
         shown = [f"{name} {value:,.2f}" for name, value in figures.items()]
         print(f"{self.decisions:,} decisions, {self.seconds:.0f} s: {', '.join(shown)}", flush=True)
@@ -383,12 +381,13 @@ class Learner:
                     table = csv.DictWriter(file, list(rows[0]))
                     table.writeheader()
                     table.writerows(rows)
+        selves = [player.policy.network for player in self.pool.opponents.pool[self.pool.scripted :]]
         state = {name: getattr(self, name) for name in SAVED} | {
             "version": STATE_VERSION,
             "settings": vars(self.settings) | {"out": str(self.out)},
             "network": self.network.state_dict(),
             "optimiser": self.optimiser.state_dict(),
-            "selves": [{name: torch.tensor(w) for name, w in one.weights.items()} for one in self.pool.selves],
+            "selves": [{name: torch.tensor(w) for name, w in one.weights.items()} for one in selves],
             "beaten": self.pool.beaten.tolist(),
             "alive": self.pool.alive.tolist(),
             "random": torch.get_rng_state(),

@@ -37,7 +37,7 @@ try:
 except ModuleNotFoundError:
     sys.exit(f"train_sides: torch is not installed: {install_hint('train')}")
 
-from train_ppo import Network, advantages_of, improve, tensors
+import train_ppo as ppo
 
 from catch_arena.config import ArenaConfig, RewardWeights
 from catch_arena.files import prepare_folder, whole_file
@@ -50,9 +50,6 @@ from catch_arena.training.mixed import LEARNER, MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
 from catch_arena.training.pointer import PointerAgent, drive
 
-HORIZON = 64  # decisions of each agent in a rollout
-RATE = 5e-4  # learning rate at the beginning; it falls linearly to a twentieth
-GAMMA = 0.985  # discount of a step
 SNAPSHOT = 500_000  # decisions between two past selves
 MOST_SELVES = 12  # past selves of a side
 SIDES = ("seat", "team", "hunters", "prey")
@@ -125,7 +122,7 @@ class Flat(nn.Module):
     """Actor, which chooses one of COMMANDS, and critic: perceptrons over an observation with standardised columns."""
 
     head = "commands"
-    judge = Network.judge
+    judge = ppo.Network.judge
 
     def __init__(self, inputs: int, hidden: int) -> None:
         super().__init__()
@@ -144,7 +141,7 @@ class Flat(nn.Module):
         x = (seen - self.middle) / self.scale
         log_p = torch.log_softmax(self.actor(x), -1)
         if not log_p.isfinite().all():
-            raise ConfigError("the network's output is not finite; lower RATE in train_sides.py")
+            raise ConfigError("the network's output is not finite; lower RATE in train_ppo.py")
         return log_p, torch.zeros(len(seen), 2), self.critic(x)[:, 0]
 
     def mlp(self) -> Mlp:
@@ -170,8 +167,8 @@ class Learner:
         size = prey_observation_size if self.side == "prey" else observation_size
         self.network: Any = Flat(size(batch.config), settings.hidden)
         if self.pointer:
-            self.network = Network(Namespace(head="destination", hidden=settings.hidden, prior=settings.prior))
-        self.optimiser = torch.optim.Adam(self.network.parameters(), RATE, eps=1e-5)
+            self.network = ppo.Network(Namespace(head="destination", hidden=settings.hidden, prior=settings.prior))
+        self.optimiser = torch.optim.Adam(self.network.parameters(), ppo.RATE, eps=1e-5)
         self.decisions = 0
         self.kept: list[tuple[Tensor, ...]] = []  # of the agents that decide, by step
         self.tables: list[tuple[Tensor, ...]] = []  # of all agents of the side, by step
@@ -182,7 +179,7 @@ class Learner:
         view = self.batch.view(self.side, self.rows)
         if self.pointer:
             seen = destinations(view)
-            return (view, seen), tensors(seen)
+            return (view, seen), ppo.tensors(seen)
         return None, (torch.from_numpy(view.observations),)
 
     def decide(self) -> None:
@@ -228,14 +225,14 @@ class Learner:
             following = self.spread(self.network(*self.look()[1])[2])
         values, decided, rewards, ended = map(torch.stack, zip(*self.tables, strict=True))  # (HORIZON, B, n)
         chosen = decided > 0
-        advantages = advantages_of(rewards, ended, values, following, GAMMA**self.settings.hold)[chosen]
+        advantages = ppo.advantages_of(rewards, ended, values, following, ppo.GAMMA**self.settings.hold)[chosen]
         values = values[chosen]
         played = [*map(torch.cat, zip(*self.kept, strict=True)), advantages, advantages + values]
-        self.optimiser.param_groups[0]["lr"] = RATE * max(0.05, 1 - self.decisions / self.settings.decisions)
+        self.optimiser.param_groups[0]["lr"] = ppo.RATE * max(0.05, 1 - self.decisions / self.settings.decisions)
         self.decisions += len(values)
         self.kept.clear()
         self.tables.clear()
-        return improve(self.network, self.optimiser, played, self.settings.entropy)
+        return ppo.improve(self.network, self.optimiser, played, self.settings.entropy)
 
     def frozen(self) -> Any:
         """Return an agent that plays as the present network does, without exploring."""
@@ -245,24 +242,26 @@ class Learner:
 
     def export(self, folder: Path, name: str) -> None:
         """Write an agent for any tournament, with its weights next to it."""
-        (self.network.actor() if self.pointer else self.network.mlp()).save(prepare_folder(folder) / f"{name}.npz")
-        module, base, more = "flat", "FlatAgent", f', "{self.settings.scenario}"'
         if self.pointer:
-            module, base, more = "pointer", "PointerAgent", ""
+            ppo.export(self.network.actor(), folder, name)
+            return
+        self.network.mlp().save(prepare_folder(folder) / f"{name}.npz")
         kind, hunts = ("Prey", HUNTS) if self.side == "prey" else ("Agent", "")
-        (folder / f"{name}.py").write_text(AGENT.format(hunts=hunts, module=module, kind=kind, base=base, more=more))
+        (folder / f"{name}.py").write_text(AGENT.format(hunts=hunts, kind=kind, scenario=self.settings.scenario))
 
 
-AGENT = '''"""Agent that examples/train_sides.py has trained; its weights are in the .npz file next to it."""
+AGENT = '''"""Agent that PPO has trained; its weights are in the .npz file next to this one."""
 
 from pathlib import Path
 
-{hunts}from catch_arena.training.{module} import {base}
+{hunts}from catch_arena.training.flat import FlatAgent
 
 
-class {kind}({base}):
+class {kind}(FlatAgent):
+    """Agent that takes one of a few commands."""
+
     def __init__(self) -> None:
-        super().__init__(Path(__file__).with_suffix(".npz"){more})
+        super().__init__(Path(__file__).with_suffix(".npz"), "{scenario}")
 '''
 HUNTS = "from catch_arena.agents.nearest import Agent as Agent  # each entrant of a tournament hunts too\n"
 
@@ -338,7 +337,7 @@ class Run:
     def update(self) -> None:
         """Play, learn, let the pools grow if it is time, and report."""
         begun, made, shown = time.perf_counter(), 0, []
-        for _ in range(HORIZON):
+        for _ in range(ppo.HORIZON):
             self.play()
         for one in self.learners:
             before = one.decisions

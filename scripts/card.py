@@ -41,8 +41,6 @@ from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
 PAGE: Final = Path(__file__).parent.parent / "docs" / "reference" / "card.md"
-TRAINED: Final = ("ppo_", "trained_", "learned_")
-"""Prefixes of the names of trained agents."""
 WEAK: Final = 0.45
 """Normalised score below which a scenario is listed as a weakness."""
 
@@ -205,11 +203,11 @@ def of_scenarios(measured: Sequence[AgentMeasures], *, held_out: bool) -> Iterat
 def section(one: AgentMeasures) -> Iterator[str]:
     """Yield the lines of an agent's section: its description, results and weaknesses."""
     module = importlib.import_module(one.agent.spec.partition(":")[0])
-    trained = one.agent.name.startswith(TRAINED)
+    made = "Trained" if one.agent.name.startswith("ppo_") else "Scripted"
     yield f"### {one.agent.name}\n"
     for part in (module.__doc__ or "").strip().split("\n\n"):
         yield f"{' '.join(part.split())}\n"
-    yield f"- Control: {one.agent.control}. {'Trained' if trained else 'Scripted'}. Source: digest {one.agent.digest}."
+    yield f"- Control: {one.agent.control}. {made}. Source: digest {one.agent.digest}."
     yield f"- Held out {figure(one.held_out)}, training {figure(one.training)}; {one.move_ms:.2f} ms per move."
     yield f"- Matches: {sum(of.matches for of in one.scenarios)}, of which it forfeited {one.forfeits}."
     yield f"- Not good at: {weaknesses(one)}."

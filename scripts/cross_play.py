@@ -155,8 +155,6 @@ def table(
 def of_chase(where: str, matches: int) -> Iterator[str]:
     """Yield the lines about a scenario in which hunters and prey have learned."""
     hunters, prey, script = last(rungs(where, "hunters")), last(rungs(where, "prey")), CHASES[where]
-    if not hunters:
-        return
     names = [*(one.name for one in hunters), script], [*(one.name for one in prey), "flee"]
     labels = [*(one.label for one in hunters), f"`{script}`"], [*(one.label for one in prey), "`flee`"]
     values = chase(scenario(where), *names, matches)
@@ -170,8 +168,6 @@ def of_wins(where: str, matches: int) -> Iterator[str]:
     """Yield the lines about a scenario in which hunters alone have learned."""
     config, (side, scripts) = scenario(where), WINS[where]
     found = last(rungs(where, side))
-    if not found:
-        return
     labels, players = [one.label for one in found], [*(one.name for one in found), *scripts]
     parties = Parties.of(config).seats
     size, learned, every = len(parties[0]), range(len(found)), range(len(players))
@@ -190,12 +186,8 @@ def of_wins(where: str, matches: int) -> Iterator[str]:
 def of_ages(where: str, matches: int) -> Iterator[str]:
     """Yield the lines about agents of one training run at different ages."""
     found = rungs(where, WINS[where][0])
-    if not found:
-        return
     seeds = [one.seed for one in found]
     ages = [one for one in found if one.seed == max(seeds, key=seeds.count)]
-    if len(ages) < scenario(where).hunters:
-        return
     played = climb(scenario(where), [one.name for one in ages], matches)
     shown = [figures(one[None], "%")[0] for one in played]
     yield f"### The ladder of seed {ages[0].seed} in `{where}`\n"

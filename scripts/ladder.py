@@ -20,20 +20,7 @@ from catch_arena.training.pointer import PointerNetwork
 
 FOLDER: Final = Path(__file__).parent.parent / "agents" / "ladder"
 HUNTER: Final = "catch_arena.agents.nearest"
-"""Module of the agent that hunts for prey that learned alone."""
-AGENT: Final = '''"""Frozen {side} of `{scenario}` after {decisions:,} decisions; training seed {seed}."""
-
-from pathlib import Path
-
-{imports}
-
-
-class {kind}({base}):
-    """Agent with weights in the .npz file next to this one, made by examples/train_sides.py."""
-
-    def __init__(self) -> None:
-        super().__init__(Path(__file__).with_suffix(".npz"){more})
-'''
+"""Module of the agent that hunts in the files that train_sides.py writes for prey."""
 
 
 def main() -> int:
@@ -52,7 +39,7 @@ def main() -> int:
         for run in args.runs:
             for name in copy_run(run, args.decisions, prepare_folder(args.out)):
                 print(f"ladder.{name}")
-    except CatchArenaError as error:
+    except (CatchArenaError, OSError) as error:
         print(f"ladder: {error}", file=sys.stderr)
         return 2
     kilobytes = sum(path.stat().st_size for path in args.out.glob("*.npz")) / 1000
@@ -88,16 +75,13 @@ def copy_run(run: Path, wanted: list[int] | None, out: Path) -> list[str]:
             path.unlink()
         for place in kept:
             name = names[side, place] = f"{scenario}_{side}_{seed}_{round(own[place] / 1000)}k"
-            pointer = settings["network"] == "pointer" and side != "prey"
-            copy_weights(run / "snapshots" / f"{side}_{own[place]}.npz", out / f"{name}.npz", pointer=pointer)
-            facts: dict[str, Any] = {"side": side, "scenario": scenario, "decisions": own[place], "seed": seed}
-            facts |= {"kind": "Prey" if side == "prey" else "Agent", "more": "" if pointer else f', "{scenario}"'}
-            facts["base"] = "PointerAgent" if pointer else "FlatAgent"
-            imports = [f"from catch_arena.training.{'pointer' if pointer else 'flat'} import {facts['base']}"]
-            if side == "prey":
-                hunts = f"catch_arena.agents.ladder.{names[sides[0], place]}" if len(sides) > 1 else HUNTER
-                imports = [f"from {hunts} import Agent", *imports, '\n__all__ = ["Agent", "Prey"]']
-            (out / f"{name}.py").write_text(AGENT.format(imports="\n".join(imports), **facts))
+            snapshot = run / "snapshots" / f"{side}_{own[place]}.npz"
+            copy_weights(snapshot, out / f"{name}.npz", pointer=settings["network"] == "pointer" and side != "prey")
+            code = snapshot.with_suffix(".py").read_text().partition("\n")[2]
+            if side != sides[0]:
+                code = code.replace(HUNTER, f"catch_arena.agents.ladder.{names[sides[0], place]}")
+            words = f"Frozen {side} of `{scenario}` after {own[place]:,} decisions; training seed {seed}."
+            (out / f"{name}.py").write_text(f'"""{words}"""\n{code}')
     return list(names.values())
 
 

@@ -25,6 +25,18 @@ from catch_arena.training.pointer import PointerNetwork, weight_shapes
 ROOT = Path(__file__).parents[2]
 LADDER = runpy.run_path(str(ROOT / "scripts" / "ladder.py"))
 copy_run = LADDER["copy_run"]
+AGENT = """'A snapshot.'
+
+from pathlib import Path
+
+from catch_arena.agents.nearest import Agent as Agent
+from catch_arena.training.{module} import {base}
+
+
+class {kind}({base}):
+    def __init__(self):
+        super().__init__(Path(__file__).with_suffix(".npz"){more})
+"""
 MOST_KB = 1300
 """Size that all weights of the ladder may have together."""
 
@@ -38,12 +50,15 @@ def a_run(folder, learn=("hunters", "prey"), network="flat", ages=(0, 1000, 40_3
     for side in learn:
         for age in ages:
             file = folder / "snapshots" / f"{side}_{age // (2 if side == 'prey' else 1)}.npz"
+            facts = {"module": "flat", "base": "FlatAgent", "more": ", 'tag'"}
             if network == "pointer" and side != "prey":
+                facts = {"module": "pointer", "base": "PointerAgent", "more": ""}
                 shapes = weight_shapes("destination", 4)
                 PointerNetwork("destination", {key: rng.normal(size=of) for key, of in shapes.items()}).save(file)
             else:
                 width = len(columns_of(side))
                 Mlp([(rng.normal(size=(len(COMMANDS), width)), np.zeros(len(COMMANDS)))]).save(file)
+            file.with_suffix(".py").write_text(AGENT.format(kind="Prey" if side == "prey" else "Agent", **facts))
     return folder
 
 

@@ -70,6 +70,10 @@ def test_both_sides_of_tag_learn_and_play_in_a_tournament(tmp_path):
         check(out / f"{side}.py", "tag")
         first, last = (weights_of(out / "snapshots" / f"{side}_{number}.npz") for number in (0, decisions[-1]))
         assert (first["w_0"] != last["w_0"]).any()
+    training_runs.run("scripts/ladder.py", out, "--out", tmp_path / "ladder")
+    hunters, prey = sorted((tmp_path / "ladder").glob("*.py"))
+    assert f"from catch_arena.agents.ladder.{hunters.stem} import Agent" in prey.read_text()
+    check(hunters, "tag")
     agents = [out / "hunters.py", out / "prey.py", out / "snapshots" / "prey_0.py", "intercept", "nearest"]
     played = catch_arena(
         "tournament", *agents, "--scenario", "tag", "--rounds", 1, "--set", "time_limit_s=3", "--trusted",
