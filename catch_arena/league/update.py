@@ -21,7 +21,7 @@ from catch_arena.league.records import RatingThen, Records, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
 from catch_arena.tournament.agent_logs import log_file
-from catch_arena.tournament.agent_spec import is_shipped, resolve_spec
+from catch_arena.tournament.agent_spec import is_shipped, resolve
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
@@ -267,7 +267,7 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Chec
     if fault:
         return Checked(None, fault)
     try:
-        spec = resolve_spec(agent)
+        spec = resolve(agent).spec
         inspection = inspector(worker.sandbox)(spec)
         (entrant,) = enter([agent], lambda _: inspection)
         findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, 0, worker.sandbox)

@@ -14,7 +14,7 @@ from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.policy import PreyLimits, Side
 from catch_arena.text import shortened
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.tournament.loading import create_policy
 
@@ -110,7 +110,7 @@ def name_and_policy(role: str, agent: object, side: Side = "hunter") -> tuple[st
         AgentError: for an agent that cannot play.
     """
     if isinstance(agent, str):
-        return agent, create_policy(resolve_spec(agent), side)
+        return agent, create_policy(resolve(agent).spec, side)
     name, policy = type(agent).__name__, agent
     if isinstance(agent, type):
         name = agent.__name__
