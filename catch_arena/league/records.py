@@ -1,7 +1,7 @@
 """Versions of a league's entries, and their ratings over time: two tables in the league's store."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from datetime import datetime, timedelta
 from typing import Final
 
@@ -84,16 +84,14 @@ class Records:
 
     def add_versions(self, versions: Iterable[Version], entrants: Sequence[Entrant]) -> None:
         """Write new versions, and all entrants with theirs at the end: all or none."""
-        rows = [(one.entry, one.number, one.digest, one.entered, one.entrant, one.fault, one.log) for one in versions]
         with self._store.transaction() as db:
             self._store.replace_entrants(entrants)
-            db.executemany("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+            db.executemany("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", map(astuple, versions))
 
     def add_ratings(self, ratings: Iterable[RatingThen]) -> None:
         """Write the ratings after a run, and remove those of old runs except the last ones of each day."""
-        rows = [(one.entrant, one.time, one.place, one.rating, one.low, one.high) for one in ratings]
         with self._store.transaction() as db:
-            db.executemany("INSERT INTO league_rating VALUES (?, ?, ?, ?, ?, ?)", rows)
+            db.executemany("INSERT INTO league_rating VALUES (?, ?, ?, ?, ?, ?)", map(astuple, ratings))
             db.execute(_REMOVE_OLD, (_RUNS_KEPT,))
 
     def time_after(self, now: datetime) -> str:

@@ -119,8 +119,13 @@ class League:
         return parts_of_entrants(self.played)
 
     def is_placed(self, entrant: int) -> bool:
-        """Return whether the place of an entrant is clear by the rules."""
-        return self.evidence.is_placed(entrant, self.rules.precision)
+        """Return whether a rating is precise enough by the rules, or its interval has no other rating."""
+        ratings = self.evidence.ratings
+        rating = ratings.get(entrant)
+        if rating is None or math.isnan(rating.low):
+            return False
+        within = [one for one in ratings.values() if rating.low <= one.mean <= rating.high]
+        return rating.margin <= self.rules.precision or len(within) == 1
 
     def is_waiting(self, entrant: int) -> bool:
         """Return whether an entrant plays further matches until it has its place."""
