@@ -273,13 +273,12 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Chec
         return Checked(None, fault)
     try:
         spec = resolve(agent).spec
-        inspection = inspector(worker.sandbox)(spec)
-        (entrant,) = enter([agent], lambda _: inspection)
         findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, 0, worker.sandbox)
         for finding in findings:
             if finding.level == "error":
                 fault, _, log = finding.text.partition("\n")
                 return Checked(None, _without_copies(fault, spec), log)
+        (entrant,) = enter([agent], inspector(worker.sandbox))
         return Checked(entrant)
     except AgentError as error:
         return Checked(None, _without_copies(str(error), agent))

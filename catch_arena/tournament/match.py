@@ -134,8 +134,3 @@ class PlayedMatch:
     result: MatchResult
     replay: str | None = None
     """Digest of the replay's file; None if no replay was kept."""
-
-
-def players_of(block: Block) -> frozenset[int]:
-    """Return the players of a block's matches, as indices among the entrants."""
-    return frozenset(index for match in block for index in match.seating)
