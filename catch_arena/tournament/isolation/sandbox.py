@@ -237,14 +237,13 @@ class Sandbox:
     """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
     Args:
-        quotas: quotas of each agent; None for the default quotas.
+        quotas: quotas of each agent.
 
     Raises:
         ConfigError: for a level that this machine does not have.
     """
 
-    def __init__(self, quotas: Quotas | None = None) -> None:
-        quotas = quotas or Quotas()
+    def __init__(self, quotas: Quotas) -> None:
         self.quotas = replace(quotas, isolation=available_level(quotas.isolation))
         self._processes: dict[tuple[str, str], AgentProcess] = {}
 
