@@ -51,7 +51,7 @@ class WorstMatch:
 
     def __init__(self, parties: Parties) -> None:
         self._parties = parties
-        self._worst: tuple[bool, float] | None = None
+        self._worst: tuple[bool, int] | None = None
         self._replay = b""
         self._seat = 0
         self._forfeit: Forfeit | None = None
@@ -60,11 +60,9 @@ class WorstMatch:
 
     def keep(self, party: int, result: MatchResult, replay: bytes) -> None:
         """Keep a match if it is worse than all before."""
-        hunting, own = self._parties.hunting, result.scores[party]
-        rivals = [score for other, score in enumerate(result.scores[:hunting]) if other != party]
-        forfeit = result.forfeits[party]
-        behind = own if party >= hunting else max(rivals, default=0) - own
-        badness = (True, 0.0) if forfeit is not None else (False, float(behind))
+        forfeit, hunting = result.forfeits[party], self._parties.hunting
+        behind = result.scores[party] if party >= hunting else -lead(result, party, hunting)
+        badness = (True, 0) if forfeit is not None else (False, behind)
         if self._worst is None or badness > self._worst:
             self._worst, self._replay, self._forfeit, self.log = badness, replay, forfeit, result.logs[party]
             self._seat = self._parties.seats[party][0] if forfeit is None or forfeit.seat < 0 else forfeit.seat
@@ -78,6 +76,12 @@ class WorstMatch:
         if self._worst is None or (self._forfeit is not None and not self._forfeit.step):
             return None
         return worst_moment(decode_replay(self._replay), self._seat, self._forfeit)
+
+
+def lead(result: MatchResult, party: int, hunting: int) -> int:
+    """Return the score of a party minus the best score of the others, among the `hunting` parties that hunt."""
+    others = (score for other, score in enumerate(result.scores[:hunting]) if other != party)
+    return result.scores[party] - max(others, default=0)
 
 
 def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None = None) -> Moment:

@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
-from catch_arena.classroom.moments import Moment, moment_of
+from catch_arena.classroom.moments import Moment, lead, moment_of
 from catch_arena.explanation import explain
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.replay import Replay
@@ -27,11 +27,6 @@ class Part(NamedTuple):
         ranks = self.one.result.ranks
         return 1.0 / ranks.count(1) if ranks[self.party] == 1 else 0.0
 
-    def lead(self, hunting: int) -> int:
-        """Return the score minus the best score of the others, among the `hunting` parties that hunt."""
-        scores = self.one.result.scores
-        return scores[self.party] - max((scores[other] for other in range(hunting) if other != self.party), default=0)
-
 
 def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]:
     """Return the matches of each entrant, in the order of the plan."""
@@ -53,7 +48,7 @@ def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part]
 
     def goodness(part: Part) -> tuple[bool, int]:
         forfeit = part.one.result.forfeits[part.party]
-        return forfeit is None or not forfeit.step, part.lead(parties.hunting)
+        return forfeit is None or not forfeit.step, lead(part.one.result, part.party, parties.hunting)
 
     return max(hunted, key=goodness), min(hunted, key=goodness)
 

@@ -8,7 +8,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
 from catch_arena.text import last_lines
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -53,7 +53,7 @@ def check_fitness(
         AgentError: if the spec names no agent.
         MatchFailedError: if a match could not be held.
     """
-    resolved = resolve_spec(spec)
+    resolved = resolve(spec).spec
     try:
         inspection = inspector(sandbox)(resolved)
     except AgentError as error:  # it is trusted

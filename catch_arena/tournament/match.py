@@ -10,8 +10,8 @@ from catch_arena.tournament.players import ForfeitCode, Observation
 
 MOST_TIMEOUTS: Final = 2
 """Number of timeouts of an agent after which grade and check-agent stop: each costs seconds."""
-_ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)(?:-([ab]))?")
-"""Pattern of the ids of plans and comparisons: round, block of the round, match of the block, and A or B in turn."""
+_ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)")
+"""Pattern of the ids of plans: round, block of the round, match of the block."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -35,11 +35,8 @@ class Match:
         Args:
             block_size: number of matches in a block (`Parties.block_size`), since ids count the blocks of a round.
         """
-        parts = _ID.fullmatch(self.id)
-        if parts is None:
-            return f"match {self.id}"
-        turn, group, place = map(int, parts.group(1, 2, 3))
-        return f"round {turn}, match {(group - 1) * block_size + place + 1}{parts[4] or ''}"
+        ((turn, group, place),) = _ID.findall(self.id)
+        return f"round {int(turn)}, match {(int(group) - 1) * block_size + int(place) + 1}"
 
 
 Block = tuple[Match, ...]
@@ -137,8 +134,3 @@ class PlayedMatch:
     result: MatchResult
     replay: str | None = None
     """Digest of the replay's file; None if no replay was kept."""
-
-
-def players_of(block: Block) -> frozenset[int]:
-    """Return the players of a block's matches, as indices among the entrants."""
-    return frozenset(index for match in block for index in match.seating)

@@ -7,15 +7,16 @@ match. Storing a match twice changes nothing.
 import os
 import platform
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, fields
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import msgspec
+from typing_extensions import Self
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
@@ -121,6 +122,9 @@ def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dic
     return {"recorded": recorded, "trusted": quotas is None, "max_forfeits": max_forfeits} | numbers
 
 
+AnyStore = TypeVar("AnyStore", bound="Store")
+
+
 class Store:
     """Store of one tournament's matches; `begin` and `read` open it for the time of a `with` statement.
 
@@ -141,7 +145,7 @@ class Store:
 
     @classmethod
     @contextmanager
-    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> Iterator["Store"]:
+    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> Iterator[Self]:
         """Open the store for playing a tournament; other commands cannot play in its folder meanwhile.
 
         Raises:
@@ -233,32 +237,6 @@ class Store:
         ]
         parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
         self._db.execute(_ADD, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
-
-    def replace_entrants(self, entrants: Sequence[Entrant]) -> None:
-        """Write the entrants of a tournament that others join, in a transaction of the caller.
-
-        Args:
-            entrants: the present ones in their order, and new ones at the end.
-        """
-        self._db.execute("INSERT OR REPLACE INTO fact VALUES ('entrants', ?)", (_json(entrants),))
-
-    def next_block(self) -> tuple[int, int]:
-        """Return the number of rounds so far, and the number of the next block, from 0."""
-        with self._store_errors():
-            row = self._db.execute("SELECT id, block FROM match ORDER BY id DESC LIMIT 1").fetchone()
-        return (int(row[0][1:].partition("-")[0]), row[1] + 1) if row else (0, 0)
-
-    def remove_waiting(self) -> None:
-        """Remove the matches that are planned and not played."""
-        with self.transaction() as db:
-            db.execute("DELETE FROM match WHERE id NOT IN (SELECT match FROM result)")
-
-    def remove_old(self, most: int) -> None:
-        """Remove the oldest blocks, so that at most `most` played matches are left."""
-        with self.transaction() as db:
-            old = "(SELECT id FROM match WHERE block <= (SELECT block FROM match ORDER BY id DESC LIMIT 1 OFFSET ?))"
-            db.execute(f"DELETE FROM result WHERE match IN {old}", (most,))  # noqa: S608 - ours
-            db.execute(f"DELETE FROM match WHERE id IN {old}", (most,))  # noqa: S608 - ours
 
     def waiting(self) -> Iterator[Block]:
         """Yield the blocks that are planned and not played, in the order of the plan."""

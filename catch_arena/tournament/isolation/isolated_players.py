@@ -16,7 +16,7 @@ from catch_arena.policy import AnyLimits, Policy, PreyPolicy
 from catch_arena.text import one_line, shortened
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, exit_reason
+from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
 from catch_arena.tournament.players import Fault, Move, Observation, Players
 
 _POLL_S: Final = 0.1
@@ -216,8 +216,7 @@ def _parse(received: bytes | Fault, seconds: float) -> _Reply:
     except (ValueError, RecursionError):
         fields = None
     if not isinstance(fields, dict):
-        text = repr(received[:80].decode(errors="replace"))
-        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
+        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}"))
     if "error" in fields:
         why = fields["error"]
         return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why))))
