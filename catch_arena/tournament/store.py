@@ -13,10 +13,9 @@ from dataclasses import dataclass, field, fields
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
-from typing_extensions import Self
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
@@ -28,6 +27,9 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: the kind of the file
@@ -122,9 +124,6 @@ def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dic
     return {"recorded": recorded, "trusted": quotas is None, "max_forfeits": max_forfeits} | numbers
 
 
-AnyStore = TypeVar("AnyStore", bound="Store")
-
-
 class Store:
     """Store of one tournament's matches; `begin` and `read` open it for the time of a `with` statement.
 
@@ -145,7 +144,7 @@ class Store:
 
     @classmethod
     @contextmanager
-    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> Iterator[Self]:
+    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> "Iterator[Self]":
         """Open the store for playing a tournament; other commands cannot play in its folder meanwhile.
 
         Raises:
