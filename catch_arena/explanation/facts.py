@@ -163,7 +163,7 @@ class HunterAction:
     action: str
     """Action in words."""
     chosen: str | None
-    """Target of the rank in the action; None if the rank has no target."""
+    """Target of the rank in the action; None if the rank has no target, or the hunter takes no part."""
     ruling: Ruling | None
     """Ruling on the request; None without a request."""
     mate: bool

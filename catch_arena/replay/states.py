@@ -54,7 +54,7 @@ _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular vel
 MICRO: Final = frozenset({"m", "rad", "m/s", "rad/s", "m s", "rad s"})
 """Units whose numbers are in whole millionths in a quantised state."""
 
-_THETA, _TURN_RATE, _ACTIVE, _SCORE = 2, 4, 7, 8
+_THETA, LINEAR_VELOCITY, _TURN_RATE, ACTIVE_TARGET, _SCORE = 2, 3, 4, 7, 8
 _PLACE, _VELOCITIES = slice(0, 2), slice(3, 5)
 """Columns of a hunter, and of a moving target's motion."""
 _IDENTITY: Final = (0, 4)
@@ -140,7 +140,7 @@ def pack_states(
     ticks, commanded = _ticks(clock[:, 0]), _hunter_velocities(config, commands)
     for seat in range(config.hunters):
         rest = _without_motion(by_seat[:, seat], ticks)
-        rest[:, _ACTIVE] = by_seat[:, seat, _ACTIVE]
+        rest[:, ACTIVE_TARGET] = by_seat[:, seat, ACTIVE_TARGET]
         if seat in driven_seats(config):
             rest[:, _VELOCITIES] = by_seat[:, seat, _VELOCITIES] - commanded[:, seat]
         packed.append(pack_columns(rest.T))
@@ -175,7 +175,7 @@ def unpack_states(
     for seat in range(config.hunters):
         rest = read_columns(body, len(HUNTER), size)
         numbers = np.cumsum(rest, axis=0)
-        numbers[:, _ACTIVE] = rest[:, _ACTIVE]
+        numbers[:, ACTIVE_TARGET] = rest[:, ACTIVE_TARGET]
         if seat in driven_seats(config):
             numbers[:, _VELOCITIES] = rest[:, _VELOCITIES] + commanded[:, seat]
         fixed.append(_with_motion(numbers, ticks))
