@@ -338,5 +338,5 @@ def _luminance(color: Color) -> float:
 
 
 def font_size(pixels: float, smallest: int) -> int:
-    """Return a text's size in whole pixels, at least `least` so that it can be read."""
+    """Return a text's size in whole pixels, at least `smallest` so that it can be read."""
     return max(smallest, round(pixels))
