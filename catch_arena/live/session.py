@@ -10,7 +10,7 @@ from typing import ClassVar, Final, NamedTuple
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.live.match_window import MatchWindow, RestartRequested
 from catch_arena.live.user_input import InputState
-from catch_arena.policy import AnyLimits, Policy, PreyView, View
+from catch_arena.policy import AnyLimits, PreyView, View
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
@@ -100,11 +100,6 @@ class Lineup:
         """Seat of the person, None without one."""
         return self.entrants.index(None) if None in self.entrants else None
 
-    @property
-    def agents(self) -> dict[int, Entrant]:
-        """Entrants by seat, without the person."""
-        return {seat: entrant for seat, entrant in enumerate(self.entrants) if entrant is not None}
-
 
 class ShownMatch(NamedTuple):
     """Match that was played last, ended or not."""
@@ -169,8 +164,8 @@ def show_match(
 @contextmanager
 def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
     """Start fresh players for one match, and stop them after it."""
-    person: dict[int, Entrant | Policy] = {} if lineup.person is None else {lineup.person: HumanPolicy(inputs)}
-    with start_players(person | lineup.agents, sandbox) as players:
+    seated = {seat: entrant or HumanPolicy(inputs) for seat, entrant in enumerate(lineup.entrants)}
+    with start_players(seated, sandbox) as players:
         yield players if sandbox is None else ThreadedPlayers(players, sandbox, window.wait)
 
 

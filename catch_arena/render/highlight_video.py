@@ -14,10 +14,10 @@ from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.captions import Captions
 from catch_arena.render.cards import GOLD
-from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
-from catch_arena.render.raster import Canvas
+from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.sprites import SpriteCache

@@ -9,10 +9,10 @@ from typing import Final, NamedTuple
 
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
-from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
-from catch_arena.render.raster import Canvas
+from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label
 from catch_arena.render.sprites import SpriteCache

@@ -86,15 +86,8 @@ class Canvas:
             self._blit(*self._sprites.ring(shape))
         elif shape.radius < 4 * max(self.pixels.shape):  # wider than that, its line is out of sight
             centre = (round(shape.x * 16 - 8), round(shape.y * 16 - 8))
-            cv2.circle(
-                self.pixels,
-                centre,
-                round(shape.radius * 16),
-                (*shape.color, 255),
-                round(max(1, shape.width)),
-                cv2.LINE_AA,
-                _SHIFT,
-            )
+            radius, width = round(shape.radius * 16), round(max(1, shape.width))
+            cv2.circle(self.pixels, centre, radius, (*shape.color, 255), width, cv2.LINE_AA, _SHIFT)
 
     def _sector(self, shape: shapes.Sector) -> None:
         height, width = self.pixels.shape[:2]

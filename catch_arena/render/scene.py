@@ -70,10 +70,11 @@ def arena_shapes(
     `view_of` is the seat whose view is shown, `beliefs` are its beliefs, and `withdrawn_prey` are agents.
     """
     shapes: list[Shape] = []
-    if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
-        shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
     if view_of is not None and not hunters[view_of].withdrawn:
-        shapes += [shape for belief in beliefs for shape in _belief(viewport, poses, belief, info.color(view_of))]
+        if info.config.partial_view:
+            shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
+        for belief in beliefs:
+            shapes += _belief(viewport, poses, belief, info.color(view_of))
     places = dict(enumerate(poses.hunters))
     for target in targets:
         pose = poses.targets[target.number]

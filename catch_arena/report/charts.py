@@ -55,7 +55,7 @@ class Axis:
 
 
 def _round_step(smallest: float) -> float:
-    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `least`; 1 if `least` is not positive."""
+    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `smallest`; 1 if `smallest` is not positive."""
     if smallest <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(smallest))
