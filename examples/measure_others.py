@@ -15,19 +15,10 @@ from typing import Any
 from train_sides import measure, opposed, parties_of
 
 from catch_arena import interrupts
-from catch_arena.errors import CatchArenaError, ConfigError, reason
+from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
-
-
-def settings_of(run: Path) -> dict[str, Any]:
-    """Return the settings of a run."""
-    try:
-        settings: dict[str, Any] = json.loads((run / "curve.json").read_text(encoding="utf-8"))["settings"]
-    except (OSError, KeyError, ValueError, TypeError) as error:
-        raise ConfigError(f"{run} must be a folder that train_sides.py wrote: {reason(error)}") from None
-    return settings
 
 
 def curve_of(run: Path, others: list[Path], settings: Namespace) -> list[dict[str, Any]]:
@@ -59,7 +50,7 @@ def main() -> None:
     if given.matches < 2:
         parser.error(f"--matches must be at least 2, got {given.matches}")
     try:
-        found = {run: settings_of(run) for run in given.runs}
+        found = {run: json.loads((run / "curve.json").read_text(encoding="utf-8"))["settings"] for run in given.runs}
         if len({(one["scenario"], tuple(one["learn"])) for one in found.values()}) > 1 or len(found) < 2:
             raise ConfigError("give two or more runs with equal --scenario and --learn")
         for run, settings in found.items():

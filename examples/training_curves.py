@@ -14,8 +14,6 @@ import sys
 from pathlib import Path
 from statistics import mean
 
-from catch_arena.errors import reason
-
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("runs", nargs="+", type=Path, help="folders that a trainer has written (--out)")
 parser.add_argument("--out", type=Path, help="picture of the curve, a file .svg")
@@ -89,17 +87,14 @@ def show_sides() -> None:
     """Print and draw runs of train_sides.py."""
     panels: dict[str, Curves] = {}
     for run in given.runs:
-        try:
-            found = json.loads((run / "curve.json").read_text(encoding="utf-8"))
-            for row in found["curve"]:
-                figure, title, scale = ("wins", "share of wins", 100) if "wins" in row else ("catches", "catches", 1)
-                first, second = ("against", "side") if row["side"] == "prey" else ("side", "against")
-                title += f" of {row[first]} against {row[second]} in {found['settings']['scenario']}"
-                value, low, high = (scale * one for one in row[figure])
-                curve = panels.setdefault(title, {}).setdefault(run.name, [])
-                curve.append((row["decisions"], value, max(0, low), high))
-        except (OSError, KeyError, ValueError, TypeError) as error:
-            sys.exit(f"{run / 'curve.json'}: is not a curve of train_sides.py: {reason(error)}")
+        found = json.loads((run / "curve.json").read_text(encoding="utf-8"))
+        for row in found["curve"]:
+            figure, title, scale = ("wins", "share of wins", 100) if "wins" in row else ("catches", "catches", 1)
+            first, second = ("against", "side") if row["side"] == "prey" else ("side", "against")
+            title += f" of {row[first]} against {row[second]} in {found['settings']['scenario']}"
+            value, low, high = (scale * one for one in row[figure])
+            curve = panels.setdefault(title, {}).setdefault(run.name, [])
+            curve.append((row["decisions"], value, max(0, low), high))
     for title, curves in panels.items():
         print(f"\n{title}:\n\n| decisions | {' | '.join(curves)} |\n|---:|{len(curves) * '---:|'}")
         digits, unit = (0, " %") if title.startswith("share") else (1, "")
@@ -109,25 +104,24 @@ def show_sides() -> None:
     draw(panels)
 
 
-if (given.runs[0] / "curve.json").exists():
+kind = "curve.json" if (given.runs[0] / "curve.json").exists() else "curve.csv"
+for run in given.runs:
+    if not (run / kind).exists():
+        sys.exit(f"{run}: has no {kind}; a trainer writes it after --evaluate decisions")
+if kind == "curve.json":
     sys.exit(show_sides())
 curves = []
 """Seconds, share of wins [%] and lead in rating of each run, by the number of decisions."""
 for run in given.runs:
-    try:
-        tournaments: dict[int, dict[str, dict[str, str]]] = {}
-        with (run / "curve.csv").open(newline="", encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                tournaments.setdefault(int(row["decisions"]), {})[row["agent"]] = row
-        curve = {}
-        for decisions, rows in tournaments.items():
-            own, best = rows.pop("ppo"), max(float(row["rating"]) for row in rows.values())
-            curve[decisions] = float(own["seconds"]), 100 * float(own["win_share"]), float(own["rating"]) - best
-        curves.append(curve)
-    except FileNotFoundError:
-        sys.exit(f"{run}: no tournament has been played yet; train_ppo.py plays one after --evaluate decisions")
-    except (OSError, KeyError, ValueError) as error:
-        sys.exit(f"{run / 'curve.csv'}: is not a curve of train_ppo.py: {reason(error)}")
+    tournaments: dict[int, dict[str, dict[str, str]]] = {}
+    with (run / "curve.csv").open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            tournaments.setdefault(int(row["decisions"]), {})[row["agent"]] = row
+    curve = {}
+    for decisions, rows in tournaments.items():
+        own, best = rows.pop("ppo"), max(float(row["rating"]) for row in rows.values())
+        curve[decisions] = float(own["seconds"]), 100 * float(own["win_share"]), float(own["rating"]) - best
+    curves.append(curve)
 
 played = [decisions for decisions in curves[0] if all(decisions in curve for curve in curves)]
 if not played:

@@ -3,7 +3,7 @@
 The page has each agent's description, results and weaknesses.
 The results of the references go to catch_arena/suite/references.json.
 
-Matches are kept in --out, and a second run continues from there: it plays only matches of changed agents again. If
+Matches are kept in out/card, and a second run continues from there: it plays only matches of changed agents again. If
 agents are named, only their entries in the card change.
 """
 
@@ -41,6 +41,7 @@ from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
 PAGE: Final = Path(__file__).parent.parent / "docs" / "reference" / "card.md"
+OUT: Final = Path("out/card")
 WEAK: Final = 0.45
 """Normalised score below which a scenario is listed as a weakness."""
 
@@ -73,16 +74,14 @@ def main() -> int:
     """Write the card; return the exit code: 0, or 2 after printing the reason in a line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("agents", nargs="*", help="agents to put into the card; without names, all")
-    parser.add_argument("--out", type=Path, default=Path("out/card"), help="folder for the matches")
     parser.add_argument(
         "--blocks", type=int, default=SUITE.blocks, help="number of blocks of agents that are not references"
     )
-    parser.add_argument("--jobs", type=int, default=usable_cores(), help="number of processes that play")
     args = parser.parse_args()
     try:
         wanted = args.agents or list(shipped())
         agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # references are needed most
-        measured = [play(one, args.out, args.jobs, args.blocks) for one in agents]
+        measured = [play(one, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
         text, known = page(measured, args.blocks), {}
         card, heading, cross_play = PAGE.read_text(encoding="utf-8").partition(CROSS_PLAY)
@@ -97,18 +96,15 @@ def main() -> int:
     return 0
 
 
-def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
+def play(agent: Entrant, most: int) -> AgentMeasures:
     """Play an agent in the suite, and return its results; matches of other versions of it or its opponents are removed.
 
     Args:
         agent: the agent to measure.
-        out: the folder for the matches.
-        jobs: number of processes that play.
         most: number of blocks of each scenario, unless the agent is a reference.
     """
-    folder = folder_of(out, agent)
     blocks = SUITE.blocks if agent.name in REFERENCES else most
-    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder, blocks, None, MAX_FORFEITS)
+    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder_of(OUT, agent), blocks, None, MAX_FORFEITS)
     done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
 
@@ -119,7 +115,7 @@ def play(agent: Entrant, out: Path, jobs: int, most: int) -> AgentMeasures:
 
         while True:
             try:
-                evaluation.play(jobs, on_results)
+                evaluation.play(usable_cores(), on_results)
                 break
             except OtherTournamentError as error:
                 print(f"{agent.name}: {error.folder.name} is played again: {error}", file=sys.stderr)

@@ -5,7 +5,6 @@ The agents are those of agents/ladder (scripts/ladder.py). In each scenario the 
 """
 
 import argparse
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final, NamedTuple
 
@@ -14,7 +13,6 @@ from card import CROSS_PLAY, PAGE, machine
 
 from catch_arena.cli.tables import interval
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import CatchArenaError
 from catch_arena.files import write_whole
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.agent_spec import LADDER, ladder_names
@@ -212,21 +210,15 @@ def section(matches: int) -> str:
     return "\n".join(lines)
 
 
-def main() -> int:
-    """Write the section; return the exit code: 0, or 2 after printing the reason in a line."""
+def main() -> None:
+    """Write the section."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--matches", type=int, default=128, help="number of matches for each entry of a table")
-    args = parser.parse_args()
-    try:
-        tables = section(args.matches)
-        card = PAGE.read_text(encoding="utf-8").partition(CROSS_PLAY)[0].rstrip()  # after minutes, it may be a new one
-        write_whole(PAGE, f"{card}\n\n{tables}".encode())
-    except CatchArenaError as error:
-        print(error, file=sys.stderr)
-        return 2
+    tables = section(parser.parse_args().matches)
+    card = PAGE.read_text(encoding="utf-8").partition(CROSS_PLAY)[0].rstrip()  # after minutes, it may be a new one
+    write_whole(PAGE, f"{card}\n\n{tables}".encode())
     print(PAGE)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,6 +1,7 @@
 """Observations for a network in an arena of another width than its training arena, with columns matched by name."""
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from catch_arena.batch_policy import BatchView, ManyViews, PreyBatchView
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.layout import BODY_COLUMNS, PREY_SELF_COLUMNS, SELF_COLUMNS, rival_features, target_features
-from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, View
+from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, Side, View
 from catch_arena.scenarios import scenario
 from catch_arena.text import shortened
 
@@ -36,8 +37,8 @@ def fit_observation(
     given = view.observations if isinstance(view, ManyViews) else view.observation
     values = np.asarray(given, dtype=np.float32)
     zero = np.zeros((*values.shape[:-1], 1), dtype=np.float32)
-    limits = _limits(trained) if isinstance(view.limits, Limits) else _prey_limits(trained)
-    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., _places(view.limits, limits)]
+    places = _places(view.limits, _limits(trained, view.limits.side))
+    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., places]
     return found
 
 
@@ -60,20 +61,17 @@ def fit_mask(view: View | BatchView, trained: str | ArenaConfig) -> NDArray[np.b
     here = np.asarray(view.masks if isinstance(view, BatchView) else view.mask, dtype=np.bool_)
     if not here.shape[-1]:
         return here
-    choices = 1 + _limits(trained).targets_seen
+    choices = 1 + _limits(trained, "hunter").targets_seen
     found = np.zeros((*here.shape[:-1], choices), dtype=np.bool_)
     found[..., : here.shape[-1]] = here[..., :choices]
     return found
 
 
 @lru_cache(maxsize=64)
-def _limits(trained: str | ArenaConfig) -> Limits:
-    return Limits.of(scenario(trained))
-
-
-@lru_cache(maxsize=64)
-def _prey_limits(trained: str | ArenaConfig) -> PreyLimits:
+def _limits(trained: str | ArenaConfig, side: Side) -> Any:
     config = scenario(trained)
+    if side == "hunter":
+        return Limits.of(config)
     if not config.prey:
         raise ConfigError(f"trained must be a scenario with prey for a view of prey, got {shortened(trained)}")
     return PreyLimits.of(config)

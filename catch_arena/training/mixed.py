@@ -75,10 +75,10 @@ class MixedBatch:
         codes = np.array([CONTROLS[control] for control in controls], np.int8)
         self.arena.set_controls(codes[numbers[:, : self.config.hunters] + 1], arenas)
 
-    def rows(self, side: Side, number: int = LEARNER) -> Rows:
-        """Return the agents of a side that a player, or the learner, plays."""
+    def rows(self, side: Side) -> Rows:
+        """Return the agents of a side that the learner plays."""
         part = self.agents(side)
-        arenas, agents = np.nonzero(self.seated[:, part] == number)
+        arenas, agents = np.nonzero(self.seated[:, part] == LEARNER)
         return arenas, agents + part.start
 
     def view(self, side: Side, rows: Rows) -> Any:

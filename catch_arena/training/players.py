@@ -2,9 +2,8 @@
 
 import copy
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, ClassVar, Final, get_args
 
 import numpy as np
@@ -97,31 +96,17 @@ class Player:
         except ActionError as error:
             raise AgentError(f"{error}{self.place}") from None
 
-    def act_batch(
-        self, view: Any, last_rank: int, place: Callable[[int], str]
-    ) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
-        """Return the checked ranks, (N,), and velocities, (N, 2), of N actions; None if the control does not have them.
-
-        Args:
-            view: a `BatchView` or `PreyBatchView` of N observations.
-            last_rank: the greatest legal rank.
-            place: a function that returns the end of an error about a row, which names the hunter or prey.
+    def act_batch(self, view: Any) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
+        """Return the ranks, (N,), and velocities, (N, 2), of N actions, see `action_arrays`.
 
         Raises:
-            AgentError: if the agent raises anything, or for actions that are not legal.
+            AgentError: if the agent raises anything, or for actions of another type or shape.
         """
-        actions, name = self.call("act_batch", view), f"{self.label}: actions"
+        actions = self.call("act_batch", view)
         try:
-            ranks, velocities = action_arrays(name, actions, len(view.observations), self.control)
+            return action_arrays(f"{self.label}: actions", actions, len(view.observations), self.control)
         except ActionError as error:
             raise AgentError(str(error)) from None
-        if ranks is not None:
-            legal = (ranks >= 0) & (ranks <= last_rank)
-            _require(f"{name} must be whole numbers from 0 to {last_rank}", ranks, legal, place)
-        if velocities is not None:
-            within = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
-            _require(f"{name} must be numbers in [-1, 1]", velocities, within, place)
-        return ranks, velocities
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Player":
         """Return a copy with everything that the agent stores.
@@ -133,13 +118,6 @@ class Player:
             return dataclasses.replace(self, policy=copy.deepcopy(self.policy, memo))
         except Exception as error:  # a stranger's code may raise anything
             raise AgentError(f"{self.label}: copying the agent raised {reason(error)}") from error
-
-
-def _require(requirement: str, given: NDArray[Any], legal: NDArray[np.bool_], place: Callable[[int], str]) -> None:
-    """Raise an AgentError for the first row whose action is not legal."""
-    if not legal.all():
-        row = int(np.argmin(legal))
-        raise AgentError(f"{requirement}, got {given[row].tolist()}{place(row)}")
 
 
 class Players:
@@ -264,11 +242,14 @@ class Players:
                 continue
             for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
                 rows = arenas[group], seats[group]
-                view = self.view(observations, masks, rows, player.control)
-                ranks, velocities = player.act_batch(view, self._ranks, partial(self._place_of_row, *rows))
+                ranks, velocities = player.act_batch(self.view(observations, masks, rows, player.control))
                 if ranks is not None:
+                    legal, bounds = (ranks >= 0) & (ranks <= self._ranks), f"whole numbers from 0 to {self._ranks}"
+                    self._require_legal(player, bounds, ranks, legal, rows)
                     choices[rows] = ranks
                 if velocities is not None:
+                    legal = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
+                    self._require_legal(player, "numbers in [-1, 1]", velocities, legal, rows)
                     commands[rows] = velocities
 
     def save(self) -> dict[str, Any]:
@@ -286,8 +267,14 @@ class Players:
     def _place(self, arena: int, seat: int) -> str:
         return f" for {self._seat_names[seat]} in arena {arena}"
 
-    def _place_of_row(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], row: int) -> str:
-        return self._place(int(arenas[row]), int(seats[row]))
+    def _require_legal(
+        self, player: Player, bounds: str, given: NDArray[Any], legal: NDArray[np.bool_], rows: Any
+    ) -> None:
+        """Raise an AgentError for the first row whose action is not legal."""
+        if not legal.all():
+            row = int(np.argmin(legal))
+            place = self._place(*(int(numbers[row]) for numbers in rows))
+            raise AgentError(f"{player.label}: actions must be {bounds}, got {given[row].tolist()}{place}")
 
 
 def action_arrays(

@@ -32,8 +32,6 @@ from tables import written
 from versions import ROOT, UnmeasurableError, checked_out, commit_of, current
 
 from catch_arena.cli.progress import progress_bar
-from catch_arena.errors import OutputError
-from catch_arena.files import prepare_folder
 
 COMMAND = shlex.join(["python", *(Path(one).name if Path(one).is_absolute() else one for one in sys.argv)])
 """Command line for the page, without the folders of this machine."""
@@ -64,10 +62,8 @@ def parse() -> argparse.Namespace:
         parser.error("the benchmark needs compiled code: unset NUMBA_DISABLE_JIT")
     if args.page and not (args.page.is_file() and BEGIN in (text := args.page.read_text()) and END in text):
         parser.error(f"--page must be a page that has the marks {BEGIN} and {END}, got {args.page}")
-    try:
-        prepare_folder(args.json.parent) if args.json else None
-    except OutputError as error:
-        parser.error(str(error))
+    if args.json:
+        args.json.parent.mkdir(parents=True, exist_ok=True)
     if args.quick:
         args.rounds, args.seconds = 2, 0.01
     return args

@@ -47,7 +47,6 @@ def test_a_quick_run_measures_each_row_or_says_why_not(tmp_path):
             "--against measures no peers and writes no page",
         ),
         (("--rounds", 0), "--rounds must be at least 1"),
-        (("--json", "README.md/figures.json"), "README.md: cannot be written: is a file, not a folder"),
         (("--page", "README.md"), "--page must be a page that has the marks"),
         (("--page", "no.md"), "got no.md"),
     ],

