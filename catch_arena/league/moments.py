@@ -21,12 +21,6 @@ class Part(NamedTuple):
     one: PlayedMatch
     party: int
 
-    @property
-    def win(self) -> float:
-        """Share of the win: 1 for a win, less for parties that share the first rank, 0 for others."""
-        ranks = self.one.result.ranks
-        return 1.0 / ranks.count(1) if ranks[self.party] == 1 else 0.0
-
 
 def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]:
     """Return the matches of each entrant, in the order of the plan."""

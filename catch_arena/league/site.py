@@ -106,7 +106,8 @@ def _lines(league: League) -> list[Line]:
         before = [earlier[one.entrant] for one in versions if one.entrant in earlier]
         now = None if index is None else ratings.get(index)
         parts = [] if index is None else league.parts.get(index, ())
-        won = [part.win for part in parts if part.party < league.parties.hunting]
+        side = league.parties.on("hunter")
+        won = [part.one.result.win_share(part.party, side) for part in parts if part.party < side.stop]
         lines.append(
             Line(
                 entry,

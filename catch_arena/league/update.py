@@ -3,7 +3,7 @@
 import math
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
@@ -36,7 +36,7 @@ from catch_arena.tournament.players import Fault
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.store import Store, Tournament, only_one_plays_in, terms_of
+from catch_arena.tournament.store import Store, Tournament, terms_of
 
 STATE: Final = ".league"
 """Folder of the store, the replays, the logs and the copies of versions, in the league's folder."""
@@ -189,20 +189,17 @@ def update_league(
         return replace(league, ratings=store.ratings(), new_matches=len(league.played) - before)
 
 
-@contextmanager
-def _opened(folder: Path, rules: Rules, secret: Secret | None) -> Iterator[LeagueStore]:
+def _opened(folder: Path, rules: Rules, secret: Secret | None) -> AbstractContextManager[LeagueStore]:
     """Open the store of a league; a new league gets one. No other run can open it meanwhile."""
     state = prepare_folder(folder / STATE)
     with suppress(OSError):  # a file system without permissions
         state.chmod(0o700)  # copies of private files, and logs
-    with only_one_plays_in(folder):
-        before = Store.tournament_in(state)
-        secret = secret or (before.secret if before else Secret.of(None))
-        terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
-        entrants = before.entrants if before else ()
-        about = Tournament(rules.config, entrants, {"format": "league"}, secret.text, terms)
-        with LeagueStore.begin(about, state, resume=True) as store:
-            yield store
+    before = Store.tournament_in(state)
+    secret = secret or (before.secret if before else Secret.of(None))
+    terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
+    entrants = before.entrants if before else ()
+    about = Tournament(rules.config, entrants, {"format": "league"}, secret.text, terms)
+    return LeagueStore.begin(about, state, resume=True)
 
 
 def _add_versions(

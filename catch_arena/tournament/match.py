@@ -125,6 +125,10 @@ class MatchResult:
         """Code of each party's failure; None if it did not fail."""
         return tuple(None if one is None else one.code for one in self.forfeits)
 
+    def win_share(self, party: int, side: slice) -> float:
+        """Return the share of the win on its side: 1 for a win, less if parties share the first rank, 0 for others."""
+        return (self.ranks[party] == 1) / self.ranks[side].count(1)
+
 
 @dataclass(frozen=True, slots=True)
 class PlayedMatch:

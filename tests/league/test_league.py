@@ -305,9 +305,9 @@ def test_a_run_that_was_killed_before_it_wrote_its_store_does_not_block_the_next
     assert league(folder).exit_code == 0
 
 
-def test_two_runs_exclude_each_other(folder):
-    with only_one_plays_in(folder):
-        done = league(folder)
+def test_two_runs_exclude_each_other(ran):
+    with only_one_plays_in(ran / ".league"):
+        done = league(ran)
     assert done.exit_code == 2
     assert "another command is playing in this folder" in done.output
 
