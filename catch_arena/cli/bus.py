@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final
 
 import typer
 from typer.core import TyperCommand
 
+from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Backend
@@ -132,9 +133,10 @@ class NodeCommand(TyperCommand):
 
 
 @dataclass(frozen=True)
-class NodeUnderTestOptions:
+class NodeUnderTestOptions(ConditionalOptions):
     """Options for the bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
 
+    needs: ClassVar = "the service of a node, such as ros:/catch_turtle"
     interfaces: Interface = INTERFACES
     bus: BusOption = None
     url: Url = None
@@ -156,13 +158,3 @@ class NodeUnderTestOptions:
         types = bus.types()
         with bus.joined("catch_arena") as joined:
             yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: echo(line, err=True))
-
-    def refuse(self) -> None:
-        """Check that no option of a bus was given, because no bus is joined.
-
-        Raises:
-            ConfigError: for an option that was given.
-        """
-        for field in fields(self):
-            if getattr(self, field.name) != field.default:
-                raise ConfigError(f"--{field.name} must come with the service of a node, such as ros:/catch_turtle")

@@ -15,13 +15,12 @@ from catch_arena.cli.options import (
     Seed,
     Trust,
     enter_agents,
-    jobs_or_all,
     print_missing_prey,
     print_seed,
-    secret_of,
 )
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
+from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.statistics.intervals import Estimate
@@ -66,10 +65,12 @@ def compare(
     """
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.comparison import compare as play_and_test
+    from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config, secret, quotas = arena.config(), secret_of(seed), trust.quotas()
+    config, quotas = arena.config(), trust.quotas()
+    secret = Secret.of(None) if seed is None else Secret.parse(seed)
     if len(agents) != 2:
         raise ConfigError(
             f"number of agents must be 2, A and B, got {len(agents)}; give their opponents with --against"
@@ -90,7 +91,7 @@ def compare(
             test,
             max_blocks=max_blocks,
             seed=secret,
-            jobs=jobs_or_all(jobs),
+            jobs=jobs or usable_cores(),
             quotas=quotas,
             max_forfeits=MAX_FORFEITS,
             progress=show_test,

@@ -3,13 +3,22 @@
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.options import MAX_FORFEITS, Agent, Jobs, SettingOption, Trust, arena, print_level
+from catch_arena.cli.options import (
+    MAX_FORFEITS,
+    Agent,
+    ConditionalOptions,
+    Jobs,
+    SettingOption,
+    Trust,
+    arena,
+    print_level,
+)
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
@@ -55,9 +64,10 @@ def check_agent(
 
 
 @dataclass(frozen=True)
-class ClassOptions:
+class ClassOptions(ConditionalOptions):
     """Options for a folder of submissions."""
 
+    needs: ClassVar = "a folder of submissions, a file or sub-folder each"
     out: Annotated[
         Path | None,
         typer.Option(
@@ -82,16 +92,6 @@ class ClassOptions:
             help="The submissions are ROS 2 nodes: the spec's line launch starts each, in its sub-folder.",
         ),
     ] = False
-
-    def refuse(self) -> None:
-        """Check that no option of a class was given.
-
-        Raises:
-            ConfigError: for an option that was given.
-        """
-        for name in ("out", "deadline", "jobs", "ros"):
-            if getattr(self, name):
-                raise ConfigError(f"--{name} must come with a folder of submissions, a file or sub-folder each")
 
 
 @main.command()

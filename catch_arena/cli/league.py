@@ -11,13 +11,13 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level, secret_of
+from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import CatchArenaError, ConfigError
+from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.league.update import Rules
-    from catch_arena.tournament.secret import Secret
 
 _UNITS_S: Final = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 _LONGEST_S: Final = 31 * 86400.0
@@ -63,7 +63,7 @@ def league(
     cores.number()
     print_level(quotas, ["an entry"])
     rules = Rules(arena.config(), arena.scenario, quotas, precision, max_matches, secret_opponents)
-    secret = None if seed is None else secret_of(seed)
+    secret = None if seed is None else Secret.parse(seed)
     _run_once(folder, rules, cores, secret)
     if pause_s is not None:
         interrupts.run_until_signal(partial(_run_again, folder, rules, cores, secret, pause_s))

@@ -22,11 +22,11 @@ from catch_arena.cli.options import (
     enter_agents,
     print_missing_prey,
     print_seed,
-    secret_of,
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
 from catch_arena.cli.terminal import echo, own_console, shown
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.policy import Side
@@ -37,7 +37,6 @@ if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import FixedPlan, Plan
     from catch_arena.tournament.plans.until_separated import UntilSeparated
-    from catch_arena.tournament.secret import Secret
     from catch_arena.tournament.statistics.standings import Standing
     from catch_arena.tournament.store import Store
 
@@ -115,10 +114,10 @@ def tournament(
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
     config, quotas, jobs = arena.config(), trust.quotas(), cores.number()
     parties = Parties.of(config)
-    given = None if seed is None else secret_of(seed)
+    given = None if seed is None else Secret.parse(seed)
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario, tournament=True)
-    secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
+    secret = given or (Store.secret_in(out) if resume else None) or Secret.of(None)
     plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
     size = f"{plan.size}" if isinstance(plan, FixedPlan) else f"at most {plan.size}"
     worker = Worker(config, entrants, record, quotas)
@@ -160,7 +159,7 @@ def _plan(
     rounds: int | None,
     until_separated: float | None,
     max_matches: int | None,
-    secret: "Secret",
+    secret: Secret,
 ) -> "FixedPlan | UntilSeparated":
     """Return the plan that the options describe."""
     from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, plan_of

@@ -2,10 +2,10 @@
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import typer
 
@@ -51,7 +51,8 @@ SettingOption = Annotated[
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
 Jobs = Annotated[
-    int | None, typer.Option("--jobs", "-j", help="Number of processes that play.", show_default="number of cores")
+    int | None,
+    typer.Option("--jobs", "-j", min=1, help="Number of processes that play.", show_default="number of cores"),
 ]
 Seed = Annotated[
     str | None,
@@ -142,13 +143,15 @@ class Cores:
         """Return the number of processes on this machine.
 
         Raises:
-            ConfigError: for options that exclude each other, or a number of processes below 1.
+            ConfigError: for options that exclude each other.
         """
+        from catch_arena.tournament.execution.executors import usable_cores
+
         if self.address is not None and self.executor != "ray":
             raise ConfigError(f"--address must come with --executor ray, got --executor {self.executor}")
         if self.address is not None and self.jobs is not None:
             raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {self.jobs}")
-        return jobs_or_all(self.jobs)
+        return self.jobs or usable_cores()
 
     def of(self, worker: "Worker") -> "Executor":
         """Return the executor of these options.
@@ -163,6 +166,24 @@ class Cores:
         from catch_arena.tournament.execution.executors import local_executor
 
         return local_executor(worker, self.number())
+
+
+@dataclass(frozen=True)
+class ConditionalOptions:
+    """Options of a command that need a certain argument."""
+
+    needs: ClassVar[str]
+    """Words for this argument."""
+
+    def refuse(self) -> None:
+        """Check that no option was given, because the argument is another one.
+
+        Raises:
+            ConfigError: for an option that was given.
+        """
+        for field in fields(self):
+            if getattr(self, field.name) != field.default:
+                raise ConfigError(f"--{field.name} must come with {self.needs}")
 
 
 def arena(name: str, settings: list[str] | None) -> ArenaConfig:
@@ -183,28 +204,6 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
         else:
             raise ConfigError(f"--set {group}=... and --set {key}=... must not be given together")
     return scenario_of(name, **overrides)
-
-
-def jobs_or_all(jobs: int | None) -> int:
-    """Return the value of --jobs, or the number of cores if it was not given.
-
-    Raises:
-        ConfigError: for a number below 1.
-    """
-    from catch_arena.tournament.execution.executors import usable_cores
-
-    if jobs is not None and jobs < 1:
-        raise ConfigError(f"jobs must be at least 1, got {jobs}")
-    return usable_cores() if jobs is None else jobs
-
-
-def secret_of(seed: str | None) -> Secret:
-    """Return the secret of --seed, or a new one.
-
-    Raises:
-        ConfigError: for a text that is not a seed.
-    """
-    return Secret.of(None) if seed is None else Secret.parse(seed)
 
 
 def print_seed(secret: Secret) -> None:

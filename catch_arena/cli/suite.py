@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
+from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import echo, own_console, plain_table, shown
 
@@ -66,12 +66,13 @@ def suite(
     from catch_arena.suite.measures import measure
     from catch_arena.suite.references import references
     from catch_arena.tournament.agent_spec import is_shipped
+    from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.isolation.playing import sandbox_for
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     chosen = suite_called(name)
     out = out or Path("out", (name or "suite") + "-quick" * quick)
-    workers = jobs_or_all(jobs)
+    workers = jobs or usable_cores()
     quotas = trust.quotas()
     if json is not None:
         output_file(json, ".json", force=force)
