@@ -89,7 +89,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
     players = enter_agents([agents[index % len(agents)] for index in range(free)], quotas)
     lineup = line_up(config, players, person)
     if record is not None:
-        output_file(record, *REPLAY, force=force)
+        output_file(record, REPLAY, force=force)
     else:
         prepare_folder(Path.cwd())
 

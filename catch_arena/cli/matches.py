@@ -23,7 +23,7 @@ from catch_arena.cli.options import (
     print_missing_prey,
     print_seed,
 )
-from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
+from catch_arena.cli.outputs import REPLAY, Force, output_file, output_option, require_free
 from catch_arena.cli.terminal import echo, own_console, shown
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.tournament.secret import Secret
@@ -236,10 +236,10 @@ def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force
 
 def _print_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
     """Print the standings, and the number of matches from which each excluded entrant was left out."""
-    from catch_arena.cli.tables import standings_tables
+    from catch_arena.cli.tables import standings_table
 
-    for table in standings_tables(tables):
-        own_console().print(table)
+    for side, table in tables.items():
+        own_console().print(standings_table(table, side, titled=len(tables) > 1))
     for entrant in entrants:
         lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
         if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
@@ -266,13 +266,7 @@ def match(
     seed: ArenaSeed = None,
     trust: Trust,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="Replay file to write.",
-            show_default="match.replay, or match-2.replay ...",
-        ),
+        Path | None, output_option("Replay file to write.", "match.replay, or match-2.replay ...")
     ] = None,
     force: Force = False,
 ) -> None:
@@ -288,7 +282,7 @@ def match(
 
     config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
-    target = output_file(output, *REPLAY, force=force, usual="match.replay")
+    target = output_file(output, REPLAY, force=force, usual="match.replay")
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):

@@ -7,7 +7,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.outputs import PAGE, Force, output_file
+from catch_arena.cli.outputs import PAGE, Force, output_file, output_option
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 
@@ -18,9 +18,7 @@ _MOST_MB = 1000
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")],
     *,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="HTML file to write.", show_default="DIR/report.html")
-    ] = None,
+    output: Annotated[Path | None, output_option("HTML file to write.", "DIR/report.html")] = None,
     force: Force = False,
     budget: Annotated[
         float | None, typer.Option(metavar="MB", help="Maximum size of the replays in the page.", show_default="1")

@@ -101,7 +101,7 @@ def serve(
     specs = {number: driver for number, driver in sorted(seats.items()) if number not in nodes}
     quotas = trust.quotas()
     if record is not None:
-        output_file(record, *REPLAY, force=force)
+        output_file(record, REPLAY, force=force)
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
     types = bus.types()

@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.bus import Packages
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import VIDEO, Force, output_file
+from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_file, output_option
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import echo
 from catch_arena.cli.videos import Film, print_report
@@ -21,14 +21,7 @@ def bag(
     replay: Recorded,
     *,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help="Folder of the new bag.",
-            show_default="next to the replay, with its name",
-        ),
+        Path | None, output_option("Folder of the new bag.", "next to the replay, with its name", metavar="DIR")
     ] = None,
     storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="File format in the bag.")] = "mcap",
     packages: Packages,
@@ -54,15 +47,7 @@ def bag(
 def import_(
     bag: Annotated[Path, typer.Argument(metavar="BAG", help="Folder made by ros2 bag record, or the file in it.")],
     *,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="Video file to write; its name ends in .mp4, .webm, .gif or .webp.",
-            show_default="an MP4 file next to the bag",
-        ),
-    ] = None,
+    output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the bag")] = None,
     force: Force = False,
     listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and write no video.")] = False,
     reach: Annotated[float, typer.Option(metavar="M", help="Catch distance by which the arbiter judges [m].")] = 0.3,

@@ -1,7 +1,7 @@
 """Tables of the standings and of a plan's cost, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from datetime import timedelta
 from typing import Final
 
@@ -26,11 +26,6 @@ _MATES_KEY: Final = "\nmates: requests per match lost to a team-mate"
 _PREY_KEY: Final = """grp: members of a group do not differ significantly
 rating: points, 0 is the mean; caught: times per match
 wins: matches won, ties shared"""
-
-
-def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
-    """Return the standings of each side, with margins of 95 % confidence."""
-    return [standings_table(table, side, titled=len(tables) > 1) for side, table in tables.items()]
 
 
 def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
