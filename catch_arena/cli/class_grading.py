@@ -12,7 +12,7 @@ from catch_arena.classroom.student_page import student_page
 from catch_arena.classroom.submissions import Submission, find_submissions
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.hand_ins import ClassOptions
-from catch_arena.cli.options import MAX_FORFEITS, Trust, print_level
+from catch_arena.cli.options import Trust, print_level
 from catch_arena.cli.outputs import require_free
 from catch_arena.cli.progress import noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo
@@ -95,7 +95,7 @@ def _agent_grading(
         rivals = enter_opponents(exercise, spec, inspector(sandbox))
     print_level(quotas, ["a submission"])
     worker = Worker(exercise.tests[0].config, (), quotas=quotas)
-    grade_one = partial(grade_submission, worker, exercise, rivals, MAX_FORFEITS)
+    grade_one = partial(grade_submission, worker, exercise, rivals)
     return grade_one, spec_key(exercise, quotas, rivals), local_executor(worker, jobs)
 
 

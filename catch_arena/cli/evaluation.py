@@ -8,7 +8,6 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import (
-    MAX_FORFEITS,
     Arena,
     Jobs,
     Scenario,
@@ -93,7 +92,6 @@ def compare(
             seed=secret,
             jobs=jobs or usable_cores(),
             quotas=quotas,
-            max_forfeits=MAX_FORFEITS,
             progress=show_test,
         )
     for name, codes in found.forfeits.items():

@@ -10,7 +10,6 @@ import typer
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.options import (
-    MAX_FORFEITS,
     Agent,
     ConditionalOptions,
     Jobs,
@@ -193,7 +192,7 @@ def _grade_agent(
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
             with progress_bar(test.name, test.matches) as show:
-                grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
+                grades.append(grade_agent(exercise, test, student, opponents, sandbox, show))
             echo(str(grades[-1]))
     return student.name, student.digest, grades
 

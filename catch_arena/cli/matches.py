@@ -11,7 +11,6 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.options import (
-    MAX_FORFEITS,
     Agents,
     Arena,
     ArenaSeed,
@@ -26,6 +25,7 @@ from catch_arena.cli.options import (
 from catch_arena.cli.outputs import REPLAY, Force, output_file, output_option, require_free
 from catch_arena.cli.terminal import echo, own_console, shown
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:  # heavy

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
 
-MAX_FORFEITS = 10
-
 Agents = Annotated[
     list[str],
     typer.Argument(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents
+from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, output_file
 from catch_arena.cli.terminal import echo, own_console, plain_table, shown
 
@@ -87,7 +87,6 @@ def suite(
             folder_of(out, agent),
             blocks,
             None if is_shipped(agent.spec) else quotas,
-            MAX_FORFEITS,
         )
         for agent in entered
     ]

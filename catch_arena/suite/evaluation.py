@@ -11,6 +11,7 @@ from catch_arena.tournament.agent_check import play_first_step
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.cost import measure_cost
 from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -34,7 +35,6 @@ class Evaluation:
     """Number of blocks of each scenario: as many as the suite has, or fewer for a first look."""
     quotas: Quotas | None
     """Quotas of an isolated agent; None for a trusted one."""
-    max_forfeits: int
 
     @property
     def matches(self) -> int:
@@ -119,7 +119,7 @@ class Evaluation:
                         store,
                         self._plan(one),
                         ready,
-                        max_forfeits=self.max_forfeits,
+                        max_forfeits=MAX_FORFEITS,
                         folder=folder,
                         on_results=on_results,
                     )
@@ -138,7 +138,7 @@ class Evaluation:
         Raises:
             OtherTournamentError: for a store of another agent, or on other terms.
         """
-        terms = terms_of(self.quotas, self.max_forfeits, recorded=False)
+        terms = terms_of(self.quotas, MAX_FORFEITS, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
         facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret.text)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)
