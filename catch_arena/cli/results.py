@@ -1,7 +1,7 @@
-"""`catch-arena report`: HTML page about a tournament."""
+"""`catch-arena report` and `export`: the page of a tournament, and a file with its matches for other tools."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 import typer
 
@@ -11,12 +11,14 @@ from catch_arena.cli.outputs import PAGE, Force, output_file, output_option
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
+Format = Literal["jsonl", "csv", "parquet"]
 _MOST_MB = 1000
 
 
 @main.command()
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")],
+    folder: Folder,
     *,
     output: Annotated[Path | None, output_option("HTML file to write.", "DIR/report.html")] = None,
     force: Force = False,
@@ -53,3 +55,38 @@ def report(
         output_file(output, PAGE, force=force)
     size = BUDGET if budget is None else round(1e6 * budget)
     echo(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")
+
+
+@main.command()
+def export(
+    folder: Folder,
+    *,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
+    form: Annotated[
+        Format | None,
+        typer.Option(
+            "--format",
+            metavar="FORMAT",
+            help="jsonl has a line for each match; csv and parquet have a row for each seat of each match.",
+            show_default="the ending of FILE, or jsonl",
+        ),
+    ] = None,
+    force: Force = False,
+    timing: Annotated[
+        bool, typer.Option("--timing/--no-timing", help="Include the time per move, which differs between runs.")
+    ] = True,
+) -> None:
+    """Write the matches of a tournament to a file, sorted by match."""
+    from catch_arena.tournament.export import export as write
+    from catch_arena.tournament.store import Store
+
+    with Store.read(folder) as store:
+        ending = output.suffix.lower().removeprefix(".")
+        named = next((one for one in get_args(Format) if one == ending), None)
+        if form is not None and named not in {form, None}:
+            raise ConfigError(
+                f"--format must match the ending of the file's name, or be left out, got {form} for {output.name}"
+            )
+        output_file(output, *(f".{one}" for one in get_args(Format)), ".json", force=force)
+        write(store, form or named or "jsonl", output, timing=timing)
+        echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")
