@@ -12,7 +12,7 @@ from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agent
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, suggest
 
 if TYPE_CHECKING:
     from catch_arena.replay import Replay
@@ -108,9 +108,8 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
 
 def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
     """Return the number of the person's seat; seats of prey come after the seats of hunters."""
-    seats = {str(number): number for number in range(config.hunters)}
-    seats |= {name: place for place, name in enumerate((*config.hunter_names, *config.prey_names))}
-    if seat not in seats:
-        prey = f", or {' to '.join(dict.fromkeys(config.prey_names[:: config.prey - 1 or 1]))}" if config.prey else ""
-        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1}{prey} in {scenario}, got {seat}")
-    return seats[seat]
+    names = (*config.hunter_names, *config.prey_names)
+    name = f"hunter_{seat}" if seat.isdecimal() else seat
+    if name not in names:
+        raise ConfigError(f"--seat must be a seat of {scenario}, got {seat}; {suggest(seat, names)}")
+    return names.index(name)
