@@ -217,10 +217,7 @@ def spawner(
     from catch_arena.ros.nodes.spawner import Spawner
     from catch_arena.seeding import arena_seed
 
-    turtles = tuple(checked_turtle("--turtle", name) for name in turtle or ("turtle1",))
-    for name in turtles:
-        if turtles.count(name) > 1:
-            raise ConfigError(f"--turtle {name} must be given once")
+    turtles = tuple(dict.fromkeys(checked_turtle("--turtle", name) for name in turtle or ("turtle1",)))
     values = parameters_from(ros_args or (), {SPAWN_FREQUENCY: spawn_frequency, NAME_PREFIX: name_prefix})
     config = SCENARIOS["capstone"].replace(
         reach_m=reach,

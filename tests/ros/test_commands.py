@@ -59,7 +59,6 @@ def run(*arguments):
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
         (("serve", "--seat", "0=Ros"), "--seat 0: did you mean ros? got Ros"),
         (("serve", "--seat", "0=neerest"), "--seat 0: unknown agent 'neerest': did you mean nearest or intercept?"),
-        (("spawner", "--turtle", "turtle1", "--turtle", "turtle1"), "--turtle turtle1 must be given once"),
     ],
 )
 def test_what_cannot_be_is_one_line(arguments, error, monkeypatch, tmp_path):
