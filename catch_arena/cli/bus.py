@@ -14,7 +14,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Backend
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
-from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, describe_bus, is_service, open_bus
+from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, is_service, open_bus, require_package
 
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
@@ -68,15 +68,14 @@ class Packages:
         typer.Option(metavar="PACKAGE", help="Package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
     ] = TURTLESIM
 
-    def types(self) -> Interfaces:
-        """Return the types of these packages.
+    def __post_init__(self) -> None:
+        require_package("--interfaces", self.interfaces)
+        require_package("--turtlesim", self.turtlesim)
 
-        Raises:
-            ConfigError: for a name that no package can have.
-        """
-        return Interfaces(
-            checked_package("--interfaces", self.interfaces), checked_package("--turtlesim", self.turtlesim)
-        )
+    @property
+    def types(self) -> Interfaces:
+        """The types of these packages."""
+        return Interfaces(self.interfaces, self.turtlesim)
 
 
 @dataclass(frozen=True)
@@ -106,13 +105,11 @@ class Bus(Packages):
         """Join the bus, print its description, and leave it at the end.
 
         Raises:
-            ConfigError: for a name that no package can have.
             BusError: if it cannot be reached.
         """
-        types = self.types()
         bus = self.opened(node)
         try:
-            echo(describe_bus(bus, self.domain, bus.interfaces(types)), err=True)
+            echo(describe_bus(bus, self.domain, bus.interfaces(self.types)), err=True)
             yield bus
         finally:
             bus.close()
@@ -155,6 +152,5 @@ class NodeUnderTestOptions(ConditionalOptions):
         if not is_service(service):
             raise ConfigError(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}")
         bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
-        types = bus.types()
         with bus.joined("catch_arena") as joined:
-            yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: echo(line, err=True))
+            yield NodeUnderTest(joined, service, joined.interfaces(bus.types), lambda line: echo(line, err=True))

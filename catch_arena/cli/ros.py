@@ -104,7 +104,6 @@ def serve(
         output_file(record, REPLAY, force=force)
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
-    types = bus.types()
     entrants = dict(zip(specs, enter_agents(list(specs.values()), quotas), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
@@ -118,7 +117,7 @@ def serve(
         quotas,
         names=names,
         people=[number for number, (word, _) in nodes.items() if word == HUMAN],
-        interfaces=types,
+        interfaces=bus.types,
         speed=speed,
         wait=True,
         record=record,
@@ -171,15 +170,13 @@ def controller(
     turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be the name of a service, such as /catch_turtle, got {service!r}")
-    types = bus.types()
     entrants = enter_agents([agent], quotas)
     with (
         sandbox_for(quotas) as sandbox,
         start_players(entrants, sandbox) as players,
         bus.joined("turtle_controller") as joined,
     ):
-        types = joined.interfaces(types)
-        node = Controller(joined, players, config, turtle, types, service=service, log=echo)
+        node = Controller(joined, players, config, turtle, joined.interfaces(bus.types), service=service, log=echo)
         rate = Rate(PERIOD_S)
 
         def drive() -> None:
@@ -224,9 +221,8 @@ def spawner(
         spawn_frequency_hz=values[SPAWN_FREQUENCY],
         name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX])),
     )
-    types = bus.types()
     with bus.joined("turtle_spawner") as joined:
-        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(None), log=echo)
+        node = Spawner(joined, turtles, joined.interfaces(bus.types), config, seed=arena_seed(None), log=echo)
         rate = Rate(DT)
 
         def judge() -> None:
@@ -255,7 +251,7 @@ def doctor(*, bus: Bus) -> None:
 
     joined = bus.opened("catch_arena_doctor")
     try:
-        facts, problems = examine(joined, bus.types())
+        facts, problems = examine(joined, bus.types)
     finally:
         joined.close()
     for line in (*facts, *(f"problem: {one}" for one in problems)):

@@ -33,13 +33,12 @@ def bag(
     from catch_arena.replay import Replay
     from catch_arena.ros.bags.export import export_bag
 
-    types = packages.types()
     recorded = Replay.load(replay)
     folder = output or replay.with_suffix("")
     if folder.suffix.lower() in {".mcap", ".db3", ".replay"}:
         raise ConfigError(f"{folder}: --output must be a folder, without the ending {folder.suffix}")
     with progress_bar("writing", late=True) as show:
-        messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
+        messages = export_bag(recorded, folder, storage, packages.types, force=force, progress=show)
     echo(f"bag: {folder} ({messages} messages)")
 
 
