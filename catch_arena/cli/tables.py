@@ -86,9 +86,8 @@ def plan_table(
 
 def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -> None:
     """Add the longest times that an isolated agent can take; `matches` is the largest number that one plays."""
-    isolated = sum(not is_shipped(entrant.spec) for entrant in worker.entrants)
     quotas = worker.quotas
-    if quotas is None or not isolated:
+    if quotas is None or all(is_shipped(entrant.spec) for entrant in worker.entrants):
         return
     in_block = Parties.of(worker.config).block_size  # exclusion is checked at the end of a block
     until_out = min(-(-max_forfeits // in_block) * in_block, matches) if max_forfeits else matches
@@ -97,8 +96,6 @@ def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -
     then = ", then excluded" if until_out < matches else ""
     once = duration(hanging_s)
     shown.add_row("an agent that hangs", f"up to {once} per match: {duration(all_s)} for {until_out}{then}")
-    if isolated > 1:
-        shown.add_row(f"all {isolated} such agents", f"{duration(isolated * all_s)} with one process")
     slow_s = quotas.init_s + worker.config.max_steps * quotas.step_ms / 1000.0 + quotas.bank_s
     once, all_s = duration(slow_s), matches * slow_s
     shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {matches}, no forfeit")
