@@ -23,6 +23,5 @@ from catch_arena.cli import ros_bags as _ros_bags  # noqa: F401
 from catch_arena.cli import suite as _suite  # noqa: F401
 from catch_arena.cli import videos as _videos  # noqa: F401
 from catch_arena.cli.app import main
-from catch_arena.cli.options import arena
 
-__all__ = ["arena", "main"]
+__all__ = ["main"]

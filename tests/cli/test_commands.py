@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from isolation_levels import LEVELS
 
-from catch_arena.cli import arena
+from catch_arena.cli.options import arena
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.isolation.namespaces import level_line
