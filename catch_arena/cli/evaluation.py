@@ -17,8 +17,10 @@ from catch_arena.cli.options import (
     print_missing_prey,
     print_seed,
 )
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
@@ -62,10 +64,8 @@ def compare(
 
     The exit code is 0 if A is stronger (H1), 1 if it is not (H0), and 3 if the test is still undecided.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.execution.executors import usable_cores
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
     config, quotas = arena.config(), trust.quotas()

@@ -19,9 +19,13 @@ from catch_arena.cli.options import (
     print_level,
 )
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
+from catch_arena.files import write_whole
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.agent_spec import resolve, unique_names
+from catch_arena.tournament.entrants import enter
 
 if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
@@ -43,9 +47,7 @@ def check_agent(
 
     The exit code is 1 if it would forfeit, else 0.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.agent_spec import resolve, unique_names
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
@@ -123,7 +125,6 @@ def grade(
     --bus and --url are for nodes only.
     """
     from catch_arena.classroom.submissions import is_class
-    from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text
     from catch_arena.tournament.grading_spec import read_spec
 
@@ -177,8 +178,6 @@ def _grade_agent(
     exercise: "GradingSpec", agent: str, trust: Trust, service: NodeUnderTestOptions, spec: Path
 ) -> "tuple[str, str, list[TestGrade]]":
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import enter_opponents, grade_agent
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 

@@ -13,6 +13,7 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.tournament.secret import Secret
@@ -72,7 +73,6 @@ def league(
 
 def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: Secret | None) -> None:
     """Run a league once, and print what is new and where its pages are."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.league.site import write_site
     from catch_arena.league.update import update_league
 

@@ -13,6 +13,9 @@ from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
+from catch_arena.files import prepare_folder
+from catch_arena.seeding import arena_seed
+from catch_arena.tournament.parties import Parties
 
 if TYPE_CHECKING:
     from catch_arena.replay import Replay
@@ -73,10 +76,7 @@ def watch(agents: Agents, *, window: Window) -> None:
 
 def _show(agents: list[str], window: Window, seat: str | None, record: Path | None, *, force: bool) -> None:
     """Play a match in a window: a person takes `seat`, if any, and the agents take the other seats in turn."""
-    from catch_arena.files import prepare_folder
     from catch_arena.live.session import free_parties, line_up, show_match
-    from catch_arena.seeding import arena_seed
-    from catch_arena.tournament.parties import Parties
 
     config, quotas = window.config(), window.quotas()
     person = None if seat is None else _seat(seat, config, window.scenario)

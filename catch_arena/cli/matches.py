@@ -23,22 +23,25 @@ from catch_arena.cli.options import (
     print_seed,
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, output_option, require_free
+from catch_arena.cli.progress import noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console, shown
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.files import prepare_folder, require_folder
+from catch_arena.policy import Side
+from catch_arena.seeding import arena_seed
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
+from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.policy import Side
-    from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.match import Forfeit, MatchResult
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import FixedPlan, Plan
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.statistics.standings import Standing
-    from catch_arena.tournament.store import Store
 
 
 @main.command()
@@ -99,16 +102,12 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.progress import noting_kept_results
-    from catch_arena.files import prepare_folder
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import FixedPlan, require_enough
     from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
-    from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
@@ -154,8 +153,8 @@ def tournament(
 
 def _plan(
     form: str,
-    entrants: "Sequence[Entrant]",
-    parties: "Parties",
+    entrants: Sequence[Entrant],
+    parties: Parties,
     rounds: int | None,
     until_separated: float | None,
     max_matches: int | None,
@@ -180,7 +179,6 @@ def _plan(
 
 def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
     """Print the plan, and its cost after some matches that are not kept."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table
     from catch_arena.tournament.execution.cost import measure_cost
 
@@ -190,9 +188,8 @@ def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int,
     own_console(err=True).print(table)
 
 
-def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_forfeits: int, out: Path) -> None:
+def _play_tournament(store: Store, plan: "Plan", executor: "Executor", max_forfeits: int, out: Path) -> None:
     """Play the matches that are not in the store yet, with a progress bar."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.execution.runner import play_plan
 
     with progress_bar("playing", plan.size) as show:
@@ -214,13 +211,12 @@ def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_for
         )
 
 
-def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force: bool) -> None:
+def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: bool) -> None:
     """Check that a folder has no files of another tournament, or that `force` allows to replace them.
 
     Raises:
         OutputError: for a folder with such files, or one that cannot be written to.
     """
-    from catch_arena.files import require_folder
     from catch_arena.report import REPORT
     from catch_arena.tournament.execution.runner import REPLAYS
     from catch_arena.tournament.standings_files import SUMMARY, TABLES
@@ -234,7 +230,7 @@ def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force
     require_folder(out)
 
 
-def _print_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
+def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:
     """Print the standings, and the number of matches from which each excluded entrant was left out."""
     from catch_arena.cli.tables import standings_table
 
@@ -274,10 +270,7 @@ def match(
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.playing import in_parties, play_entrants, sandbox_for
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
     config, quotas = arena.config(), trust.quotas()
@@ -315,7 +308,7 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
             echo(f"{name} printed:\n{log}", err=True)
 
 
-def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
+def print_result(parties: Parties, result: MatchResult, names: Sequence[str]) -> None:
     """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters."""
     from catch_arena.explanation.seats import with_seat
 
@@ -335,7 +328,7 @@ def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]
 
 
 def print_ranking(
-    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
+    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: Sequence[Forfeit | None]
 ) -> None:
     """Print the ranks and scores of one match, and the forfeits."""
     lines = zip(ranks, scores, names, forfeits, strict=True)

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import typer
 
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of
+from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.entrants import Entrant, Inspection
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
 
@@ -212,14 +214,13 @@ def print_seed(secret: Secret) -> None:
 
 def print_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
     """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
-    from catch_arena.tournament.agent_spec import is_shipped
     from catch_arena.tournament.isolation.namespaces import available_level, level_line
 
     if quotas is not None and not all(map(is_shipped, specs)):
         echo(level_line(available_level(quotas.isolation)), err=True)
 
 
-def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant, ...]":
+def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, ...]:
     """Return the entrants of these specs. Each agent is loaded in the process in which it will play.
 
     A warning is printed for each agent that cannot play.
@@ -232,14 +233,12 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant,
         AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
         MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
     """
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents", late=True) as show:
         inspect, seen = inspector(sandbox), count(1)
 
-        def inspect_next(spec: str) -> "Inspection":
+        def inspect_next(spec: str) -> Inspection:
             show(next(seen), len(specs))
             return inspect(spec)
 
@@ -251,10 +250,8 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant,
     return entrants
 
 
-def print_missing_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> None:
+def print_missing_prey(entrants: Sequence[Entrant], config: ArenaConfig) -> None:
     """Print the entrants without their own prey in an arena with prey, and the agent that plays prey for them."""
-    from catch_arena.tournament.entrants import SHIPPED_PREY
-
     if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
         echo(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
 

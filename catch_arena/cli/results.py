@@ -10,6 +10,7 @@ from catch_arena.cli.app import main
 from catch_arena.cli.outputs import PAGE, Force, output_file, output_option
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
+from catch_arena.tournament.store import Store
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
 Format = Literal["jsonl", "csv", "parquet"]
@@ -78,7 +79,6 @@ def export(
 ) -> None:
     """Write the matches of a tournament to a file, sorted by match."""
     from catch_arena.tournament.export import export as write
-    from catch_arena.tournament.store import Store
 
     with Store.read(folder) as store:
         ending = output.suffix.lower().removeprefix(".")

@@ -10,6 +10,7 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import EXIT_NO, Commands, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
+from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import echo
@@ -17,7 +18,10 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.ros.middleware.opening import is_service
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.seeding import arena_seed
 from catch_arena.text import name_fault, shortened
+from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.parties import Parties
 
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
@@ -86,7 +90,6 @@ def serve(
     """
     from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.serving import serve_match
-    from catch_arena.seeding import arena_seed
 
     seats = _seats(seat or [])
     config = _arena(scenario, settings, seats)
@@ -212,7 +215,6 @@ def spawner(
     from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.ros.nodes.spawner import Spawner
-    from catch_arena.seeding import arena_seed
 
     turtles = tuple(dict.fromkeys(checked_turtle("--turtle", name) for name in turtle or ("turtle1",)))
     values = parameters_from(ros_args or (), {SPAWN_FREQUENCY: spawn_frequency, NAME_PREFIX: name_prefix})
@@ -274,9 +276,7 @@ def checked_turtle(setting: str, name: str) -> str:
 
 def _print_ranking(served: "Served", config: ArenaConfig) -> None:
     """R6.1, R11.1: Print the ranking by hunter, or by team with the catches of each of its hunters."""
-    from catch_arena.cli.matches import print_ranking
     from catch_arena.explanation.seats import with_seat
-    from catch_arena.tournament.parties import Parties
 
     shown = [with_seat(name, number) for number, name in enumerate(served.names)]
     parties = Parties.of(config).seats
@@ -310,8 +310,6 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 def _driver_fault(driver: str) -> str | None:
     """Return an error text for an invalid driver of a hunter; None for a valid one."""
-    from catch_arena.tournament.agent_spec import resolve_spec
-
     word, named, name = driver.partition(":")
     if word in {NODE, HUMAN}:
         return f"a name must follow the colon, got {driver}" if named and not name else None

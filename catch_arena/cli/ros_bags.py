@@ -10,6 +10,7 @@ import typer
 from catch_arena.cli.bus import Packages
 from catch_arena.cli.options import Recorded
 from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_file, output_option
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import echo
 from catch_arena.cli.videos import Film, print_report
@@ -29,7 +30,6 @@ def bag(
 ) -> None:
     """Write a recorded match as a bag, for ros2 bag play and Foxglove (see `catch-arena docs ros2_bags`)."""
     _require_rosbags()
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
     from catch_arena.ros.bags.export import export_bag
 
@@ -54,7 +54,6 @@ def import_(
 ) -> None:
     """Make a video of a recording of turtlesim, and show how the arbiter would have judged each catch."""
     _require_rosbags()
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.ros.bags.reading import read_bag
     from catch_arena.ros.bags.rulings import judge_bag, summary
 

@@ -11,6 +11,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
 from catch_arena.cli.outputs import PAGE, VIDEO, VIDEO_HELP, Force, output_file, output_option
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.files import write_whole
@@ -123,7 +124,6 @@ def render(
     neither.
     """
     from catch_arena import explanation
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
@@ -187,7 +187,6 @@ def clip(
 
 def _write_video(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
     """Write a video of a recorded match, which was loaded from `path`, with options of `render_replay`."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.video import render_replay
 
     with progress_bar("rendering") as show:
@@ -217,7 +216,6 @@ def mosaic(
     view_of: ViewOf = None,
 ) -> None:
     """Show all matches of a folder at the same time, in a grid."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.mosaic import render_mosaic
 
     output_file(output, *VIDEO, force=force)
@@ -245,7 +243,6 @@ def highlights(
 
     Close contests, catches of prey, changes of lead, streaks, close finishes, and upsets; the best comes last.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import (
         extract_events,
@@ -303,7 +300,6 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | Non
     Raises:
         ReplayError: if the folder has no replay that can be played.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
     if not folder.is_dir():
