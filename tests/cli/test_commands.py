@@ -172,21 +172,6 @@ def test_our_errors_are_one_line_and_exit_code_2(catch_arena, tmp_path, words, m
     assert sorted(path.name for path in tmp_path.iterdir() if path.name != "out") == ["file"]
 
 
-def test_a_value_that_an_option_does_not_have_is_named_with_the_others(catch_arena):
-    result = catch_arena("tournament", "nearest", "idle", "--format", "swiss")
-    assert result.stderr.startswith("error: invalid value for '--format': 'swiss' is not one of 'round-robin', ")
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [(["tornament"], "tournament"), (["tournament", "nearest", "--secnario", "duel"], "--scenario")],
-)
-def test_a_mistyped_command_or_option_is_suggested(catch_arena, words, message):
-    result = catch_arena(*words)
-    assert result.exit_code == 2
-    assert message in result.stderr
-
-
 def test_agents_and_scenarios_are_listed(catch_arena):
     assert "contested_by_time" in catch_arena("agents").output
     listed = catch_arena("scenarios").output
