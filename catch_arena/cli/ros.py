@@ -301,25 +301,17 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got {option!r}")
         if int(number) in seats:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {driver}")
-        fault = name_fault(driver) or _driver_fault(driver)
-        if fault is not None:
+        if fault := name_fault(driver):
             raise ConfigError(f"--seat {number}: {fault}")
+        if driver.partition(":")[0] not in {NODE, HUMAN}:
+            try:
+                resolve_spec(driver)
+            except AgentError as error:
+                raise ConfigError(
+                    f"--seat {number}: {error}; use {NODE} for a node, and {HUMAN} for a person"
+                ) from None
         seats[int(number)] = driver
     return seats
-
-
-def _driver_fault(driver: str) -> str | None:
-    """Return an error text for an invalid driver of a hunter; None for a valid one."""
-    word, named, name = driver.partition(":")
-    if word in {NODE, HUMAN}:
-        return f"a name must follow the colon, got {driver}" if named and not name else None
-    if word.lower() in {NODE, HUMAN}:
-        return f"did you mean {word.lower()}? got {driver}"
-    try:
-        resolve_spec(driver)
-    except AgentError as error:
-        return f"{error}; use {NODE} for a node, and {HUMAN} for a person"
-    return None
 
 
 def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[int]) -> ArenaConfig:
