@@ -61,8 +61,6 @@ def conformance(
         for case in select_cases(only or ()):
             echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
         return
-    if arbiter is None and arena is None:
-        raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
         output_file(junit, ".xml", force=force)
     if arbiter is not None and arbiter.startswith(SERVICE):
