@@ -26,7 +26,6 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.cli.options import MAX_FORFEITS
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.tables import interval
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
@@ -104,7 +103,7 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
         most: number of blocks of each scenario, unless the agent is a reference.
     """
     blocks = SUITE.blocks if agent.name in REFERENCES else most
-    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder_of(OUT, agent), blocks, None, MAX_FORFEITS)
+    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder_of(OUT, agent), blocks, None)
     done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
 

@@ -60,7 +60,7 @@ class Graded(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def grade_submission(
-    worker: Worker, spec: GradingSpec, opponents: Sequence[Sequence[Entrant]], max_forfeits: int, submission: Submission
+    worker: Worker, spec: GradingSpec, opponents: Sequence[Sequence[Entrant]], submission: Submission
 ) -> Graded:
     """Play all tests of a spec with a submission, in this process.
 
@@ -68,7 +68,6 @@ def grade_submission(
         worker: has the sandbox of this process.
         spec: the grading spec.
         opponents: opponents in each test.
-        max_forfeits: number of forfeits in a row that end a test.
         submission: the submission.
 
     Raises:
@@ -89,7 +88,7 @@ def grade_submission(
     try:
         for test, others in zip(spec.tests, opponents, strict=True):
             worst = WorstMatch(Parties.of(test.config))
-            grade = grade_agent(spec, test, student, others, worker.sandbox, max_forfeits, keep=worst.keep)
+            grade = grade_agent(spec, test, student, others, worker.sandbox, keep=worst.keep)
             found.append((grade, worst))
     finally:
         worker.close()  # no process of a student waits for the next one

@@ -2,18 +2,19 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final
 
 import typer
 from typer.core import TyperCommand
 
+from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Backend
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
-from catch_arena.ros.middleware.opening import BRIDGE_URL, checked_package, describe_bus, is_service, open_bus
+from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, is_service, open_bus, require_package
 
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
@@ -67,15 +68,14 @@ class Packages:
         typer.Option(metavar="PACKAGE", help="Package with Pose: turtlesim, or turtlesim_msgs from Kilted on."),
     ] = TURTLESIM
 
-    def types(self) -> Interfaces:
-        """Return the types of these packages.
+    def __post_init__(self) -> None:
+        require_package("--interfaces", self.interfaces)
+        require_package("--turtlesim", self.turtlesim)
 
-        Raises:
-            ConfigError: for a name that no package can have.
-        """
-        return Interfaces(
-            checked_package("--interfaces", self.interfaces), checked_package("--turtlesim", self.turtlesim)
-        )
+    @property
+    def types(self) -> Interfaces:
+        """The types of these packages."""
+        return Interfaces(self.interfaces, self.turtlesim)
 
 
 @dataclass(frozen=True)
@@ -105,13 +105,11 @@ class Bus(Packages):
         """Join the bus, print its description, and leave it at the end.
 
         Raises:
-            ConfigError: for a name that no package can have.
             BusError: if it cannot be reached.
         """
-        types = self.types()
         bus = self.opened(node)
         try:
-            echo(describe_bus(bus, self.domain, bus.interfaces(types)), err=True)
+            echo(describe_bus(bus, self.domain, bus.interfaces(self.types)), err=True)
             yield bus
         finally:
             bus.close()
@@ -132,9 +130,10 @@ class NodeCommand(TyperCommand):
 
 
 @dataclass(frozen=True)
-class NodeUnderTestOptions:
+class NodeUnderTestOptions(ConditionalOptions):
     """Options for the bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
 
+    needs: ClassVar = "the service of a node, such as ros:/catch_turtle"
     interfaces: Interface = INTERFACES
     bus: BusOption = None
     url: Url = None
@@ -153,16 +152,5 @@ class NodeUnderTestOptions:
         if not is_service(service):
             raise ConfigError(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}")
         bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
-        types = bus.types()
         with bus.joined("catch_arena") as joined:
-            yield NodeUnderTest(joined, service, joined.interfaces(types), lambda line: echo(line, err=True))
-
-    def refuse(self) -> None:
-        """Check that no option of a bus was given, because no bus is joined.
-
-        Raises:
-            ConfigError: for an option that was given.
-        """
-        for field in fields(self):
-            if getattr(self, field.name) != field.default:
-                raise ConfigError(f"--{field.name} must come with the service of a node, such as ros:/catch_turtle")
+            yield NodeUnderTest(joined, service, joined.interfaces(bus.types), lambda line: echo(line, err=True))

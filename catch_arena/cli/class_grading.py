@@ -12,14 +12,14 @@ from catch_arena.classroom.student_page import student_page
 from catch_arena.classroom.submissions import Submission, find_submissions
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.hand_ins import ClassOptions
-from catch_arena.cli.options import MAX_FORFEITS, Trust, jobs_or_all, print_level
+from catch_arena.cli.options import Trust, print_level
 from catch_arena.cli.outputs import require_free
 from catch_arena.cli.progress import noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.ros.node_tests.grading import cases_of
-from catch_arena.tournament.execution.executors import Executor, local_executor
+from catch_arena.tournament.execution.executors import Executor, local_executor, usable_cores
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.grading import enter_opponents
 from catch_arena.tournament.grading_spec import GradingSpec
@@ -90,12 +90,12 @@ def _agent_grading(
         raise ConfigError("--trusted must be left out with a class: one submission that hangs would stop all others")
     if not exercise.has_seed:
         raise ConfigError(f"{spec}: a class needs seed or seed_file, so that all students play the same matches")
-    jobs = min(jobs_or_all(students.jobs), submissions)
+    jobs = min(students.jobs or usable_cores(), submissions)
     with sandbox_for(quotas) as sandbox:
         rivals = enter_opponents(exercise, spec, inspector(sandbox))
     print_level(quotas, ["a submission"])
     worker = Worker(exercise.tests[0].config, (), quotas=quotas)
-    grade_one = partial(grade_submission, worker, exercise, rivals, MAX_FORFEITS)
+    grade_one = partial(grade_submission, worker, exercise, rivals)
     return grade_one, spec_key(exercise, quotas, rivals), local_executor(worker, jobs)
 
 

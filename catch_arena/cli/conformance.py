@@ -9,8 +9,11 @@ import typer
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
+from catch_arena.files import write_whole
+from catch_arena.tournament.loading import load_file, load_module
 
 _LIMIT_S = 60.0
 """Time limit of a case [s]; a case that takes longer fails."""
@@ -51,17 +54,13 @@ def conformance(
     has an example. A ROS 2 node plays only the cases that fit its service (see `catch-arena docs grade_ros_node`).
     --interfaces, --bus and --url are for nodes only.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.conformance.results import WIDTH, wrapped
-    from catch_arena.files import write_whole
     from catch_arena.testing import run_conformance, select_cases
 
     if listing:
         for case in select_cases(only or ()):
             echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
         return
-    if arbiter is None and arena is None:
-        raise ConfigError("ARBITER must be given, as module:function or path.py:function, or --arena, or --list")
     if junit is not None:
         output_file(junit, ".xml", force=force)
     if arbiter is not None and arbiter.startswith(SERVICE):
@@ -118,8 +117,6 @@ def _make(spec: str) -> Any:
 
 def _callable(spec: str) -> Any:
     """Return the function or class that «module:function» or «path.py:function» names."""
-    from catch_arena.tournament.loading import load_file, load_module
-
     module_name, colon, name = spec.rpartition(":")
     is_module = module_name.endswith(".py") or not Path(module_name).is_file()
     if not (module_name and colon and name and is_module):

@@ -8,20 +8,20 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import (
-    MAX_FORFEITS,
     Arena,
     Jobs,
     Scenario,
     Seed,
     Trust,
     enter_agents,
-    jobs_or_all,
     print_missing_prey,
     print_seed,
-    secret_of,
 )
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.statistics.intervals import Estimate
@@ -64,12 +64,12 @@ def compare(
 
     The exit code is 0 if A is stronger (H1), 1 if it is not (H0), and 3 if the test is still undecided.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.comparison import compare as play_and_test
-    from catch_arena.tournament.parties import Parties
+    from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 
-    config, secret, quotas = arena.config(), secret_of(seed), trust.quotas()
+    config, quotas = arena.config(), trust.quotas()
+    secret = Secret.of(None) if seed is None else Secret.parse(seed)
     if len(agents) != 2:
         raise ConfigError(
             f"number of agents must be 2, A and B, got {len(agents)}; give their opponents with --against"
@@ -90,9 +90,8 @@ def compare(
             test,
             max_blocks=max_blocks,
             seed=secret,
-            jobs=jobs_or_all(jobs),
+            jobs=jobs or usable_cores(),
             quotas=quotas,
-            max_forfeits=MAX_FORFEITS,
             progress=show_test,
         )
     for name, codes in found.forfeits.items():

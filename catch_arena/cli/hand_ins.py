@@ -3,17 +3,29 @@
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.options import MAX_FORFEITS, Agent, Jobs, SettingOption, Trust, arena, print_level
+from catch_arena.cli.options import (
+    Agent,
+    ConditionalOptions,
+    Jobs,
+    SettingOption,
+    Trust,
+    arena,
+    print_level,
+)
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
+from catch_arena.files import write_whole
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.agent_spec import resolve, unique_names
+from catch_arena.tournament.entrants import enter
 
 if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
@@ -35,9 +47,7 @@ def check_agent(
 
     The exit code is 1 if it would forfeit, else 0.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.agent_spec import resolve, unique_names
     from catch_arena.tournament.isolation.playing import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
@@ -55,9 +65,10 @@ def check_agent(
 
 
 @dataclass(frozen=True)
-class ClassOptions:
+class ClassOptions(ConditionalOptions):
     """Options for a folder of submissions."""
 
+    needs: ClassVar = "a folder of submissions, a file or sub-folder each"
     out: Annotated[
         Path | None,
         typer.Option(
@@ -82,16 +93,6 @@ class ClassOptions:
             help="The submissions are ROS 2 nodes: the spec's line launch starts each, in its sub-folder.",
         ),
     ] = False
-
-    def refuse(self) -> None:
-        """Check that no option of a class was given.
-
-        Raises:
-            ConfigError: for an option that was given.
-        """
-        for name in ("out", "deadline", "jobs", "ros"):
-            if getattr(self, name):
-                raise ConfigError(f"--{name} must come with a folder of submissions, a file or sub-folder each")
 
 
 @main.command()
@@ -124,7 +125,6 @@ def grade(
     --bus and --url are for nodes only.
     """
     from catch_arena.classroom.submissions import is_class
-    from catch_arena.files import write_whole
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text
     from catch_arena.tournament.grading_spec import read_spec
 
@@ -178,8 +178,6 @@ def _grade_agent(
     exercise: "GradingSpec", agent: str, trust: Trust, service: NodeUnderTestOptions, spec: Path
 ) -> "tuple[str, str, list[TestGrade]]":
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.grading import enter_opponents, grade_agent
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
@@ -193,7 +191,7 @@ def _grade_agent(
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
             with progress_bar(test.name, test.matches) as show:
-                grades.append(grade_agent(exercise, test, student, opponents, sandbox, MAX_FORFEITS, show))
+                grades.append(grade_agent(exercise, test, student, opponents, sandbox, show))
             echo(str(grades[-1]))
     return student.name, student.digest, grades
 

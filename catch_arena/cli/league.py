@@ -2,6 +2,7 @@
 
 import re
 import time
+from collections.abc import Callable
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
@@ -11,16 +12,16 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level, secret_of
+from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import CatchArenaError, ConfigError
+from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.league.update import Rules
-    from catch_arena.tournament.secret import Secret
 
 _UNITS_S: Final = {"s": 1, "m": 60, "h": 3600, "d": 86400}
-_LONGEST_S: Final = 31 * 86400.0
 
 
 @main.command()
@@ -63,15 +64,15 @@ def league(
     cores.number()
     print_level(quotas, ["an entry"])
     rules = Rules(arena.config(), arena.scenario, quotas, precision, max_matches, secret_opponents)
-    secret = None if seed is None else secret_of(seed)
-    _run_once(folder, rules, cores, secret)
+    secret = None if seed is None else Secret.parse(seed)
+    run_once = partial(_run_once, folder, rules, cores, secret)
+    run_once()
     if pause_s is not None:
-        interrupts.run_until_signal(partial(_run_again, folder, rules, cores, secret, pause_s))
+        interrupts.run_until_signal(partial(_run_again, run_once, pause_s))
 
 
-def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | None") -> None:
+def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: Secret | None) -> None:
     """Run a league once, and print what is new and where its pages are."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.league.site import write_site
     from catch_arena.league.update import update_league
 
@@ -92,12 +93,12 @@ def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | None
     echo(f"site: {page}")
 
 
-def _run_again(folder: Path, rules: "Rules", cores: Cores, secret: "Secret | None", pause_s: float) -> None:
+def _run_again(run_once: Callable[[], None], pause_s: float) -> None:
     """Run a league again and again; an error is printed, and the next run tries again."""
     while True:
         time.sleep(pause_s)
         try:
-            _run_once(folder, rules, cores, secret)
+            run_once()
         except (CatchArenaError, OSError) as error:
             echo(f"catch-arena: {error}", err=True)
 
@@ -108,8 +109,6 @@ def _seconds(text: str) -> float:
     Raises:
         ConfigError: for other texts.
     """
-    found = re.fullmatch(r"(\d+)([smhd])", text)
-    seconds = 0.0 if found is None else float(found[1]) * _UNITS_S[found[2]]
-    if not 1.0 <= seconds <= _LONGEST_S:
-        raise ConfigError(f"--every must be a number with s, m, h or d, up to 31d, such as 15m, got {text!r}")
-    return seconds
+    if not re.fullmatch(r"[1-9]\d{0,3}[smhd]", text):
+        raise ConfigError(f"--every must be a number with s, m, h or d, such as 15m, got {text!r}")
+    return float(text[:-1]) * _UNITS_S[text[-1]]

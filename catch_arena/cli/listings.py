@@ -12,6 +12,7 @@ from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.tournament.loading import shipped
 
 _LISTED: Final = {"hunters", "side_m", "spawn_frequency_hz"}
 """Settings with a separate column."""
@@ -22,8 +23,6 @@ def agents(
     *, ladder: Annotated[bool, typer.Option("--ladder", help="List the frozen learned agents instead.")] = False
 ) -> None:
     """List the agents that come with the package."""
-    from catch_arena.tournament.loading import shipped
-
     listing = plain_table("agent", "what it does", text="what it does")
     for name, line in shipped(ladder=ladder).items():
         listing.add_row(name, line)

@@ -12,7 +12,10 @@ from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agent
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, suggest
+from catch_arena.files import prepare_folder
+from catch_arena.seeding import arena_seed
+from catch_arena.tournament.parties import Parties
 
 if TYPE_CHECKING:
     from catch_arena.replay import Replay
@@ -73,10 +76,7 @@ def watch(agents: Agents, *, window: Window) -> None:
 
 def _show(agents: list[str], window: Window, seat: str | None, record: Path | None, *, force: bool) -> None:
     """Play a match in a window: a person takes `seat`, if any, and the agents take the other seats in turn."""
-    from catch_arena.files import prepare_folder
     from catch_arena.live.session import free_parties, line_up, show_match
-    from catch_arena.seeding import arena_seed
-    from catch_arena.tournament.parties import Parties
 
     config, quotas = window.config(), window.quotas()
     person = None if seat is None else _seat(seat, config, window.scenario)
@@ -89,7 +89,7 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
     players = enter_agents([agents[index % len(agents)] for index in range(free)], quotas)
     lineup = line_up(config, players, person)
     if record is not None:
-        output_file(record, *REPLAY, force=force)
+        output_file(record, REPLAY, force=force)
     else:
         prepare_folder(Path.cwd())
 
@@ -108,9 +108,8 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
 
 def _seat(seat: str, config: ArenaConfig, scenario: str) -> int:
     """Return the number of the person's seat; seats of prey come after the seats of hunters."""
-    seats = {str(number): number for number in range(config.hunters)}
-    seats |= {name: place for place, name in enumerate((*config.hunter_names, *config.prey_names))}
-    if seat not in seats:
-        prey = f", or {' to '.join(dict.fromkeys(config.prey_names[:: config.prey - 1 or 1]))}" if config.prey else ""
-        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1}{prey} in {scenario}, got {seat}")
-    return seats[seat]
+    names = (*config.hunter_names, *config.prey_names)
+    name = f"hunter_{seat}" if seat.isdecimal() else seat
+    if name not in names:
+        raise ConfigError(f"--seat must be a seat of {scenario}, got {seat}; {suggest(seat, names)}")
+    return names.index(name)

@@ -11,7 +11,6 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.options import (
-    MAX_FORFEITS,
     Agents,
     Arena,
     ArenaSeed,
@@ -22,24 +21,27 @@ from catch_arena.cli.options import (
     enter_agents,
     print_missing_prey,
     print_seed,
-    secret_of,
 )
-from catch_arena.cli.outputs import REPLAY, Force, output_file, require_free
+from catch_arena.cli.outputs import REPLAY, Force, output_file, output_option, require_free
+from catch_arena.cli.progress import noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console, shown
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.files import prepare_folder, require_folder
+from catch_arena.policy import Side
+from catch_arena.seeding import arena_seed
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
+from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.policy import Side
-    from catch_arena.tournament.entrants import Entrant
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.match import Forfeit, MatchResult
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import FixedPlan, Plan
     from catch_arena.tournament.plans.until_separated import UntilSeparated
-    from catch_arena.tournament.secret import Secret
     from catch_arena.tournament.statistics.standings import Standing
-    from catch_arena.tournament.store import Store
 
 
 @main.command()
@@ -100,26 +102,22 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.progress import noting_kept_results
-    from catch_arena.files import prepare_folder
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import FixedPlan, require_enough
     from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
-    from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
     config, quotas, jobs = arena.config(), trust.quotas(), cores.number()
     parties = Parties.of(config)
-    given = None if seed is None else secret_of(seed)
+    given = None if seed is None else Secret.parse(seed)
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario, tournament=True)
     begun = Store.tournament_in(out) if resume else None
-    secret = given or (begun.secret if begun else secret_of(None))
+    secret = given or (begun.secret if begun else Secret.of(None))
     plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
     size = f"{plan.size}" if isinstance(plan, FixedPlan) else f"at most {plan.size}"
     worker = Worker(config, entrants, record, quotas)
@@ -156,12 +154,12 @@ def tournament(
 
 def _plan(
     form: str,
-    entrants: "Sequence[Entrant]",
-    parties: "Parties",
+    entrants: Sequence[Entrant],
+    parties: Parties,
     rounds: int | None,
     until_separated: float | None,
     max_matches: int | None,
-    secret: "Secret",
+    secret: Secret,
 ) -> "FixedPlan | UntilSeparated":
     """Return the plan that the options describe."""
     from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, plan_of
@@ -182,7 +180,6 @@ def _plan(
 
 def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
     """Print the plan, and its cost after some matches that are not kept."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.cli.tables import plan_table
     from catch_arena.tournament.execution.cost import measure_cost
 
@@ -192,9 +189,8 @@ def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int,
     own_console(err=True).print(table)
 
 
-def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_forfeits: int) -> None:
+def _play_tournament(store: Store, plan: "Plan", executor: "Executor", max_forfeits: int) -> None:
     """Play the matches that are not in the store yet, with a progress bar."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.execution.runner import play_plan
 
     with progress_bar("playing", plan.size) as show:
@@ -215,13 +211,12 @@ def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_for
         )
 
 
-def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force: bool) -> None:
+def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: bool) -> None:
     """Check that a folder has no files of another tournament, or that `force` allows to replace them.
 
     Raises:
         OutputError: for a folder with such files, or one that cannot be written to.
     """
-    from catch_arena.files import require_folder
     from catch_arena.report import REPORT
     from catch_arena.tournament.execution.runner import REPLAYS
     from catch_arena.tournament.standings_files import SUMMARY, TABLES
@@ -235,12 +230,12 @@ def _require_free_folder(out: Path, parties: "Parties", *, recorded: bool, force
     require_folder(out)
 
 
-def _print_standings(tables: "dict[Side, list[Standing]]", entrants: "tuple[Entrant, ...]") -> None:
+def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:
     """Print the standings, and the number of matches from which each excluded entrant was left out."""
-    from catch_arena.cli.tables import standings_tables
+    from catch_arena.cli.tables import standings_table
 
-    for table in standings_tables(tables):
-        own_console().print(table)
+    for side, table in tables.items():
+        own_console().print(standings_table(table, side, titled=len(tables) > 1))
     for entrant in entrants:
         lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
         if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
@@ -267,13 +262,7 @@ def match(
     seed: ArenaSeed = None,
     trust: Trust,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="Replay file to write.",
-            show_default="match.replay, or match-2.replay ...",
-        ),
+        Path | None, output_option("Replay file to write.", "match.replay, or match-2.replay ...")
     ] = None,
     force: Force = False,
 ) -> None:
@@ -281,15 +270,12 @@ def match(
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.seeding import arena_seed
     from catch_arena.tournament.isolation.playing import in_parties, play_entrants, sandbox_for
-    from catch_arena.tournament.parties import Parties
     from catch_arena.tournament.plans.schedule import require_enough
 
     config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
-    target = output_file(output, *REPLAY, force=force, usual="match.replay")
+    target = output_file(output, REPLAY, force=force, usual="match.replay")
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):
@@ -322,7 +308,7 @@ def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
             echo(f"{name} printed:\n{log}", err=True)
 
 
-def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]) -> None:
+def print_result(parties: Parties, result: MatchResult, names: Sequence[str]) -> None:
     """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters."""
     from catch_arena.explanation.seats import with_seat
 
@@ -342,7 +328,7 @@ def print_result(parties: "Parties", result: "MatchResult", names: Sequence[str]
 
 
 def print_ranking(
-    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: "Sequence[Forfeit | None]"
+    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: Sequence[Forfeit | None]
 ) -> None:
     """Print the ranks and scores of one match, and the forfeits."""
     lines = zip(ranks, scores, names, forfeits, strict=True)

@@ -2,26 +2,26 @@
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import typer
 
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of
+from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.entrants import Entrant, Inspection
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
-
-MAX_FORFEITS = 10
 
 Agents = Annotated[
     list[str],
@@ -51,7 +51,8 @@ SettingOption = Annotated[
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
 Jobs = Annotated[
-    int | None, typer.Option("--jobs", "-j", help="Number of processes that play.", show_default="number of cores")
+    int | None,
+    typer.Option("--jobs", "-j", min=1, help="Number of processes that play.", show_default="number of cores"),
 ]
 Seed = Annotated[
     str | None,
@@ -142,13 +143,15 @@ class Cores:
         """Return the number of processes on this machine.
 
         Raises:
-            ConfigError: for options that exclude each other, or a number of processes below 1.
+            ConfigError: for options that exclude each other.
         """
+        from catch_arena.tournament.execution.executors import usable_cores
+
         if self.address is not None and self.executor != "ray":
             raise ConfigError(f"--address must come with --executor ray, got --executor {self.executor}")
         if self.address is not None and self.jobs is not None:
             raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {self.jobs}")
-        return jobs_or_all(self.jobs)
+        return self.jobs or usable_cores()
 
     def of(self, worker: "Worker") -> "Executor":
         """Return the executor of these options.
@@ -163,6 +166,24 @@ class Cores:
         from catch_arena.tournament.execution.executors import local_executor
 
         return local_executor(worker, self.number())
+
+
+@dataclass(frozen=True)
+class ConditionalOptions:
+    """Options of a command that need a certain argument."""
+
+    needs: ClassVar[str]
+    """Words for this argument."""
+
+    def refuse(self) -> None:
+        """Check that no option was given, because the argument is another one.
+
+        Raises:
+            ConfigError: for an option that was given.
+        """
+        for field in fields(self):
+            if getattr(self, field.name) != field.default:
+                raise ConfigError(f"--{field.name} must come with {self.needs}")
 
 
 def arena(name: str, settings: list[str] | None) -> ArenaConfig:
@@ -185,28 +206,6 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
     return scenario_of(name, **overrides)
 
 
-def jobs_or_all(jobs: int | None) -> int:
-    """Return the value of --jobs, or the number of cores if it was not given.
-
-    Raises:
-        ConfigError: for a number below 1.
-    """
-    from catch_arena.tournament.execution.executors import usable_cores
-
-    if jobs is not None and jobs < 1:
-        raise ConfigError(f"jobs must be at least 1, got {jobs}")
-    return usable_cores() if jobs is None else jobs
-
-
-def secret_of(seed: str | None) -> Secret:
-    """Return the secret of --seed, or a new one.
-
-    Raises:
-        ConfigError: for a text that is not a seed.
-    """
-    return Secret.of(None) if seed is None else Secret.parse(seed)
-
-
 def print_seed(secret: Secret) -> None:
     """Print the seed, with which others can repeat all random draws."""
     warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
@@ -215,14 +214,13 @@ def print_seed(secret: Secret) -> None:
 
 def print_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
     """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
-    from catch_arena.tournament.agent_spec import is_shipped
     from catch_arena.tournament.isolation.namespaces import available_level, level_line
 
     if quotas is not None and not all(map(is_shipped, specs)):
         echo(level_line(available_level(quotas.isolation)), err=True)
 
 
-def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant, ...]":
+def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, ...]:
     """Return the entrants of these specs. Each agent is loaded in the process in which it will play.
 
     A warning is printed for each agent that cannot play.
@@ -235,14 +233,12 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant,
         AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
         MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
     """
-    from catch_arena.cli.progress import progress_bar
-    from catch_arena.tournament.entrants import enter
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents", late=True) as show:
         inspect, seen = inspector(sandbox), count(1)
 
-        def inspect_next(spec: str) -> "Inspection":
+        def inspect_next(spec: str) -> Inspection:
             show(next(seen), len(specs))
             return inspect(spec)
 
@@ -254,10 +250,8 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> "tuple[Entrant,
     return entrants
 
 
-def print_missing_prey(entrants: "Sequence[Entrant]", config: ArenaConfig) -> None:
+def print_missing_prey(entrants: Sequence[Entrant], config: ArenaConfig) -> None:
     """Print the entrants without their own prey in an arena with prey, and the agent that plays prey for them."""
-    from catch_arena.tournament.entrants import SHIPPED_PREY
-
     if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
         echo(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
 

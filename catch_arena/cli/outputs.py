@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -12,11 +12,18 @@ from catch_arena.files import prepare_folder, regular_file, unwritable
 
 Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
 
-REPLAY: Final = (".replay",)
+
+REPLAY: Final = ".replay"
 PAGE: Final = ".html"
 VIDEO: Final = (".mp4", ".webm", ".gif", ".webp")
+VIDEO_HELP: Final = "Video file to write; its name ends in .mp4, .webm, .gif or .webp."
 _RESERVED: Final[list[Path]] = []
 """Files that the running command has reserved."""
+
+
+def output_option(help_: str, usual: str, **more: Any) -> Any:
+    """Return the option --output of a command that has a usual name for its file."""
+    return typer.Option("--output", "-o", help=help_, show_default=usual, **more)
 
 
 @contextmanager

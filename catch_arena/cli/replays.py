@@ -9,6 +9,7 @@ import typer
 
 from catch_arena.cli.app import EXIT_ERROR, EXIT_NO, main
 from catch_arena.cli.options import Recorded
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import WIDE, echo, own_console
 from catch_arena.errors import ConfigError, ReplayError
 
@@ -20,7 +21,6 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
     If a match does not play as recorded, the first different step and the difference are printed, and the exit code is
     1. The exit code is 2 if a file cannot be read.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay, verification
 
     codes = []
@@ -97,7 +97,6 @@ def explain(
 ) -> None:
     """Explain the contests and refusals of a recorded match: the clause, the distances, the winner."""
     from catch_arena import explanation
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
     if at is not None and step is not None:

@@ -10,6 +10,7 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import EXIT_NO, Commands, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
+from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, output_file
 from catch_arena.cli.terminal import echo
@@ -17,7 +18,10 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.ros.middleware.opening import is_service
 from catch_arena.scenarios import SCENARIOS
+from catch_arena.seeding import arena_seed
 from catch_arena.text import name_fault, shortened
+from catch_arena.tournament.agent_spec import resolve
+from catch_arena.tournament.parties import Parties
 
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
@@ -86,7 +90,6 @@ def serve(
     """
     from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.serving import serve_match
-    from catch_arena.seeding import arena_seed
 
     seats = _seats(seat or [])
     config = _arena(scenario, settings, seats)
@@ -101,10 +104,9 @@ def serve(
     specs = {number: driver for number, driver in sorted(seats.items()) if number not in nodes}
     quotas = trust.quotas()
     if record is not None:
-        output_file(record, *REPLAY, force=force)
+        output_file(record, REPLAY, force=force)
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
-    types = bus.types()
     entrants = dict(zip(specs, enter_agents(list(specs.values()), quotas), strict=True)) if specs else {}
     names = [
         entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
@@ -118,7 +120,7 @@ def serve(
         quotas,
         names=names,
         people=[number for number, (word, _) in nodes.items() if word == HUMAN],
-        interfaces=types,
+        interfaces=bus.types,
         speed=speed,
         wait=True,
         record=record,
@@ -171,15 +173,13 @@ def controller(
     turtle = checked_turtle("--turtle", turtle)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be the name of a service, such as /catch_turtle, got {service!r}")
-    types = bus.types()
     entrants = enter_agents([agent], quotas)
     with (
         sandbox_for(quotas) as sandbox,
         start_players(entrants, sandbox) as players,
         bus.joined("turtle_controller") as joined,
     ):
-        types = joined.interfaces(types)
-        node = Controller(joined, players, config, turtle, types, service=service, log=echo)
+        node = Controller(joined, players, config, turtle, joined.interfaces(bus.types), service=service, log=echo)
         rate = Rate(PERIOD_S)
 
         def drive() -> None:
@@ -215,21 +215,16 @@ def spawner(
     from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.ros.nodes.spawner import Spawner
-    from catch_arena.seeding import arena_seed
 
-    turtles = tuple(checked_turtle("--turtle", name) for name in turtle or ("turtle1",))
-    for name in turtles:
-        if turtles.count(name) > 1:
-            raise ConfigError(f"--turtle {name} must be given once")
+    turtles = tuple(dict.fromkeys(checked_turtle("--turtle", name) for name in turtle or ("turtle1",)))
     values = parameters_from(ros_args or (), {SPAWN_FREQUENCY: spawn_frequency, NAME_PREFIX: name_prefix})
     config = SCENARIOS["capstone"].replace(
         reach_m=reach,
         spawn_frequency_hz=values[SPAWN_FREQUENCY],
         name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX])),
     )
-    types = bus.types()
     with bus.joined("turtle_spawner") as joined:
-        node = Spawner(joined, turtles, joined.interfaces(types), config, seed=arena_seed(None), log=echo)
+        node = Spawner(joined, turtles, joined.interfaces(bus.types), config, seed=arena_seed(None), log=echo)
         rate = Rate(DT)
 
         def judge() -> None:
@@ -258,7 +253,7 @@ def doctor(*, bus: Bus) -> None:
 
     joined = bus.opened("catch_arena_doctor")
     try:
-        facts, problems = examine(joined, bus.types())
+        facts, problems = examine(joined, bus.types)
     finally:
         joined.close()
     for line in (*facts, *(f"problem: {one}" for one in problems)):
@@ -281,9 +276,7 @@ def checked_turtle(setting: str, name: str) -> str:
 
 def _print_ranking(served: "Served", config: ArenaConfig) -> None:
     """R6.1, R11.1: Print the ranking by hunter, or by team with the catches of each of its hunters."""
-    from catch_arena.cli.matches import print_ranking
     from catch_arena.explanation.seats import with_seat
-    from catch_arena.tournament.parties import Parties
 
     shown = [with_seat(name, number) for number, name in enumerate(served.names)]
     parties = Parties.of(config).seats
@@ -308,27 +301,17 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got {option!r}")
         if int(number) in seats:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {driver}")
-        fault = name_fault(driver) or _driver_fault(driver)
-        if fault is not None:
+        if fault := name_fault(driver):
             raise ConfigError(f"--seat {number}: {fault}")
+        if driver.partition(":")[0] not in {NODE, HUMAN}:
+            try:
+                resolve(driver)
+            except AgentError as error:
+                raise ConfigError(
+                    f"--seat {number}: {error}; use {NODE} for a node, and {HUMAN} for a person"
+                ) from None
         seats[int(number)] = driver
     return seats
-
-
-def _driver_fault(driver: str) -> str | None:
-    """Return an error text for an invalid driver of a hunter; None for a valid one."""
-    from catch_arena.tournament.agent_spec import resolve
-
-    word, named, name = driver.partition(":")
-    if word in {NODE, HUMAN}:
-        return f"a name must follow the colon, got {driver}" if named and not name else None
-    if word.lower() in {NODE, HUMAN}:
-        return f"did you mean {word.lower()}? got {driver}"
-    try:
-        resolve(driver)
-    except AgentError as error:
-        return f"{error}; use {NODE} for a node, and {HUMAN} for a person"
-    return None
 
 
 def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[int]) -> ArenaConfig:

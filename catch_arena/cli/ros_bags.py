@@ -9,7 +9,8 @@ import typer
 
 from catch_arena.cli.bus import Packages
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import VIDEO, Force, output_file
+from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_file, output_option
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import echo
 from catch_arena.cli.videos import Film, print_report
@@ -21,14 +22,7 @@ def bag(
     replay: Recorded,
     *,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help="Folder of the new bag.",
-            show_default="next to the replay, with its name",
-        ),
+        Path | None, output_option("Folder of the new bag.", "next to the replay, with its name", metavar="DIR")
     ] = None,
     storage: Annotated[Literal["mcap", "sqlite3"], typer.Option(help="File format in the bag.")] = "mcap",
     packages: Packages,
@@ -36,17 +30,15 @@ def bag(
 ) -> None:
     """Write a recorded match as a bag, for ros2 bag play and Foxglove (see `catch-arena docs ros2_bags`)."""
     _require_rosbags()
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
     from catch_arena.ros.bags.export import export_bag
 
-    types = packages.types()
     recorded = Replay.load(replay)
     folder = output or replay.with_suffix("")
     if folder.suffix.lower() in {".mcap", ".db3", ".replay"}:
         raise ConfigError(f"{folder}: --output must be a folder, without the ending {folder.suffix}")
     with progress_bar("writing", late=True) as show:
-        messages = export_bag(recorded, folder, storage, types, force=force, progress=show)
+        messages = export_bag(recorded, folder, storage, packages.types, force=force, progress=show)
     echo(f"bag: {folder} ({messages} messages)")
 
 
@@ -54,15 +46,7 @@ def bag(
 def import_(
     bag: Annotated[Path, typer.Argument(metavar="BAG", help="Folder made by ros2 bag record, or the file in it.")],
     *,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="Video file to write; its name ends in .mp4, .webm, .gif or .webp.",
-            show_default="an MP4 file next to the bag",
-        ),
-    ] = None,
+    output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the bag")] = None,
     force: Force = False,
     listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and write no video.")] = False,
     reach: Annotated[float, typer.Option(metavar="M", help="Catch distance by which the arbiter judges [m].")] = 0.3,
@@ -70,7 +54,6 @@ def import_(
 ) -> None:
     """Make a video of a recording of turtlesim, and show how the arbiter would have judged each catch."""
     _require_rosbags()
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.ros.bags.reading import read_bag
     from catch_arena.ros.bags.rulings import judge_bag, summary
 

@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.options import MAX_FORFEITS, Agents, Jobs, Resume, Trust, enter_agents, jobs_or_all
+from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.progress import noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console, plain_table, shown
+from catch_arena.files import prepare_folder, write_whole
+from catch_arena.tournament.agent_spec import is_shipped
 
 if TYPE_CHECKING:
     from catch_arena.suite.contents import Suite
@@ -58,20 +61,18 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
-    from catch_arena.cli.progress import noting_kept_results, progress_bar
     from catch_arena.cli.tables import duration
-    from catch_arena.files import prepare_folder, write_whole
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
     from catch_arena.suite.measures import measure
     from catch_arena.suite.references import references
-    from catch_arena.tournament.agent_spec import is_shipped
+    from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.isolation.playing import sandbox_for
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     chosen = suite_called(name)
     out = out or Path("out", (name or "suite") + "-quick" * quick)
-    workers = jobs_or_all(jobs)
+    workers = jobs or usable_cores()
     quotas = trust.quotas()
     if json is not None:
         output_file(json, ".json", force=force)
@@ -86,7 +87,6 @@ def suite(
             folder_of(out, agent),
             blocks,
             None if is_shipped(agent.spec) else quotas,
-            MAX_FORFEITS,
         )
         for agent in entered
     ]

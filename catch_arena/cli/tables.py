@@ -1,7 +1,7 @@
 """Tables of the standings and of a plan's cost, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from datetime import timedelta
 from typing import Final
 
@@ -26,11 +26,6 @@ _MATES_KEY: Final = "\nmates: requests per match lost to a team-mate"
 _PREY_KEY: Final = """grp: members of a group do not differ significantly
 rating: points, 0 is the mean; caught: times per match
 wins: matches won, ties shared"""
-
-
-def standings_tables(tables: Mapping[Side, Sequence[Standing]]) -> list[Table]:
-    """Return the standings of each side, with margins of 95 % confidence."""
-    return [standings_table(table, side, titled=len(tables) > 1) for side, table in tables.items()]
 
 
 def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
@@ -91,9 +86,8 @@ def plan_table(
 
 def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -> None:
     """Add the longest times that an isolated agent can take; `matches` is the largest number that one plays."""
-    isolated = sum(not is_shipped(entrant.spec) for entrant in worker.entrants)
     quotas = worker.quotas
-    if quotas is None or not isolated:
+    if quotas is None or all(is_shipped(entrant.spec) for entrant in worker.entrants):
         return
     in_block = Parties.of(worker.config).block_size  # exclusion is checked at the end of a block
     until_out = min(-(-max_forfeits // in_block) * in_block, matches) if max_forfeits else matches
@@ -102,8 +96,6 @@ def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -
     then = ", then excluded" if until_out < matches else ""
     once = duration(hanging_s)
     shown.add_row("an agent that hangs", f"up to {once} per match: {duration(all_s)} for {until_out}{then}")
-    if isolated > 1:
-        shown.add_row(f"all {isolated} such agents", f"{duration(isolated * all_s)} with one process")
     slow_s = quotas.init_s + worker.config.max_steps * quotas.step_ms / 1000.0 + quotas.bank_s
     once, all_s = duration(slow_s), matches * slow_s
     shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {matches}, no forfeit")

@@ -4,13 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import PAGE, VIDEO, Force, output_file
+from catch_arena.cli.outputs import PAGE, VIDEO, VIDEO_HELP, Force, output_file, output_option
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.files import write_whole
@@ -23,10 +24,7 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-_MOST_IN_ONE = 64
-
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder with replays.")]
-_VIDEO: Final = "Video file to write; its name ends in .mp4, .webm, .gif or .webp."
 Speed = Annotated[float, typer.Option(help="Playback speed: below 1 is slow motion, above 1 is a time lapse.")]
 ViewOf = Annotated[
     str | None,
@@ -85,12 +83,9 @@ def render(
     *,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="File to write: a video, if its name ends in .mp4, .webm, .gif or .webp, or a page with a player, "
-            ".html.",
-            show_default="an MP4 file next to the replay",
+        output_option(
+            "File to write: a video, if its name ends in .mp4, .webm, .gif or .webp, or a page with a player, .html.",
+            "an MP4 file next to the replay",
         ),
     ] = None,
     force: Force = False,
@@ -129,7 +124,6 @@ def render(
     neither.
     """
     from catch_arena import explanation
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
@@ -168,10 +162,8 @@ def clip(
     replay: Recorded,
     *,
     at: Annotated[float, typer.Option(metavar="SECONDS", help="Time in the match that is in the middle of the clip.")],
-    seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the clip.")] = 8.0,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help=_VIDEO, show_default="an MP4 file next to the replay")
-    ] = None,
+    seconds: Annotated[float, typer.Option(metavar="SECONDS", min=0.1, help="Length of the clip.")] = 8.0,
+    output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the replay")] = None,
     force: Force = False,
     film: Film,
     view_of: ViewOf = None,
@@ -183,8 +175,6 @@ def clip(
     whole_s = recorded.duration_ms / 1000.0
     if not 0.0 <= at <= whole_s:
         raise ConfigError(f"at must be a time in the match, from 0 to {whole_s:g} s, got {at:g}")
-    if not seconds > 0.0:
-        raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
     drawn = film.arguments()
@@ -195,7 +185,6 @@ def clip(
 
 def _write_video(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
     """Write a video of a recorded match, which was loaded from `path`, with options of `render_replay`."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.video import render_replay
 
     with progress_bar("rendering") as show:
@@ -216,31 +205,23 @@ def _event(path: Path) -> str:
 def mosaic(
     folder: Folder,
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", help=_VIDEO)],
+    output: Annotated[Path, typer.Option("--output", "-o", help=VIDEO_HELP)],
     force: Force = False,
     speed: Speed = 1.0,
     count: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            max=_MOST_IN_ONE,
-            help="Maximum number of matches; the first by name are shown.",
-            show_default=f"{_MOST_IN_ONE}",
-        ),
-    ] = None,
+        int, typer.Option(metavar="N", min=1, max=64, help="Maximum number of matches; the first by name are shown.")
+    ] = 64,
     view_of: ViewOf = None,
 ) -> None:
     """Show all matches of a folder at the same time, in a grid."""
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.render.mosaic import render_mosaic
 
     output_file(output, *VIDEO, force=force)
-    matches, there = _from_replays(folder, lambda replay: replay, count or _MOST_IN_ONE)
+    matches, there = _from_replays(folder, lambda replay: replay, count)
     found = {path.stem: replay for path, replay in matches.items()}
     with progress_bar("rendering") as show:
         report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
-    echo(f"matches: {len(found)} of {there}{_fewer(len(found), count, 'the folder has no more')}")
+    echo(f"matches: {len(found)} of {there}")
     print_report(report)
 
 
@@ -248,10 +229,7 @@ def mosaic(
 def highlights(
     folder: Folder,
     *,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help=_VIDEO, show_default="highlights.mp4, or highlights-2.mp4 ..."),
-    ] = None,
+    output: Annotated[Path | None, output_option(VIDEO_HELP, "highlights.mp4, or highlights-2.mp4 ...")] = None,
     force: Force = False,
     count: Annotated[int, typer.Option(metavar="N", min=1, help="Maximum number of moments.")] = 8,
     listing: Annotated[
@@ -263,7 +241,6 @@ def highlights(
 
     Close contests, catches of prey, changes of lead, streaks, close finishes, and upsets; the best comes last.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.explanation import explain
     from catch_arena.explanation.formatting import seconds
     from catch_arena.explanation.highlights import find_highlights, select_highlights, win_rates, win_records
@@ -283,8 +260,8 @@ def highlights(
     for path, highlight in selected:
         when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
         echo(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
-    if fewer := _fewer(len(selected), count, "there are no more that do not overlap"):
-        echo(f"moments: {len(selected)}{fewer}", err=True)
+    if len(selected) < count:
+        echo(f"moments: {len(selected)}, not {count}: there are no more that do not overlap", err=True)
     if listing:
         return
     target = output or output_file(None, force=force, usual="highlights.mp4")
@@ -308,11 +285,6 @@ def _width_and_height(text: str | None) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
-def _fewer(got: int, requested: int | None, why: str) -> str:
-    """Return a note if there are fewer than requested; else an empty text."""
-    return f", not {requested}: {why}" if requested is not None and got < requested else ""
-
-
 def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | None = None) -> tuple[dict[Path, _T], int]:
     """Return what `read` makes of a folder's replays, by path, and the number of replays in the folder.
 
@@ -321,7 +293,6 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | Non
     Raises:
         ReplayError: if the folder has no replay that can be played.
     """
-    from catch_arena.cli.progress import progress_bar
     from catch_arena.replay import Replay
 
     if not folder.is_dir():

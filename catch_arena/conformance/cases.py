@@ -21,9 +21,7 @@ NEVER: Final = "NEVER"
 """Placeholder for the None of `prey_returns_s`, which TOML cannot write."""
 
 Whole = Annotated[int, Meta(ge=0)]
-Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
-"""Finite number, of a magnitude up to 1e12."""
-Place = tuple[Number, Number]
+Place = tuple[float, float]
 
 
 class _Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -92,7 +90,7 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
     targets: dict[str, Place]
     expected: tuple[RulingByName, ...] = field(name="requests")
     """The requests in their order, each with its ruling."""
-    reach_m: Number | tuple[Number, ...] = 0.3
+    reach_m: float | tuple[float, ...] = 0.3
     """Reach of all hunters, or by seat (R2.7) [m]."""
     policy: ArbitrationPolicy = "nearest"
     seed: Whole = 0
@@ -152,7 +150,7 @@ class CaseStep(_Table, frozen=True, kw_only=True):
     """One part of an arena's case: events in the arena, in the order of these fields."""
 
     reset: bool = False
-    hunters: tuple[tuple[Number, Number, Number], ...] | None = None
+    hunters: tuple[tuple[float, float, float], ...] | None = None
     """Poses to place, (x, y, theta) by seat, together with `targets`; None places nothing."""
     targets: tuple[Place, ...] = ()
     withdraw: Whole | None = None
@@ -160,9 +158,9 @@ class CaseStep(_Table, frozen=True, kw_only=True):
     """Index of the prey to withdraw."""
     steps: Whole = 0
     """Number of steps without commands and requests."""
-    driven: tuple[tuple[Whole, Number, Number], ...] = field(name="drive", default=())
+    driven: tuple[tuple[Whole, float, float], ...] = field(name="drive", default=())
     """Commands (seat, v [m/s], w [rad/s]) in the step of the requests; hunters without one stand still."""
-    driven_prey: tuple[tuple[Whole, Number, Number], ...] = field(name="drive_prey", default=())
+    driven_prey: tuple[tuple[Whole, float, float], ...] = field(name="drive_prey", default=())
     """Commands (index, v [m/s], w [rad/s]) of prey in the step of the requests; prey without one stands still."""
     expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
     """The requests of one more step, with their rulings: empty for a step without requests, None for no step."""

@@ -14,7 +14,6 @@ from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
 
-_USUAL: Final = Strictness()
 _MOST_IN_FULL: Final = 10
 """Number of diagnoses that are printed in full; of further ones only one case is named."""
 _MOST_LINES_OF_IDS: Final = 2
@@ -25,7 +24,7 @@ class Report:
     """Results of all selected cases."""
 
     results: tuple[Result, ...]
-    strictness: Strictness = _USUAL
+    strictness: Strictness
     """The parts of the answers that were compared."""
 
     @property

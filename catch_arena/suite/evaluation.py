@@ -12,6 +12,7 @@ from catch_arena.tournament.agent_check import play_first_step
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.cost import measure_cost
 from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -35,7 +36,6 @@ class Evaluation:
     """Number of blocks of each scenario: as many as the suite has, or fewer for a first look."""
     quotas: Quotas | None
     """Quotas of an isolated agent; None for a trusted one."""
-    max_forfeits: int
 
     @property
     def matches(self) -> int:
@@ -115,7 +115,7 @@ class Evaluation:
             for one in waiting:
                 ready.worker = self._worker(one)
                 with self._store(one) as store:
-                    play_plan(store, self._plan(one), ready, max_forfeits=self.max_forfeits, on_results=on_results)
+                    play_plan(store, self._plan(one), ready, max_forfeits=MAX_FORFEITS, on_results=on_results)
 
     def played(self, scenario: SuiteScenario) -> list[PlayedMatch]:
         """Return the kept matches of a scenario that belong to the first `blocks` blocks; the store may have more."""
@@ -131,7 +131,7 @@ class Evaluation:
         Raises:
             OtherTournamentError: for a store of another agent, or on other terms.
         """
-        terms = terms_of(self.quotas, self.max_forfeits, recorded=False)
+        terms = terms_of(self.quotas, MAX_FORFEITS, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
         facts = Tournament(scenario.config, self.entrants(scenario), parameters, secret.text, terms)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)

@@ -12,7 +12,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import play_blocks
 from catch_arena.tournament.execution.executors import local_executor
-from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS, ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Match, PlayedMatch
@@ -120,12 +120,12 @@ def compare(
     seed: Secret | int | None = None,
     jobs: int = 1,
     quotas: Quotas | None = None,
-    max_forfeits: int = 0,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Comparison:
     """Play until `test` has decided, or for `max_blocks` blocks.
 
-    The blocks are given to the test in the order of the plan, so the result does not depend on `jobs`.
+    The blocks are given to the test in the order of the plan, so the result does not depend on `jobs`. MAX_FORFEITS
+    forfeits in a row exclude an entrant.
 
     Args:
         config: the arena's settings.
@@ -135,7 +135,6 @@ def compare(
         seed: source of all draws; an integer in [0, 2^64) can be guessed, None draws a new secret.
         jobs: number of processes that play.
         quotas: quotas of isolated agents; None if all are trusted.
-        max_forfeits: number of forfeits in a row that exclude an entrant, as in `runner.play_plan`; 0 for no limit.
         progress: called with (matches played, largest possible number of matches) after each block.
 
     Raises:
@@ -167,7 +166,7 @@ def compare(
 
     blocks = takewhile(lambda _: test.decision is None, map(design.block, plan.blocks()))
     with local_executor(Worker(config, tuple(entrants), quotas=quotas), jobs) as executor:
-        play_blocks(blocks, executor, ForfeitStreaks(max_forfeits), add_to_test)
+        play_blocks(blocks, executor, ForfeitStreaks(MAX_FORFEITS), add_to_test)
     column = np.array(shares_of_a)[:, None]
     (share,) = shares(column, np.ones_like(column))
     return Comparison(test.decision, len(shares_of_a), matches, share, test.log_likelihood_ratio, forfeits)

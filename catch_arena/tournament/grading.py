@@ -15,6 +15,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import last_lines, printable, printable_lines
 from catch_arena.tournament.entrants import Entrant, Inspection, enter
+from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -130,11 +131,12 @@ def grade_agent(
     student: Entrant,
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
-    max_forfeits: int = 0,
     progress: Callable[[int, int], None] = lambda *_: None,
     keep: Callable[[int, MatchResult, bytes], None] | None = None,
 ) -> TestGrade:
     """Play the matches of a test, with the student's agent in each seat in turn, and return its grade.
+
+    After two timeouts, or MAX_FORFEITS forfeits in a row, the rest is not played.
 
     Args:
         spec: the grading spec.
@@ -142,8 +144,6 @@ def grade_agent(
         student: the agent to grade.
         opponents: agents for the other seats, from the first again if there are more seats.
         sandbox: runs agents that are not trusted; None if all are trusted.
-        max_forfeits: number of forfeits in a row after which the rest is not played, as after two timeouts; 0 to play
-            all matches.
         progress: called with (played, total) matches after each match.
         keep: called with (the student's party, result, content of the replay's file) after each match; None to make no
             replays.
@@ -173,9 +173,9 @@ def grade_agent(
         forfeit = result.forfeits[party]
         forfeited = 0 if forfeit is None else forfeited + 1
         timeouts += forfeit is not None and forfeit.late
-        if max_forfeits and timeouts == MOST_TIMEOUTS:
+        if timeouts == MOST_TIMEOUTS:
             stopped = f"it took too long in {timeouts} matches"
-        elif max_forfeits and forfeited == max_forfeits:
+        elif forfeited == MAX_FORFEITS:
             stopped = f"it had forfeited {forfeited} matches in a row"
         if stopped:
             left = len(matches) - len(played)

@@ -289,9 +289,12 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (["play", "--seat", "4"], "--seat must be from 0 to 3 in standard, got 4"),
-        (["play", "--seat", "prey_0"], "--seat must be from 0 to 3 in standard, got prey_0"),
-        (["play", "--scenario", "tag", "--seat", "3"], "--seat must be from 0 to 2, or prey_0 in tag, got 3"),
+        (["play", "--seat", "4"], "--seat must be a seat of standard, got 4; known: hunter_0, "),
+        (["play", "--seat", "prey_0"], "--seat must be a seat of standard, got prey_0; known: "),
+        (
+            ["play", "--scenario", "tag", "--seat", "3"],
+            "--seat must be a seat of tag, got 3; known: hunter_0, hunter_1, hunter_2, prey_0",
+        ),
         (["play", "--against", "nearst"], "did you mean nearest"),
         (["play", "nearest", "patrol", "idle", "first"], "number of agents must be at most 3"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),

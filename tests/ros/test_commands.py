@@ -57,9 +57,8 @@ def run(*arguments):
             "--url ws://x must come with --bus rosbridge, got --bus cyclonedds",
         ),
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
-        (("serve", "--seat", "0=Ros"), "--seat 0: did you mean ros? got Ros"),
+        (("serve", "--seat", "0=Ros"), "use ros for a node, and human for a person"),
         (("serve", "--seat", "0=neerest"), "--seat 0: unknown agent 'neerest': did you mean nearest or intercept?"),
-        (("spawner", "--turtle", "turtle1", "--turtle", "turtle1"), "--turtle turtle1 must be given once"),
     ],
 )
 def test_what_cannot_be_is_one_line(arguments, error, monkeypatch, tmp_path):

@@ -25,7 +25,7 @@ def file_of(suite):
 def first_matches(suite):
     """By scenario: the seed and the seating of the first match of `nearest`, and the digest after so many steps."""
     (agent,) = enter(["nearest"])
-    evaluation = Evaluation(suite, agent, enter_opponents(suite), Path(), suite.blocks, None, 0)
+    evaluation = Evaluation(suite, agent, enter_opponents(suite), Path(), suite.blocks, None)
     found = {}
     for scenario in suite.scenarios:
         match = next(iter(suite.plan(scenario, 1)))

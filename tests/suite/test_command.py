@@ -233,7 +233,7 @@ def test_the_best_is_first_and_the_worst_last(tmp_path):
 
 
 def measured_in_all(agent, folder):
-    evaluation = Evaluation(SMALL, agent, enter_opponents(SMALL), folder, 4, None, 10)
+    evaluation = Evaluation(SMALL, agent, enter_opponents(SMALL), folder, 4, None)
     evaluation.play(1)
     return measure(evaluation)
 

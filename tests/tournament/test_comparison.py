@@ -94,7 +94,6 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest", "idle", "--shares", "0.5", "1.5"], "got 0.5 and 1.5"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
-        (["nearest", "idle", "--jobs", "0"], "jobs must be at least 1"),
         (
             ["nearest", "idle", "-s", "standard", "--against", "first"],
             "(--against) must be of 0 or 2 or 3 agents, got 1",

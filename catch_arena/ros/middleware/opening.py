@@ -80,15 +80,14 @@ def is_service(name: str) -> bool:
     return _SERVICE.fullmatch(name) is not None
 
 
-def checked_package(option: str, name: str) -> str:
-    """Return the name of a ROS package.
+def require_package(option: str, name: str) -> None:
+    """Require the name of a ROS package.
 
     Raises:
         ConfigError: for anything else.
     """
     if not _NAME.fullmatch(name):
         raise ConfigError(f"{option} must be the name of a ROS package, such as {INTERFACES}, got {name!r}")
-    return name
 
 
 def _checked_domain(domain: int | None) -> int:

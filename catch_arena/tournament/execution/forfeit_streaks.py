@@ -6,9 +6,13 @@ a block, so that all matches of a block have the same field.
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from typing import Final
 
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.players import Fault
+
+MAX_FORFEITS: Final = 10
+"""Usual number of forfeits in a row that exclude an agent."""
 
 
 class ForfeitStreaks:
