@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
@@ -115,7 +113,7 @@ def explain(
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores = (0,) * len(names)
     prey = _PreyRecord(replay)
-    seen_in_match = _SeenInMatch(replay) if replay.config.partial_view else None
+    sight, seen = SeenTargets(replay.config), [set[str]() for _ in names]
     for before, after in pairwise(replay.worlds()):
         found = contests_of(replay, after)
         contests += found
@@ -127,8 +125,8 @@ def explain(
         named = replay.named_rulings(before, after)
         refusals.note(after.rulings, named, before.time_ms, {claim.seat for one in found for claim in one.claims})
         prey.note(before, after)
-        if seen_in_match is not None:
-            seen_in_match.note(before, after, summaries)
+        if replay.config.partial_view:
+            _note_sight(sight, seen, before, after, summaries)
         _note_departures(replay, before, after, summaries)
         _note_forestalled(after, found, summaries)
         for ruling in (*after.rulings, *named):
@@ -245,22 +243,17 @@ class _PreyRecord:
         self.captures.append(self._open[index])
 
 
-class _SeenInMatch:
-    """R7.5: names of the targets that each hunter has had in sight so far."""
-
-    def __init__(self, replay: Replay) -> None:
-        self._targets = SeenTargets(replay.config)
-        self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
-
-    def note(self, before: World, after: World, summaries: Sequence[HunterSummary]) -> None:
-        """Add the targets in sight before a step, and count the catches of never seen targets in it."""
-        caught = [(str(ruling.target), ruling.hunter) for ruling in after.rulings if ruling.success]
-        names = np.array([target.name for target in before.targets], dtype=object)
-        for summary, seen in zip(summaries, self._seen, strict=True):
-            if not before.hunters[summary.seat].withdrawn:
-                seen.update(names[self._targets.of(before, summary.seat)].tolist())
-            missed = sum(catcher != summary.seat and name not in seen for name, catcher in caught)
-            summary.never_seen = (summary.never_seen or 0) + missed
+def _note_sight(
+    sight: SeenTargets, seen: Sequence[set[str]], before: World, after: World, summaries: Sequence[HunterSummary]
+) -> None:
+    """R7.5: add the targets in sight before a step, and count the catches of never seen targets in it."""
+    caught = [(str(ruling.target), ruling.hunter) for ruling in after.rulings if ruling.success]
+    for summary, names in zip(summaries, seen, strict=True):
+        if not before.hunters[summary.seat].withdrawn:
+            visible = sight.of(before, summary.seat).tolist()
+            names |= {target.name for target, seen_now in zip(before.targets, visible, strict=True) if seen_now}
+        missed = sum(catcher != summary.seat and name not in names for name, catcher in caught)
+        summary.never_seen = (summary.never_seen or 0) + missed
 
 
 def _note_departures(replay: Replay, before: World, after: World, summaries: Sequence[HunterSummary]) -> None:

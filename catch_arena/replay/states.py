@@ -6,13 +6,12 @@ bodies as differences from R2.2's motion, which are almost 0, and the numbers of
 
 from collections.abc import Sequence
 from io import BytesIO
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.jit import entry
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS
 from catch_arena.errors import ReplayError
@@ -246,30 +245,18 @@ def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _travelled(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
-    """R2.2: return a body's displacement by its velocities before each state: (states, 2)."""
+    """R2.2: return a body's displacement by its velocities before each state: (states, 2). The sine and cosine are the
+    core's, so that all machines agree.
+    """
     displacement = np.zeros((len(ticks), 2))
-    before = np.concatenate(([0], numbers[:-1, _THETA]))[: len(ticks)]
-    _travel(before.astype(np.float64), numbers[:, _VELOCITIES].astype(np.float64), ticks, displacement)
+    angle = np.concatenate(([0], numbers[:-1, _THETA]))[: len(ticks)] / 1000000.0
+    turn, stride = numbers[:, _TURN_RATE] / 1000000.0 * DT, numbers[:, LINEAR_VELOCITY] * DT
+    for tick in range(ticks.max(initial=0)):
+        angle = angle + turn
+        sine, cosine = cast("Any", sincos)(angle)  # a rule takes arrays, too
+        way = np.column_stack((cosine * stride, sine * stride))
+        displacement += np.where(ticks[:, None] > tick, way, 0.0)
     return _rounded(displacement)
-
-
-@entry
-def _travel(
-    theta: NDArray[np.float64],
-    velocities: NDArray[np.float64],
-    ticks: NDArray[np.int64],
-    displacement: NDArray[np.float64],
-) -> None:
-    """R2.2: compute displacements in millionths, with the core's sine and cosine, so that all machines agree."""
-    for step in range(len(ticks)):
-        angle = theta[step] / 1000000.0
-        turn = velocities[step, 1] / 1000000.0 * DT
-        stride = velocities[step, 0] * DT
-        for _ in range(ticks[step]):
-            angle = angle + turn
-            sine, cosine = sincos(angle)
-            displacement[step, 0] = displacement[step, 0] + cosine * stride
-            displacement[step, 1] = displacement[step, 1] + sine * stride
 
 
 # velocities that commands ask for
