@@ -26,23 +26,8 @@ LONGEST_NAME: Final = 9.0
 """Greatest width of a name next to a turtle, in sizes of its text."""
 NEAR_UM: Final = 1_000_000
 """Distance [micrometres] within which a hunter is near a target that another catches."""
-
 MOST_REASONS: Final = 6
 """Greatest number of refusals that show their reason; with more, each shows a ! instead."""
-
-SHORT_REASONS: Final[dict[Verdict, str]] = {
-    Verdict.MATCH_OVER: "match over",
-    Verdict.MALFORMED: "no such target",
-    Verdict.HUNTER_INACTIVE: "withdrawn",
-    Verdict.DUPLICATE: "second request",
-    Verdict.UNKNOWN_TARGET: "no such target",
-    Verdict.ALREADY_CAUGHT: "already caught",
-    Verdict.SERVICE_DOWN: "service down",
-    Verdict.OUT_OF_REACH: "out of reach",
-    Verdict.KILL_FAILED: "kill failed",
-    Verdict.WAITING_FOR_PARTNER: "needs a partner",
-}
-"""Reason of a refusal by verdict, short enough to be read in a moment."""
 
 _VISIBLE_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
 
@@ -117,7 +102,7 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
             behind = distances[ruling.hunter] - distances[ruling.winner]
             annotations.append(Annotation("lost", *origin, "by lot" if by_lot else margin_text(behind)))
         else:
-            annotations.append(Annotation("refused", *origin, SHORT_REASONS[ruling.verdict]))
+            annotations.append(Annotation("refused", *origin, ruling.verdict.name.lower().replace("_", " ")))
     return tuple(annotations)
 
 

@@ -61,11 +61,9 @@ class SpriteCache:
         """Return a turtle's sprite, and the whole pixels x and y for its origin."""
         x, y, phase_x, phase_y = _phase(shape.x, shape.y, PHASES if shape.length < 64 else 1)
         turns = max(64, min(192, 8 * round(0.3 * shape.length)))
-        angle = round(shape.theta * turns / (2.0 * math.pi)) % turns
-        length = round(shape.length)
-        key = ("turtle", length, angle, phase_x, phase_y, shape.color, shape.faded, shape.contrast)
-        theta = 2.0 * math.pi * angle / turns
-        inks = length, theta, phase_x / PHASES, phase_y / PHASES
+        theta = 2.0 * math.pi * (round(shape.theta * turns / (2.0 * math.pi)) % turns) / turns
+        inks = round(shape.length), theta, phase_x / PHASES, phase_y / PHASES
+        key = (*inks, shape.color, shape.faded, shape.contrast)
         return self._get(key, lambda: _tinted(_turtle_inks(*inks), shape)), x, y
 
     def ring(self, shape: Ring) -> tuple[Sprite, int, int]:

@@ -51,7 +51,7 @@ def test_the_feed_fits_its_card(size, hunters):
     if not plan.feed.width:
         return
     assert_inside(feed_shapes(plan.feed, info, (), plan.unit), plan.feed)
-    feed = with_items((), [CONTEST, NEAR_MISS, *(refused(0, word="no such target") for _ in range(5))] * 3)
+    feed = with_items((), [CONTEST, NEAR_MISS, *(refused(0, word="waiting for partner") for _ in range(5))] * 3)
     shapes = feed_shapes(plan.feed, info, feed, plan.unit)
     assert_inside(shapes, plan.feed)
     assert_texts_apart(shapes)

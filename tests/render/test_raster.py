@@ -63,3 +63,21 @@ assert not pygame.display.get_init()
     bare["PYTHONPATH"] = os.pathsep.join(sys.path)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, env=bare)
     assert (done.returncode, done.stdout) == (0, ""), done.stderr
+
+
+def test_turtles_of_nearly_one_length_are_turned_as_each_should_be():
+    """A larger turtle has more angles."""
+    turtles = [
+        shapes.Turtle(50.0, 50.0, np.radians(degrees), length, (255, 0, 0))
+        for degrees, length in ((90, 28.2), (80, 28.4))
+    ]
+    alone = []
+    for turtle in turtles:
+        canvas = a_canvas()
+        canvas.draw([turtle])
+        alone.append(canvas.pixels.copy())
+    cache = sprites.SpriteCache()
+    for turtle, picture in zip(turtles, alone, strict=True):
+        canvas = Canvas.blank(200, 100, (10, 20, 30), cache)
+        canvas.draw([turtle])
+        assert np.array_equal(canvas.pixels, picture)
