@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.state import PART_NAMES
-from catch_arena.engine import Engine
-from catch_arena.engine.saved_state import SavedState
+from catch_arena.engine import Engine, SavedState
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Claim, Contest
