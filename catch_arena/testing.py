@@ -48,7 +48,7 @@ def run_conformance(
         ConfigError: without an arbiter and an arena, for an invalid limit, or for a word that matches no case.
     """
     if adapter is None and arena is None:
-        raise ConfigError("an arbiter or an arena must be given")
+        raise ConfigError("an arbiter or an arena must be given; in a command as module:function or path.py:function")
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     strictness = Strictness(evidence=evidence, exact_lots=exact_lots)

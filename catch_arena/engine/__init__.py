@@ -1,12 +1,11 @@
 """The engine: arenas of one config in one memory, which the compiled core steps. Names, spaces and dicts belong to
 envs/.
 
-- engine: `Engine`, which the envs, the service and the replays use.
+- engine: `Engine`, which the envs, the service and the replays use, and its `SavedState`.
 - compiling: compilation of the core, once in a process, and its message.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
-- saved_state: `SavedState`.
 - chunk_views: views of the memory by content. world_reading: the memory read as a World.
 """
 
 from catch_arena.engine.engine import Engine as Engine
-from catch_arena.engine.saved_state import SavedState as SavedState
+from catch_arena.engine.engine import SavedState as SavedState

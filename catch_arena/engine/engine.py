@@ -4,6 +4,7 @@ service do.
 
 import hashlib
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final
 
@@ -32,8 +33,8 @@ from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
-from catch_arena.engine.saved_state import SavedState
 from catch_arena.engine.world_reading import read_rulings, read_world
+from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.seeding import checked_seed
@@ -49,6 +50,22 @@ NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_BYTES: Final = np.zeros(0, dtype=np.uint8)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SavedState(EqualByBits):
+    """State of a batch of arenas, or of one of them. Two are equal if every bit is equal."""
+
+    config: str
+    """Digest of the arena's config."""
+    num_envs: int | None
+    """Number of arenas in the batch; None for a single row."""
+    controls: NDArray[np.int8]
+    """Controls of the hunters, as `VectorArena.set_controls` takes them: (B, H), or (H,) for a single row."""
+    memory: NDArray[np.uint8]
+    """Bytes of the engine's memory."""
+    finished: NDArray[np.uint8]
+    """Records of finished episodes, of an engine with `auto_reset`; otherwise empty."""
 
 
 class Engine:

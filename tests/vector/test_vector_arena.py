@@ -453,8 +453,6 @@ def test_what_else_is_wrong_is_told_in_one_line():
     ):
         with pytest.raises(ConfigError, match=message):
             restore(saved)
-    with pytest.raises(ConfigError, match="agent must be a whole number from 0 to 1, got 2"):
-        arena.action_space(2)
     for seed in (-1, 5.0, "123", True, [[1]] * 3):
         with pytest.raises(ConfigError, match="seed must be a whole number"):
             arena.reset(seed=seed)
