@@ -197,27 +197,27 @@ class ArenaConfig:
 
     def __post_init__(self) -> None:
         _make_plain(self)
-        _require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
+        require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
         _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)
         self._check_handicap("max_speed_mps", at_most=1000.0)
         self._check_handicap("max_turn_rate_radps", at_most=1000.0)
         self._check_handicap("reach_m", at_most=10_000.0)
         _require_number("spawn_frequency_hz", self.spawn_frequency_hz, at_least=-1e6, at_most=1e6)
-        _require_integer("max_targets", self.max_targets, 1, MAX_TARGETS)
-        _require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
-        _require_integer("control_period_ms", self.control_period_ms, 16, 10**9)
+        require_integer("max_targets", self.max_targets, 1, MAX_TARGETS)
+        require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
+        require_integer("control_period_ms", self.control_period_ms, 16, 10**9)
         _require_number("time_limit_s", self.time_limit_s, above=0.0, at_most=1e9)
         _require_number("dropout_rate", self.dropout_rate, at_least=0.0, at_most=1.0)
         if self.start_radius_m is not None:
             _require_number("start_radius_m", self.start_radius_m, at_least=0.0, at_most=self.side_m / 2)
         if self.target_budget is not None:
-            _require_integer("target_budget", self.target_budget, max(1, self.initial_targets), 2**40)
+            require_integer("target_budget", self.target_budget, max(1, self.initial_targets), 2**40)
         if self.max_cycles is not None:
-            _require_integer("max_cycles", self.max_cycles, 1, 10**9)
+            require_integer("max_cycles", self.max_cycles, 1, 10**9)
         if self.observed_targets is not None:
-            _require_integer("observed_targets", self.observed_targets, 1, self.max_targets, "max_targets")
+            require_integer("observed_targets", self.observed_targets, 1, self.max_targets, "max_targets")
         if self.observed_hunters is not None:
-            _require_integer("observed_hunters", self.observed_hunters, 0, self.hunters - 1, "hunters - 1")
+            require_integer("observed_hunters", self.observed_hunters, 0, self.hunters - 1, "hunters - 1")
         for name in ("reverse", "spawning", "mask_in_observation"):
             require_flag(name, getattr(self, name))
         require_choice("policy", self.policy, get_args(ArbitrationPolicy))
@@ -249,7 +249,7 @@ class ArenaConfig:
         require_choice("target_motion", self.target_motion, get_args(TargetMotion))
         _require_number("target_speed_mps", self.target_speed_mps, above=0.0, at_most=1000.0)
         _require_number("target_turn_rate_radps", self.target_turn_rate_radps, above=0.0, at_most=1000.0)
-        _require_integer("wander_period_ms", self.wander_period_ms, 1, 10**9)
+        require_integer("wander_period_ms", self.wander_period_ms, 1, 10**9)
         _require_number("alarm_m", self.alarm_m, at_least=0.0, at_most=10_000.0)
 
     def _check_view(self) -> None:
@@ -299,8 +299,8 @@ class ArenaConfig:
             object.__setattr__(self, "teams", checked_teams(self.teams, self.hunters))
 
     def _check_prey(self) -> None:
-        _require_integer("prey", self.prey, 0, MAX_PREY)
-        _require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
+        require_integer("prey", self.prey, 0, MAX_PREY)
+        require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
         if self.prey and self.target_budget is not None:
             raise ConfigError(f"target_budget must be None if the arena has prey, got {self.target_budget!r}")
         if self.prey_returns_s is not None:
@@ -484,12 +484,14 @@ def _micrometres(metres: float) -> int:
     return math.floor(1e6 * metres + 0.5)
 
 
-def _require_integer(name: str, value: object, low: int, high: int, high_is: str = "") -> None:
+def require_integer(name: str, value: object, low: int, high: int, high_is: str = "") -> int:
+    """Return a whole number as an int; raise ConfigError unless it is one from `low` to `high`."""
     number = whole_number(value)
     if number is None or not low <= number <= high:
         limit = f"{high} ({high_is})" if high_is else f"{high}"
         shown = with_type(value) if number is None else number
         raise ConfigError(f"{name} must be a whole number from {low} to {limit}, got {shown}")
+    return number
 
 
 def _require_number(
@@ -544,14 +546,14 @@ def checked_teams(teams: object, hunters: int) -> tuple[tuple[int, ...], ...]:
 
 def require_hunters_per_catch(number: object, teams: tuple[tuple[int, ...], ...] | None, policy: str) -> None:
     """R5.10: raise ConfigError unless some team has as many hunters as a catch needs."""
-    _require_integer("hunters_per_catch", number, 1, MAX_HUNTERS)
+    require_integer("hunters_per_catch", number, 1, MAX_HUNTERS)
     if number == 1:
         return
     if policy == "capstone":
         raise ConfigError(f"hunters_per_catch must be 1 under the policy 'capstone', got {number}")
     if teams is None:
         raise ConfigError(f"hunters_per_catch must be 1 unless teams are given, got {number}")
-    _require_integer("hunters_per_catch", number, 1, max(map(len, teams), default=0), "the size of the largest team")
+    require_integer("hunters_per_catch", number, 1, max(map(len, teams), default=0), "the size of the largest team")
 
 
 def require_options(options: object) -> None:

@@ -11,6 +11,7 @@ import os
 import signal
 import sys
 import time
+from contextlib import suppress
 
 TYPE_CHECKING = False  # not imported from typing, which takes long to load
 if TYPE_CHECKING:
@@ -69,9 +70,8 @@ def run_until_signal(last: "Callable[[], object]") -> None:
     """Call `last`; a signal ends it as the command's normal end, with exit code 0."""
     _Command.is_waiting = True
     try:
-        last()
-    except KeyboardInterrupt:
-        pass
+        with suppress(KeyboardInterrupt):
+            last()
     finally:
         _Command.is_waiting = False
 
@@ -112,13 +112,10 @@ def descendants(*roots: int) -> set[int]:
     """Return the ids of the running descendants of these processes; empty if the system does not list processes."""
     children: dict[int, list[int]] = {}
     for name in os.listdir("/proc") if LINUX else ():  # noqa: PTH208 - pathlib takes long to import
-        try:
-            with open(f"/proc/{name}/stat", "rb", buffering=0) as file:  # noqa: PTH123
-                state, parent, *_ = file.read().rpartition(b")")[2].split()
+        with suppress(OSError, ValueError), open(f"/proc/{name}/stat", "rb", buffering=0) as file:  # noqa: PTH123
+            state, parent, *_ = file.read().rpartition(b")")[2].split()
             if state not in {b"Z", b"X"}:
                 children.setdefault(int(parent), []).append(int(name))
-        except (OSError, ValueError):  # no process, or one that has just ended
-            continue
     found = list(roots)
     for parent in found:  # `found` grows during the loop
         found += children.get(parent, ())
@@ -130,7 +127,8 @@ def _on_signal(number: int, _: object) -> None:
         _Command.status = 128 + _Command.first_signal  # not a normal end any more, since the command was still busy
         _end()
     _Command.first_signal, _Command.status = number, 0 if _Command.is_waiting else 128 + number
-    sys.unraisablehook = _swallowed
+    # a destructor may swallow the interrupt; its other errors, and those of threads, are expected from now on
+    sys.unraisablehook = lambda error: _end() if error.exc_type is KeyboardInterrupt else None
     if (threading := sys.modules.get("threading")) is not None:
         threading.excepthook = lambda _: None  # type: ignore[attr-defined]
     if _Command.is_running and not _Command.is_saving:
@@ -139,22 +137,14 @@ def _on_signal(number: int, _: object) -> None:
         _end()
 
 
-def _swallowed(unraisable: "sys.UnraisableHookArgs") -> None:
-    """End if a destructor or a callback from C has swallowed the interrupt; print nothing."""
-    if unraisable.exc_type is KeyboardInterrupt:
-        _end()
-
-
 def _end() -> "NoReturn":
     """End this process and all its descendants, without Python's work at exit."""
     try:
         _end_descendants()
         if _Command.status:
-            line = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}"
-            try:
+            line, more = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}", ""
+            with suppress(Exception):  # the line is printed in any case
                 more = _Command.more()
-            except Exception:  # noqa: BLE001 - the line is printed in any case
-                more = ""
             before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # show a hidden cursor again
             os.write(2, f"{before}{line}{more and ': '}{more}\n".encode(errors="backslashreplace"))
     finally:
@@ -163,36 +153,19 @@ def _end() -> "NoReturn":
 
 def _end_descendants() -> None:
     """End all descendants of this process: first by SIGTERM, a moment later by SIGKILL."""
-    _adopt_orphans()
-    for number in (signal.SIGTERM, signal.SIGKILL) if LINUX else ():
+    if not LINUX:
+        return
+    with suppress(Exception):  # ctypes may be half imported
+        from ctypes import CDLL
+
+        CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1)  # descendants whose parent ends become children of this process
+    for number in (signal.SIGTERM, signal.SIGKILL):
         deadline = time.monotonic() + _GRACE_S
         while (left := descendants(os.getpid())) and time.monotonic() < deadline:
             for pid in left:
-                try:  # noqa: SIM105 - contextlib may be half imported
+                with suppress(OSError):  # the process has just ended
                     os.kill(pid, number)
-                except OSError:  # the process has just ended
-                    pass
             time.sleep(_PAUSE_S)
-    _reap()
-
-
-def _reap() -> None:
-    """Collect the children that have ended: after this process the system may take a moment to do so."""
-    try:
-        while os.waitpid(-1, os.WNOHANG)[0]:
-            pass
-    except (AttributeError, OSError):  # no child is left, or not on Linux
-        pass
-
-
-def _adopt_orphans() -> None:
-    """Become the parent of descendants whose own parent ends: a child that is forked meanwhile must not escape."""
-    try:
-        from ctypes import CDLL
-
-        CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1)
-    except Exception:  # noqa: BLE001, S110 - not on Linux, or ctypes is half imported
-        pass
 
 
 def _flush() -> bool:

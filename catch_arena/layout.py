@@ -28,56 +28,11 @@ class Column(NamedTuple):
     meaning: str
 
 
-class _Arena(NamedTuple):
-    """Quantities of an arena that give the bounds of columns; a range is (least, greatest)."""
-
-    side: float
-    """Side of the arena [m]."""
-    diagonal: float
-    """Greatest distance between two bodies [m], with a margin, since sums and rotations round."""
-    farthest: float
-    """Greatest distance at which a hunter can see a body, with R7.6's error [m]."""
-    duration: float
-    """Duration of the longest match, in whole steps [s]."""
-    time_limit: float
-    """Time limit of the match [s]."""
-    catches: float
-    """Largest number of catches by one hunter, or of one prey."""
-    speeds: tuple[float, float]
-    """Range of a hunter's linear velocity [m/s]."""
-    turn_rate: float
-    """Greatest turn rate of a hunter, to either side [rad/s]."""
-    target_speeds: tuple[float, float]
-    """R3.8, R12.2: range of the linear velocity of a target or prey [m/s]."""
-    target_turn_rate: float
-    """Greatest turn rate of a target or prey, to either side [rad/s]."""
-
-    @classmethod
-    def of(cls, config: ArenaConfig) -> "_Arena":
-        """Return the quantities of a config's arena."""
-        # one part in a thousand more, since sums and rotations round
-        diagonal = 1.001 * math.sqrt(2.0) * config.side_m
-        fastest, fastest_target = max(config.max_speeds), config.target_speed_mps
-        return cls(
-            side=config.side_m,
-            diagonal=diagonal,
-            farthest=diagonal + _FARTHEST_BLUR * config.view_noise_m,
-            duration=config.max_steps * config.control_period_ms / 1000.0,
-            time_limit=config.time_limit_ms / 1000.0,
-            catches=float(config.max_steps),
-            speeds=(-fastest if config.reverse else 0.0, fastest),
-            turn_rate=max(config.max_turn_rates),
-            # only prey drives backwards
-            target_speeds=(-fastest_target if config.prey and config.reverse else 0.0, fastest_target),
-            target_turn_rate=config.target_turn_rate_radps,
-        )
-
-
 class _Spec(NamedTuple):
     """Description of a column in a table, without its name."""
 
     unit: str
-    bounds: Callable[[_Arena], tuple[float, float]]
+    bounds: Callable[[ArenaConfig], tuple[float, float]]
     """Function that returns (least, greatest) value of the column; they hold after rounding to float32."""
     meaning: str
 
@@ -86,16 +41,50 @@ def _either_side(most: float) -> tuple[float, float]:
     return -most, most
 
 
-def _any_part(_: _Arena) -> tuple[float, float]:
+def _any_part(_: ArenaConfig) -> tuple[float, float]:
     return -1.0, 1.0
 
 
-def _flag(_: _Arena) -> tuple[float, float]:
+def _flag(_: ArenaConfig) -> tuple[float, float]:
     return 0.0, 1.0
 
 
+def _catches(config: ArenaConfig) -> tuple[float, float]:
+    return 0.0, float(config.max_steps)
+
+
+def _diagonal(config: ArenaConfig) -> float:
+    """Return the greatest distance between two bodies [m], with a margin, since sums and rotations round."""
+    return 1.001 * math.sqrt(2.0) * config.side_m
+
+
+def _duration(config: ArenaConfig) -> float:
+    """Return the duration of the longest match, in whole steps [s]."""
+    return config.max_steps * config.control_period_ms / 1000.0
+
+
+def _seen_distance(config: ArenaConfig) -> tuple[float, float]:
+    """R7.6: return the bounds of a part of the distance to a body that a hunter sees, with its error [m]."""
+    return _either_side(_diagonal(config) + _FARTHEST_BLUR * config.view_noise_m)
+
+
+def _speeds(config: ArenaConfig) -> tuple[float, float]:
+    """Return the bounds of a hunter's linear velocity [m/s]."""
+    fastest = max(config.max_speeds)
+    return -fastest if config.reverse else 0.0, fastest
+
+
+def _target_speeds(config: ArenaConfig) -> tuple[float, float]:
+    """R3.8, R12.2: return the bounds of the linear velocity of a target or prey [m/s]; only prey drives backwards."""
+    return -config.target_speed_mps if config.prey and config.reverse else 0.0, config.target_speed_mps
+
+
+_Place = Annotated[float, _Spec("m", lambda c: (0.0, c.side_m), "position in the world frame")]
 _Cosine = Annotated[float, _Spec("1", _any_part, "cosine of the heading")]
 _Sine = Annotated[float, _Spec("1", _any_part, "sine of the heading")]
+_TimeLeft = Annotated[float, _Spec("s", lambda c: (0.0, c.time_limit_ms / 1000.0), "time until the time limit")]
+_SeenAhead = Annotated[float, _Spec("m", _seen_distance, "distance ahead; negative is behind")]
+_SeenAside = Annotated[float, _Spec("m", _seen_distance, "distance to the left; negative is to the right")]
 _RelativeCosine = Annotated[float, _Spec("1", _any_part, "cosine of its heading relative to the agent's own")]
 _RelativeSine = Annotated[float, _Spec("1", _any_part, "sine of its heading relative to the agent's own")]
 
@@ -103,31 +92,31 @@ _RelativeSine = Annotated[float, _Spec("1", _any_part, "sine of its heading rela
 class SelfFeatures(NamedTuple):
     """Columns of a hunter's observation that describe the hunter itself."""
 
-    x: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
-    y: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
+    x: _Place
+    y: _Place
     heading_cos: _Cosine
     heading_sin: _Sine
-    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.speeds, "forward velocity")]
-    angular_velocity: Annotated[float, _Spec("rad/s", lambda a: _either_side(a.turn_rate), "turn rate, to the left")]
-    time_left: Annotated[float, _Spec("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
-    score: Annotated[float, _Spec("catches", lambda a: (0.0, a.catches), "granted catches so far")]
+    linear_velocity: Annotated[float, _Spec("m/s", _speeds, "forward velocity")]
+    angular_velocity: Annotated[
+        float, _Spec("rad/s", lambda c: _either_side(max(c.max_turn_rates)), "turn rate, to the left")
+    ]
+    time_left: _TimeLeft
+    score: Annotated[float, _Spec("catches", _catches, "granted catches so far")]
     distance_integral: Annotated[
-        float, _Spec("m s", lambda a: (0.0, a.diagonal * a.duration), "linear integral of R4.3")
+        float, _Spec("m s", lambda c: (0.0, _diagonal(c) * _duration(c)), "linear integral of R4.3")
     ]
     bearing_integral: Annotated[
-        float, _Spec("rad s", lambda a: _either_side(3.15 * a.duration), "angular integral of R4.3")
+        float, _Spec("rad s", lambda c: _either_side(3.15 * _duration(c)), "angular integral of R4.3")
     ]
 
 
 class TargetFeatures(NamedTuple):
     """Columns of a hunter's observation for each target, nearest first."""
 
-    forward: Annotated[float, _Spec("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
-    left: Annotated[
-        float, _Spec("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
-    ]
+    forward: _SeenAhead
+    left: _SeenAside
     present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a target")]
-    age: Annotated[float, _Spec("s", lambda a: (0.0, a.duration), "time since it appeared")]
+    age: Annotated[float, _Spec("s", lambda c: (0.0, _duration(c)), "time since it appeared")]
     active: Annotated[float, _Spec("flag", _flag, "1 if it is the hunter's active target")]
 
 
@@ -136,22 +125,20 @@ class MotionFeatures(NamedTuple):
 
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.target_speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "its forward velocity")]
 
 
 class RivalFeatures(NamedTuple):
     """Columns of a hunter's observation for each rival, nearest first."""
 
-    forward: Annotated[float, _Spec("m", lambda a: _either_side(a.farthest), "distance ahead; negative is behind")]
-    left: Annotated[
-        float, _Spec("m", lambda a: _either_side(a.farthest), "distance to the left; negative is to the right")
-    ]
+    forward: _SeenAhead
+    left: _SeenAside
     present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a rival")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
     score_difference: Annotated[
-        float, _Spec("catches", lambda a: _either_side(a.catches), "its score minus the agent's own")
+        float, _Spec("catches", lambda c: _either_side(float(c.max_steps)), "its score minus the agent's own")
     ]
 
 
@@ -164,30 +151,30 @@ class TeamFeatures(NamedTuple):
 class PreySelfFeatures(NamedTuple):
     """R12.4: columns of prey's observation that describe the prey itself."""
 
-    x: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
-    y: Annotated[float, _Spec("m", lambda a: (0.0, a.side), "position in the world frame")]
+    x: _Place
+    y: _Place
     heading_cos: _Cosine
     heading_sin: _Sine
-    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.target_speeds, "forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "forward velocity")]
     angular_velocity: Annotated[
-        float, _Spec("rad/s", lambda a: _either_side(a.target_turn_rate), "turn rate, to the left")
+        float, _Spec("rad/s", lambda c: _either_side(c.target_turn_rate_radps), "turn rate, to the left")
     ]
-    time_left: Annotated[float, _Spec("s", lambda a: (0.0, a.time_limit), "time until the time limit")]
-    times_caught: Annotated[float, _Spec("catches", lambda a: (0.0, a.catches), "number of times it was caught so far")]
+    time_left: _TimeLeft
+    times_caught: Annotated[float, _Spec("catches", _catches, "number of times it was caught so far")]
     alive: Annotated[float, _Spec("flag", _flag, "0 between a catch and its return")]
 
 
 class BodyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each hunter and for each other prey, nearest first."""
 
-    forward: Annotated[float, _Spec("m", lambda a: _either_side(a.diagonal), "distance ahead; negative is behind")]
+    forward: Annotated[float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance ahead; negative is behind")]
     left: Annotated[
-        float, _Spec("m", lambda a: _either_side(a.diagonal), "distance to the left; negative is to the right")
+        float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance to the left; negative is to the right")
     ]
     present: Annotated[float, _Spec("flag", _flag, "1 if this rank has {body}")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Spec("m/s", lambda a: a.speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
 
 
 def _both(name: str, first: Any, more: Any) -> Any:
@@ -203,11 +190,8 @@ SELF_COLUMNS: Final = SelfFeatures._fields
 TARGET_COLUMNS: Final = TargetFeatures._fields
 MOVING_TARGET_COLUMNS: Final = MovingTargetFeatures._fields
 RIVAL_COLUMNS: Final = RivalFeatures._fields
-TEAM_RIVAL_COLUMNS: Final = TeamRivalFeatures._fields
 PREY_SELF_COLUMNS: Final = PreySelfFeatures._fields
 BODY_COLUMNS: Final = BodyFeatures._fields
-OF_A_RANK: Final = (TargetFeatures, MovingTargetFeatures, RivalFeatures, TeamRivalFeatures, BodyFeatures)
-"""Tables whose columns are repeated for each rank."""
 MOST_SEEN_BY_PREY: Final = 8
 """R12.4: largest number of hunters that prey sees, and of other prey."""
 
@@ -257,12 +241,12 @@ def prey_observation_size(arena: Any) -> int:
     return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(arena) + prey_seen_by_prey(arena))
 
 
-def _columns_of(table: Any, arena: _Arena) -> tuple[Column, ...]:
+def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a table, with their bounds in an arena."""
     made = []
     for name, kind in table.__annotations__.items():
         unit, bounds, meaning = kind.__metadata__[0]
-        low, high = bounds(arena)
+        low, high = bounds(config)
         made.append(Column(name, unit, low, high, meaning))
     return tuple(made)
 
@@ -287,11 +271,10 @@ def _cached(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[Aren
 @_cached
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
-    arena = _Arena.of(config)
     return (
-        *_columns_of(SelfFeatures, arena),
-        *_numbered("target", range(1, config.targets_seen + 1), _columns_of(target_features(config), arena)),
-        *_numbered("rival", range(1, config.hunters_seen + 1), _columns_of(rival_features(config), arena)),
+        *_columns_of(SelfFeatures, config),
+        *_numbered("target", range(1, config.targets_seen + 1), _columns_of(target_features(config), config)),
+        *_numbered("rival", range(1, config.hunters_seen + 1), _columns_of(rival_features(config), config)),
     )
 
 
@@ -300,13 +283,14 @@ def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: return the columns of prey's observation in order; () if there is no prey."""
     if not config.prey:
         return ()
-    arena = _Arena.of(config)
     hunter, other = (
-        tuple(column._replace(meaning=column.meaning.format(body=body)) for column in _columns_of(BodyFeatures, of))
-        for body, of in (("a hunter", arena), ("another prey", arena._replace(speeds=arena.target_speeds)))
+        tuple(column._replace(meaning=column.meaning.format(body=body)) for column in _columns_of(BodyFeatures, config))
+        for body in ("a hunter", "another prey")
     )
+    slowest, fastest = _target_speeds(config)
+    other = (*other[:-1], other[-1]._replace(low=slowest, high=fastest))
     return (
-        *_columns_of(PreySelfFeatures, arena),
+        *_columns_of(PreySelfFeatures, config),
         *_numbered("hunter", range(1, hunters_seen_by_prey(config) + 1), hunter),
         *_numbered("prey", range(1, prey_seen_by_prey(config) + 1), other),
     )
@@ -344,9 +328,8 @@ STATE_PREY_COLUMNS: Final = (
 @_cached
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: return the columns of the global state, in the world frame."""
-    arena = _Arena.of(config)
     hunter, target, prey = (
-        {column.name: column for column in chain.from_iterable(_columns_of(table, arena) for table in tables)}
+        {column.name: column for column in chain.from_iterable(_columns_of(table, config) for table in tables)}
         for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
     )
     withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 if the hunter takes no further part")

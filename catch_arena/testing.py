@@ -6,15 +6,14 @@ import time
 from collections.abc import Callable, Sequence
 from math import inf
 
-from catch_arena.conformance.adjudicator_calls import DiffersError, RaisedError, time_limit
+from catch_arena.conformance.adjudicator_calls import DiffersError, NoRuling, time_limit
 from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner
 from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
-from catch_arena.conformance.case_files import load_cases
-from catch_arena.conformance.cases import ArbiterCase, ArenaCase
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase, load_cases
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
-from catch_arena.conformance.results import Failure, Result, needs
+from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import ConfigError, did_you_mean
 
 __all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "run_conformance", "select_cases"]
@@ -102,8 +101,8 @@ def _run_case(
             failure = Failure(case, runner.variation, error.differences)
             break
         except TimeoutError as error:  # the limit can also pass between two calls
-            failure = Failure(
-                case, runner.variation, (RaisedError("the case", "an answer", str(error), "TimeoutError", ""),)
-            )
+            late = NoRuling("the case", "an answer", str(error), "TimeoutError is raised")
+            failure = Failure(case, runner.variation, (late,))
             break
-    return Result(case, failure, time.perf_counter() - start, None if runners else needs(case))
+    left_out = f"not played without an {'arbiter' if isinstance(case, ArbiterCase) else 'arena'}"
+    return Result(case, failure, time.perf_counter() - start, "" if runners else left_out)

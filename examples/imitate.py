@@ -18,7 +18,7 @@ from train_ppo import RATE, Arenas, Network, export, settings_from, tensors
 
 from catch_arena.errors import CatchArenaError
 from catch_arena.policy import control_of
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
 from catch_arena.training.destinations import destinations
 
@@ -33,7 +33,7 @@ def imitate() -> None:
     parser.add_argument("agent", help="agent to copy, with act_batch and velocity control")
     given, others = parser.parse_known_args()
     settings, _ = settings_from(["--head", "velocity", *others])
-    teacher = create_policy(resolve_spec(given.agent))
+    teacher = create_policy(resolve(given.agent).spec)
     if not hasattr(teacher, "act_batch") or control_of(teacher) != "velocity":
         raise ValueError(f"agent must have act_batch and velocity control, got {given.agent}")
     teacher.reset(settings.seed)

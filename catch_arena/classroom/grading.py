@@ -4,6 +4,7 @@ import hashlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -135,9 +136,11 @@ def grade_class(
     keys = {one.name: f"{spec_key}-{one.digest()}" for one in submissions}
     waiting = deque[tuple[Submission, int]]()
     for submission in submissions:
-        graded = _kept_grade(kept / f"{submission.name}.json")
-        if graded is not None and graded.key == keys[submission.name]:
-            yield graded, True
+        before: Graded | None = None
+        with suppress(OSError, ValueError):  # there is none, or one of another version
+            before = msgspec.json.decode((kept / f"{submission.name}.json").read_bytes(), type=Graded)
+        if before is not None and before.key == keys[submission.name]:
+            yield before, True
         else:
             waiting.append((submission, 1))
     running: dict[Future[Graded], tuple[Submission, int]] = {}
@@ -157,11 +160,3 @@ def grade_class(
                 continue
             write_whole(kept / f"{submission.name}.json", msgspec.json.encode(graded))
             yield graded, False
-
-
-def _kept_grade(path: Path) -> Graded | None:
-    """Return the grade in a file; None if there is none, or one of another version."""
-    try:
-        return msgspec.json.decode(path.read_bytes(), type=Graded)
-    except (OSError, ValueError):
-        return None

@@ -8,7 +8,6 @@ import msgspec
 
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.highlights import extract_events
 from catch_arena.explanation.sentences import capture_sentence, contest_sentence, refusals_sentence
 from catch_arena.player import packed_text
 from catch_arena.player.bundle import encode_bundle
@@ -52,7 +51,7 @@ class WorstMatch:
 
     def __init__(self, parties: Parties) -> None:
         self._parties = parties
-        self._worst: tuple[bool, float] | None = None
+        self._worst: tuple[bool, int] | None = None
         self._replay = b""
         self._seat = 0
         self._forfeit: Forfeit | None = None
@@ -61,11 +60,9 @@ class WorstMatch:
 
     def keep(self, party: int, result: MatchResult, replay: bytes) -> None:
         """Keep a match if it is worse than all before."""
-        hunting, own = self._parties.hunting, result.scores[party]
-        rivals = [score for other, score in enumerate(result.scores[:hunting]) if other != party]
-        forfeit = result.forfeits[party]
-        behind = own if party >= hunting else max(rivals, default=0) - own
-        badness = (True, 0.0) if forfeit is not None else (False, float(behind))
+        forfeit, hunting = result.forfeits[party], self._parties.hunting
+        behind = result.scores[party] if party >= hunting else -lead(result, party, hunting)
+        badness = (True, 0) if forfeit is not None else (False, behind)
         if self._worst is None or badness > self._worst:
             self._worst, self._replay, self._forfeit, self.log = badness, replay, forfeit, result.logs[party]
             self._seat = self._parties.seats[party][0] if forfeit is None or forfeit.seat < 0 else forfeit.seat
@@ -79,6 +76,12 @@ class WorstMatch:
         if self._worst is None or (self._forfeit is not None and not self._forfeit.step):
             return None
         return worst_moment(decode_replay(self._replay), self._seat, self._forfeit)
+
+
+def lead(result: MatchResult, party: int, hunting: int) -> int:
+    """Return the score of a party minus the best score of the others, among the `hunting` parties that hunt."""
+    others = (score for other, score in enumerate(result.scores[:hunting]) if other != party)
+    return result.scores[party] - max(others, default=0)
 
 
 def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None = None) -> Moment:
@@ -140,6 +143,6 @@ def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:
     if lost:
         contest = lost[max(lost)]
         return contest.judged_ms, contest_sentence(contest, match.names, match.prey_by_target.get(contest.target))
-    caught = [catch.judged_ms for catch in extract_events(replay).catches if catch.seat == seat]
+    caught = [catch.judged_ms for catch in match.catches if catch.seat == seat]
     start, end = max(pairwise([0, *caught, replay.duration_ms]), key=lambda gap: gap[1] - gap[0])
     return start, f"From {seconds(start)} to {seconds(end)} it catches nothing, its longest wait in this match."

@@ -1,7 +1,5 @@
 """Submissions of a class: a folder with one file or one sub-folder for each student, named by it."""
 
-import hashlib
-import os
 import re
 from collections import Counter
 from dataclasses import dataclass
@@ -11,7 +9,7 @@ from typing import Final
 
 from catch_arena.errors import ConfigError
 from catch_arena.text import composed, name_fault
-from catch_arena.tournament.agent_spec import IN_FOLDER, content_of, shipped_names
+from catch_arena.tournament.agent_spec import IN_FOLDER, digest_of_files, shipped_names
 
 _SUBMITTED: Final = re.compile(r"\.(py|ipynb)$", re.IGNORECASE)
 _IGNORED: Final = re.compile(r"\.|__")
@@ -47,11 +45,8 @@ class Submission:
 
     def digest(self) -> str:
         """Return the digest of the names and contents of its files; the student's name does not count."""
-        digest = hashlib.blake2b(digest_size=8)
-        for path in self.files:
-            name = str(path.relative_to(self.path)) if self.path.is_dir() else path.suffix
-            digest.update(os.fsencode(name) + b"\0" + (content_of(str(path)) or b"") + b"\0")
-        return digest.hexdigest()
+        named = ((path.relative_to(self.path) if self.path.is_dir() else path.suffix, path) for path in self.files)
+        return digest_of_files(named, 8).hexdigest()
 
 
 def is_class(word: str) -> bool:

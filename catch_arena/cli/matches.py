@@ -118,11 +118,12 @@ def tournament(
     given = None if seed is None else secret_of(seed)
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario, tournament=True)
-    secret = given or (Store.secret_in(out) if resume else None) or secret_of(None)
+    begun = Store.tournament_in(out) if resume else None
+    secret = given or (begun.secret if begun else secret_of(None))
     plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
     size = f"{plan.size}" if isinstance(plan, FixedPlan) else f"at most {plan.size}"
     worker = Worker(config, entrants, record, quotas)
-    about = Tournament(config, entrants, plan.parameters, terms_of(quotas, max_forfeits, recorded=record), secret.text)
+    about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
     new = not (out / STORE).exists()
     if new:
         _require_free_folder(out, parties, recorded=record, force=force)
@@ -139,7 +140,7 @@ def tournament(
         print_missing_prey(entrants, config)
         with noting_kept_results(kept):
             with cores.of(worker) as ready:
-                _play_tournament(store, plan, ready, max_forfeits, out)
+                _play_tournament(store, plan, ready, max_forfeits)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
@@ -191,7 +192,7 @@ def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int,
     own_console(err=True).print(table)
 
 
-def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_forfeits: int, out: Path) -> None:
+def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_forfeits: int) -> None:
     """Play the matches that are not in the store yet, with a progress bar."""
     from catch_arena.cli.progress import progress_bar
     from catch_arena.tournament.execution.runner import play_plan
@@ -209,7 +210,6 @@ def _play_tournament(store: "Store", plan: "Plan", executor: "Executor", max_for
             plan,
             executor,
             max_forfeits=max_forfeits,
-            folder=out,
             on_results=on_results,
             on_planned=lambda planned: show(planned, plan.size, "planning"),
         )

@@ -317,7 +317,7 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 def _driver_fault(driver: str) -> str | None:
     """Return an error text for an invalid driver of a hunter; None for a valid one."""
-    from catch_arena.tournament.agent_spec import resolve_spec
+    from catch_arena.tournament.agent_spec import resolve
 
     word, named, name = driver.partition(":")
     if word in {NODE, HUMAN}:
@@ -325,7 +325,7 @@ def _driver_fault(driver: str) -> str | None:
     if word.lower() in {NODE, HUMAN}:
         return f"did you mean {word.lower()}? got {driver}"
     try:
-        resolve_spec(driver)
+        resolve(driver)
     except AgentError as error:
         return f"{error}; use {NODE} for a node, and {HUMAN} for a person"
     return None

@@ -41,22 +41,13 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class UnreadableRuling(Difference):
-    """An answer, or a part of it, that cannot be read as a ruling."""
+class NoRuling(Difference):
+    """An error, or an answer that cannot be read, in place of a ruling."""
 
     looks_like: str
-    rule: str
-    """The rule that the answer breaks, as in docs/howto/conformance.md."""
-
-
-@dataclass(frozen=True, slots=True)
-class RaisedError(Difference):
-    """An error in place of an answer."""
-
-    error: str
-    """Name of the error's class."""
-    location: str
-    """« (file, line)» in the code under test, or empty."""
+    """The error and its place, or what is wrong with the answer."""
+    rule: str = "Every request gets exactly one verdict (R5.2)."
+    """The rule that the answer breaks."""
 
 
 class DiffersError(Exception):
@@ -88,7 +79,8 @@ def call_adjudicator(call: str, function: Callable[..., object], *arguments: obj
     except (Exception, SystemExit) as error:  # the code under test may raise anything
         location = _where(error)
         raised = f"none: it raised {printable(reason(error))}{location}"
-        raise DiffersError(RaisedError(call, "an answer", raised, printable(type(error).__name__), location)) from error
+        looks_like = f"{printable(type(error).__name__)} is raised{location}"
+        raise DiffersError(NoRuling(call, "an answer", raised, looks_like)) from error
 
 
 @contextmanager
@@ -133,7 +125,7 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
     looks_like = "too few rulings are returned, or None" if too_few else "too many rulings are returned, or not a list"
     must = f"{counted(len(expected), 'ruling')}, one for each request, in their order"
     rule = "An answer is a list with one ruling for each request, in their order (`catch-arena docs conformance`)."
-    raise DiffersError(UnreadableRuling("the answer", must, got, looks_like, rule))
+    raise DiffersError(NoRuling("the answer", must, got, looks_like, rule))
 
 
 def counted(number: int, noun: str) -> str:
@@ -164,9 +156,7 @@ def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
         subject = f"{describe_request(place, expected)}: {field}"
-        return DiffersError(
-            UnreadableRuling(subject, must, shortened(value), f"{field} cannot be read", f"It must be {must}.")
-        )
+        return DiffersError(NoRuling(subject, must, shortened(value), f"{field} cannot be read", f"It must be {must}."))
 
     fields = _fields(given)
     if not {"verdict", "hunter", "target"} <= fields.keys():

@@ -3,7 +3,7 @@
 import copy
 import itertools
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Final
 
 from msgspec.structs import replace
@@ -45,13 +45,12 @@ class ArbiterRunner:
         """
         case = self._case
         decided = _with_lots_decided(case, self._judge("", case))
-        for variants in (_reordered(decided), _without_loser(decided), _renumbered(case)):
-            for variation, variant in variants:
-                self._judge(variation, variant)
+        for variation, variant in (*_reordered(decided), *_without_loser(decided), *_renumbered(case)):
+            self._judge(variation, variant)
         if case.fair_over_steps:
             self._require_fair_lots(case)
         if case.under_nearest:
-            self._judge("under the policy nearest", _under_nearest(case))
+            self._judge("under the policy nearest", replace(case, policy="nearest", expected=case.under_nearest))
 
     def _judge(self, variation: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
         self.variation = variation
@@ -66,9 +65,12 @@ class ArbiterRunner:
         )
 
     def _require_fair_lots(self, case: ArbiterCase) -> None:
+        """Check that in `fair_over_steps` steps, with another seed in each, every seat wins some lots."""
         steps = f"over {case.fair_over_steps} steps, each with another seed"
+        lots = tuple(replace(lot, drawn=None) for lot in case.lots)
         won: set[tuple[object, int | str | None]] = set()
-        for variant in _in_other_steps(case):
+        for later in range(case.fair_over_steps):
+            variant = replace(case, seed=case.seed + later, step=case.step + later, lots=lots)
             decided = self._judge(steps, variant)
             won |= {(ruling.target, ruling.winner) for ruling in decided}
             for variation, fewer in _without_loser(_with_lots_decided(variant, decided)):
@@ -118,7 +120,7 @@ def _renumbered(case: ArbiterCase) -> Variants:
                 case,
                 hunters=tuple(case.hunters[old] for old in order),
                 expected=tuple(map(moved, case.expected)),
-                reach_m=_in_seats(case.reach_m, order),
+                reach_m=case.reach_m if isinstance(case.reach_m, float) else tuple(case.reach_m[old] for old in order),
                 inactive=tuple(sorted(new[old] for old in case.inactive)),
                 teams=case.teams and tuple(tuple(new[old] for old in team) for team in case.teams),
                 lots=tuple(
@@ -129,11 +131,6 @@ def _renumbered(case: ArbiterCase) -> Variants:
         )
 
 
-def _in_seats(reach_m: float | Sequence[float], order: Sequence[int]) -> float | tuple[float, ...]:
-    """R2.7: return the reaches [m] in a new order of seats, so that each hunter keeps its own."""
-    return reach_m if isinstance(reach_m, int | float) else tuple(reach_m[old] for old in order)
-
-
 def _without_loser(case: ArbiterCase) -> Variants:
     """R5.5: yield variants without the requests of one hunter that won nothing; the lots of the case are decided.
 
@@ -141,7 +138,7 @@ def _without_loser(case: ArbiterCase) -> Variants:
     that a catch may need (R5.10) stay.
     """
     for seat in sorted({ruling.hunter for ruling in case.expected}):
-        if any(ruling.hunter == seat and (_has_won(ruling) or _is_needed(ruling, case)) for ruling in case.expected):
+        if any(ruling.hunter == seat and _must_stay(ruling, case) for ruling in case.expected):
             continue
         rest = tuple(ruling for ruling in case.expected if ruling.hunter != seat)
         contested = {ruling.target for ruling in rest if ruling.verdict is Verdict.LOST_CONTEST}
@@ -159,24 +156,9 @@ def _without_loser(case: ArbiterCase) -> Variants:
         )
 
 
-def _in_other_steps(case: ArbiterCase) -> Iterator[ArbiterCase]:
-    """Yield the case in `fair_over_steps` steps, with another seed in each."""
-    lots = tuple(replace(lot, drawn=None) for lot in case.lots)
-    for later in range(case.fair_over_steps):
-        yield replace(case, seed=case.seed + later, step=case.step + later, lots=lots)
-
-
-def _under_nearest(case: ArbiterCase) -> ArbiterCase:
-    """Return the case under the policy `nearest`, with the rulings of that policy."""
-    return replace(case, policy="nearest", expected=case.under_nearest, under_nearest=())
-
-
-def _has_won(ruling: ExpectedRuling) -> bool:
-    return ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED, LOT}
-
-
-def _is_needed(ruling: ExpectedRuling, case: ArbiterCase) -> bool:
-    return case.hunters_per_catch > 1 and ruling.verdict is Verdict.LOST_CONTEST
+def _must_stay(ruling: ExpectedRuling, case: ArbiterCase) -> bool:
+    won = ruling.verdict in {Verdict.GRANTED, Verdict.KILL_FAILED, LOT}
+    return won or (case.hunters_per_catch > 1 and ruling.verdict is Verdict.LOST_CONTEST)
 
 
 def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
@@ -190,11 +172,8 @@ def _permutations(count: int, name: str) -> list[tuple[int, ...]]:
 def _orders(seats: tuple[int, ...], name: str) -> list[tuple[int, ...]]:
     """Return orders of the requests, by their places, in which the requests of one seat keep their order."""
     given = tuple(range(len(seats)))
-    found = dict.fromkeys(_permuted(seats, order) for order in _permutations(len(seats), name))
+    found: dict[tuple[int, ...], None] = {}
+    for order in _permutations(len(seats), name):
+        waiting = {seat: iter([place for place, owner in enumerate(seats) if owner == seat]) for seat in seats}
+        found[tuple(next(waiting[seats[place]]) for place in order)] = None
     return [order for order in found if order != given]
-
-
-def _permuted(seats: tuple[int, ...], order: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the order with the places of each seat sorted."""
-    waiting = {seat: iter([place for place, owner in enumerate(seats) if owner == seat]) for seat in set(seats)}
-    return tuple(next(waiting[seats[place]]) for place in order)

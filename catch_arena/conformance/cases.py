@@ -1,11 +1,16 @@
 """Cases of the conformance suite. Their fields are the keys of the .toml files, and msgspec checks the types."""
 
 from collections.abc import Mapping
+from copy import deepcopy
+from functools import cache
+from importlib.resources import files
 from typing import Annotated, Any, Final, Literal
 
-from msgspec import Meta, Struct, field, structs, to_builtins
+from msgspec import Meta, Struct, convert, field, structs
 
-from catch_arena.config import ArbitrationPolicy, TargetMotion
+from catch_arena.config import ArbitrationPolicy
+from catch_arena.errors import ConfigError
+from catch_arena.files import tomllib
 from catch_arena.verdicts import Verdict
 
 LOT: Final = "LOT"
@@ -14,31 +19,11 @@ ANY: Final = "ANY"
 """Placeholder for the distance to a target whose place comes from the adjudicator's random numbers."""
 NEVER: Final = "NEVER"
 """Placeholder for the None of `prey_returns_s`, which TOML cannot write."""
-ANSWERS: Final = (LOT, *Verdict.__members__)
 
 Whole = Annotated[int, Meta(ge=0)]
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
 """Finite number, of a magnitude up to 1e12."""
 Place = tuple[Number, Number]
-Reach = Number | tuple[Number, ...]
-"""Reach of all hunters, or by seat (R2.7) [m]."""
-Reading = Literal[
-    "time_ms",
-    "alive",
-    "appeared_ms",
-    "spawned",
-    "skipped_full",
-    "skipped_down",
-    "refused",
-    "scores",
-    "team_scores",
-    "prey",
-    "times_caught",
-    "ended",
-    "seen",
-    "rivals_seen",
-]
-"""Names of the values that a case may read from an arena; docs/reference/conformance_cases.md explains each."""
 
 
 class _Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -51,8 +36,8 @@ class ExpectedRuling(_Table, frozen=True, kw_only=True):
     hunter: Whole
     target: Any
     """The requested target: any object; for an arena, a spawn number, or 0 for a rank without a target."""
-    answer: str = field(name="verdict")
-    """One of ANSWERS."""
+    answer: Annotated[str, Meta(pattern=f"^({'|'.join((LOT, *Verdict.__members__))})$")] = field(name="verdict")
+    """Name of a verdict, or LOT."""
     distance_um: Whole | Literal["ANY"] | None = None
     winner: Whole | Literal["LOT"] | None = None
 
@@ -107,7 +92,8 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
     targets: dict[str, Place]
     expected: tuple[RulingByName, ...] = field(name="requests")
     """The requests in their order, each with its ruling."""
-    reach_m: Reach = 0.3
+    reach_m: Number | tuple[Number, ...] = 0.3
+    """Reach of all hunters, or by seat (R2.7) [m]."""
     policy: ArbitrationPolicy = "nearest"
     seed: Whole = 0
     step: Whole = 0
@@ -162,44 +148,6 @@ _NEWER: Final = ("teams", "hunters_per_catch")
 """Arguments that only cases about R5.10 have."""
 
 
-class Settings(_Table, frozen=True, kw_only=True, omit_defaults=True):
-    """Settings of an arena: fields of ArenaConfig, and the services that fail. None: not given."""
-
-    reach_m: Reach | None = None
-    policy: ArbitrationPolicy | None = None
-    side_m: Number | None = None
-    spawn_frequency_hz: Number | None = None
-    initial_targets: Whole | None = None
-    max_targets: Whole | None = None
-    target_budget: Whole | None = None
-    target_motion: TargetMotion | None = None
-    target_speed_mps: Number | None = None
-    target_turn_rate_radps: Number | None = None
-    wander_period_ms: Whole | None = None
-    alarm_m: Number | None = None
-    view_radius_m: Number | None = None
-    view_angle_deg: Number | None = None
-    control_period_ms: Whole | None = None
-    time_limit_s: Number | None = None
-    drop_outs: tuple[tuple[Whole, Whole], ...] | None = None
-    """Pairs (step, seat)."""
-    kill_down: tuple[Whole, ...] | None = None
-    """Steps in which the kill service is down."""
-    kill_refused: tuple[tuple[Whole, Whole], ...] | None = None
-    """Pairs (step, number) of refused kills."""
-    spawn_down: tuple[Whole, ...] | None = None
-    """Firings, from 1, at which the spawn service is down."""
-    spawn_refused: tuple[Whole, ...] | None = None
-    """Numbers of the targets whose spawning is refused."""
-    spawning: bool | None = None
-    teams: tuple[tuple[Whole, ...], ...] | None = None
-    """Seats by team."""
-    hunters_per_catch: Whole | None = None
-    prey: Whole | None = None
-    prey_returns_s: Number | Literal["NEVER"] | None = None
-    hunters: Whole = 1
-
-
 class CaseStep(_Table, frozen=True, kw_only=True):
     """One part of an arena's case: events in the arena, in the order of these fields."""
 
@@ -218,8 +166,8 @@ class CaseStep(_Table, frozen=True, kw_only=True):
     """Commands (index, v [m/s], w [rad/s]) of prey in the step of the requests; prey without one stands still."""
     expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
     """The requests of one more step, with their rulings: empty for a step without requests, None for no step."""
-    read: dict[Reading, Any] = {}
-    """The expected state of the arena after the step."""
+    read: dict[str, Any] = {}
+    """The expected state of the arena after the step, by the keys of `ArenaUnderTest.read`."""
 
     @property
     def drive(self) -> dict[int, tuple[float, float]]:
@@ -235,11 +183,37 @@ class CaseStep(_Table, frozen=True, kw_only=True):
 class ArenaCase(Case, frozen=True, kw_only=True):
     """One part of a match, for adjudicators that have an arena: spawning, time and identity."""
 
-    arena: Settings = field(name="settings")
+    given: dict[str, Any] = field(name="settings")
+    """Settings of the arena: fields of ArenaConfig, and the failures of `ArenaUnderTest.reset`."""
     play: tuple[CaseStep, ...]
 
     @property
     def settings(self) -> dict[str, Any]:
-        """The given settings of the arena, with the number of hunters."""
-        given: dict[str, Any] = {"hunters": self.arena.hunters} | to_builtins(self.arena)
+        """The given settings of the arena, with the number of hunters, in new containers."""
+        given = {"hunters": 1} | deepcopy(self.given)
         return {key: None if value == NEVER else value for key, value in given.items()}
+
+
+class _File(_Table, frozen=True, kw_only=True):
+    """Content of one .toml file."""
+
+    case: tuple[ArbiterCase, ...] = ()
+    arena_case: tuple[ArenaCase, ...] = ()
+
+
+@cache
+def load_cases() -> tuple[ArbiterCase | ArenaCase, ...]:
+    """Return all cases of the suite, file by file, in the order of each file.
+
+    Raises:
+        ConfigError: for a file that is not valid.
+    """
+    found: list[ArbiterCase | ArenaCase] = []
+    for path in sorted((files("catch_arena.conformance") / "cases").iterdir(), key=lambda path: path.name):
+        if path.name.endswith(".toml"):
+            try:
+                content = convert(tomllib.loads(path.read_text(encoding="utf-8")), _File)
+            except ValueError as error:  # as are the errors of tomllib and of msgspec
+                raise ConfigError(f"{path.name}: {error}") from None
+            found += (*content.case, *content.arena_case)
+    return tuple(found)

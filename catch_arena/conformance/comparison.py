@@ -126,7 +126,7 @@ def _decide_lots(
 
 
 def _kind(right: ExpectedRuling, given: Ruling) -> str:
-    """Return the kind of a difference: see `answers.KINDS`."""
+    """Return the kind of a difference: see KINDS."""
     if (right.verdict is Verdict.GRANTED) != given.success:
         return "success"
     return "evidence" if right.verdict is given.verdict else "verdict"

@@ -8,7 +8,7 @@ from typing import Final
 
 import msgspec
 
-from catch_arena.conformance.adjudicator_calls import KINDS, RaisedError, UnreadableRuling
+from catch_arena.conformance.adjudicator_calls import KINDS, NoRuling
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.files import tomllib
@@ -76,10 +76,7 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
     judged = {}
     for id_, failure in failures.items():
         difference = failure.differences[0]
-        if isinstance(difference, RaisedError):
-            raised = f"{difference.error} is raised{difference.location}"
-            groups.setdefault((raised, "Every request gets exactly one verdict (R5.2)."), []).append(failure)
-        elif isinstance(difference, UnreadableRuling):
+        if isinstance(difference, NoRuling):
             groups.setdefault((difference.looks_like, difference.rule), []).append(failure)
         else:
             judged[id_] = failure

@@ -48,13 +48,10 @@ class Report:
         """One line with the numbers of cases that passed, failed, and could not be played."""
         played = sum(result.played for result in self.results)
         failed = len(self.failures)
-        left_out = Counter(result.left_out for result in self.results if result.left_out is not None)
-        counts = [
-            f"{played - failed} passed",
-            f"{failed} failed",
-            *(f"{count} {why.of_one if count == 1 else why.of_several}" for why, count in left_out.items()),
-        ]
-        return f"cases: {', '.join(counts)}"
+        left_out = Counter(result.left_out for result in self.results if not result.played)
+        return ", ".join(
+            [f"cases: {played - failed} passed", f"{failed} failed", *(f"{left_out[why]} {why}" for why in left_out)]
+        )
 
     def __str__(self) -> str:
         """Return the failures by mistake, the passed cases by group if any failed, and the summary."""
@@ -133,8 +130,8 @@ class Report:
                 message = f"{', '.join(case.clauses)}: {result.failure.differences[0]}"
                 failure = SubElement(test, "failure", {"type": "conformance", "message": printable(message)})
                 failure.text = printable_lines(str(result.failure))
-            elif result.left_out is not None:
-                SubElement(test, "skipped", {"message": result.left_out.of_one})
+            elif not result.played:
+                SubElement(test, "skipped", {"message": result.left_out})
         indent(root)
         return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, encoding="unicode")}\n'
 

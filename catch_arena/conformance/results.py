@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 from catch_arena.conformance.adjudicator_calls import KINDS, Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
@@ -27,7 +27,7 @@ class Failure:
 
     @property
     def kind(self) -> str:
-        """The strongest kind of its differences, see `answers.KINDS`; "" if none has a kind."""
+        """The strongest kind of its differences, see KINDS; "" if none has a kind."""
         found = {difference.kind for difference in self.differences}
         return next((kind for kind in KINDS if kind in found), "")
 
@@ -58,22 +58,6 @@ class Failure:
         return "\n".join(lines)
 
 
-class LeftOut(NamedTuple):
-    """Reason why a case was not played, as a phrase after one case and as a phrase after several."""
-
-    of_one: str
-    of_several: str
-
-
-_NEEDS_ARBITER: Final = LeftOut("needs an arbiter", "need an arbiter")
-_NEEDS_ARENA: Final = LeftOut("needs an arena", "need an arena")
-
-
-def needs(case: ArbiterCase | ArenaCase) -> LeftOut:
-    """Return the reason why a case cannot be played without an arbiter or an arena."""
-    return _NEEDS_ARBITER if isinstance(case, ArbiterCase) else _NEEDS_ARENA
-
-
 @dataclass(frozen=True, slots=True)
 class Result:
     """Result of one case."""
@@ -81,13 +65,13 @@ class Result:
     case: ArbiterCase | ArenaCase
     failure: Failure | None
     seconds: float
-    left_out: LeftOut | None = None
-    """Reason why the case was not played; None if it was played."""
+    left_out: str = ""
+    """Reason why the case was not played, such as "not played without an arena"; "" if it was played."""
 
     @property
     def played(self) -> bool:
         """True if the case was played."""
-        return self.left_out is None
+        return not self.left_out
 
 
 def wrapped(text: str, width: int, first: str = "", then: str | None = None, max_lines: int | None = None) -> str:

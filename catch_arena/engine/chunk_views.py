@@ -64,19 +64,11 @@ class ChunkViews:
         numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
         return np.where(slots == state.NO_TARGET, 0.0, numbers)
 
-    def targets_seen(self, arena: int, seat: int) -> list[int]:
-        """R7.1: return the numbers of the targets that one hunter sees, by rank."""
-        chunk, lane = divmod(arena, LANES)
-        slots = self.target_orders[chunk, seat, :, lane].copy().view(np.uint8)  # a slot is a byte: see RANKS_PER_WORD
-        seen = slots[np.cumsum(slots == state.ABSENT) == 0]
-        numbers: list[int] = self.targets[chunk, seen, row_of(state.NUMBER), lane].astype(int).tolist()
-        return numbers
-
     def numbers_seen(self, seat: int) -> NDArray[np.int64]:
         """R7.1: return the numbers of the targets that one hunter sees in each lane, by rank, 0 for none:
         (chunks * LANES, ranks), a copy.
         """
-        slots = np.ascontiguousarray(self.target_orders[:, seat].swapaxes(1, 2)).view(np.uint8)
+        slots = np.ascontiguousarray(self.target_orders[:, seat].swapaxes(1, 2)).view(np.uint8)  # a slot is a byte
         none = np.cumsum(slots == state.ABSENT, axis=2) > 0
         numbers = self.targets[:, :, row_of(state.NUMBER)].swapaxes(1, 2)
         seen = np.take_along_axis(numbers, np.where(none, 0, slots).astype(np.int64), axis=2)

@@ -33,31 +33,27 @@ class Variant(NamedTuple):
 
 
 _compiled: Final[set[Variant]] = set()
-"""Variants that are compiled in this process."""
-_running: Final[set[Variant]] = set()
-"""Variants that are being compiled; a second thread waits for Numba's own lock."""
+"""Variants that are compiled in this process, or are being compiled; a second thread waits for Numba's own lock."""
 
 
 def compile_once(variant: Variant, play: Callable[[], None]) -> None:
     """Compile, or load from the cache, all that `play` calls, once in a process; print a line if it is compiled."""
-    if INTERPRETED or variant in _compiled or variant in _running:
+    if INTERPRETED or variant in _compiled:
         return
-    _running.add(variant)
+    _compiled.add(variant)
     try:
         with _announced(variant), _without_garbage_collection():
             play()
-    finally:
-        _running.discard(variant)
-    _compiled.add(variant)
+    except BaseException:
+        _compiled.discard(variant)
+        raise
 
 
 @contextmanager
 def _announced(variant: Variant) -> Iterator[None]:
     """Print one line when the first function is compiled, and none if all come from the cache."""
     seconds = _ALL_S if variant.options else _COMMON_S
-    lines = [
-        f"catch_arena: compiling {variant}: about {seconds} s, and longer on a slow or busy machine; {_KEPT}\n",
-    ]
+    lines = [f"catch_arena: compiling {variant}: about {seconds} s, and longer on a slow or busy machine; {_KEPT}\n"]
 
     def announce() -> None:
         if lines:

@@ -3,7 +3,7 @@ seat.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +14,7 @@ from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
 from catch_arena.core.state import LANES, MOTIONS, PART_NAMES, PREY_PART_NAMES, SeatLimits, Settings, slot_rows
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
-from catch_arena.errors import ConfigError, require_type
+from catch_arena.errors import require_type
 
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
@@ -29,7 +29,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         max_targets=config.max_targets,
         targets_seen=config.targets_seen,
         hunters_seen=config.hunters_seen,
-        policy=_number_of("policy", config.policy, POLICIES, "POLICIES in core/arbiter.py"),
+        policy=POLICIES[config.policy],
         partners_needed=config.hunters_per_catch - 1,
         needs_progress=int(with_parts or config.rewards.progress != 0.0),
         any_control=int(any_control),
@@ -51,7 +51,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         initial_targets=config.initial_targets,
         slot_size=slot_rows(config.targets_move) * LANES,
         targets_move=int(config.targets_move),
-        target_motion=_number_of("target_motion", config.target_motion, MOTIONS, "MOTIONS in core/state.py"),
+        target_motion=MOTIONS[config.target_motion],
         target_speed_mps=float(config.target_speed_mps),
         target_turn_rate_radps=float(config.target_turn_rate_radps),
         wander_period_ms=float(config.wander_period_ms),
@@ -79,13 +79,6 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
 def _weights(weights: RewardWeights | PreyRewardWeights, parts: Sequence[str]) -> dict[str, Any]:
     """R6.2, R12.5: return the weight of each part of the reward, by its name in `Settings`."""
     return {f"{part}_weight": float(getattr(weights, part)) for part in parts}
-
-
-def _number_of(setting: str, word: str, numbers: Mapping[str, int], table: str) -> int:
-    """Return the core's number for a word; raise ConfigError if a developer added the word only to config.py."""
-    if word not in numbers:
-        raise ConfigError(f"{setting} must have a number for {word!r} in the core: add the word to {table}")
-    return numbers[word]
 
 
 def _spawned_in_full(config: ArenaConfig) -> float:

@@ -32,7 +32,7 @@ from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.engine.compiling import Variant, compile_once
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
-from catch_arena.engine.saved_state import SavedState, require_bytes
+from catch_arena.engine.saved_state import SavedState
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.errors import ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
@@ -161,10 +161,7 @@ class Engine:
             self.parts[chosen] = 0.0
             self.prey_parts[chosen] = 0.0
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
-        if arenas is None:
-            self._observe(0, len(self.chunks), resets)
-        else:
-            self._observe_chunks_of(chosen, resets)
+        self._observe(chosen, resets)
 
     def step(
         self,
@@ -195,20 +192,11 @@ class Engine:
 
         self.threads.run(num_parts, play)
 
-    def _observe(self, first_chunk: int, stop_chunk: int, resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations and masks of the chunks from `first_chunk` up to `stop_chunk`."""
+    def _observe(self, arenas: Sequence[int] | NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
+        """Begin episodes, and write the observations and masks of the chunks that contain these arenas."""
         thread, playing = 0, False
-        self._run_tick(thread, first_chunk, stop_chunk, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
-
-    def _observe_chunk_of(self, arena: int) -> None:
-        self._observe(arena // LANES, arena // LANES + 1)
-
-    def _observe_chunks_of(self, arenas: NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
-        """Begin episodes, and write the observations of the chunks that contain these arenas."""
-        chunks = np.unique(arenas // LANES)
-        gaps = np.flatnonzero(np.diff(chunks) > 1) + 1
-        for adjoining in np.split(chunks, gaps) if len(chunks) else ():  # one call for each run of chunks
-            self._observe(adjoining[0], adjoining[-1] + 1, resets)
+        for chunk in np.unique(np.asarray(arenas) // LANES):
+            self._run_tick(thread, chunk, chunk + 1, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
             resets = _NO_RESETS  # all episodes have begun
 
     def withdraw(self, arena: int, agent: int) -> None:
@@ -217,7 +205,7 @@ class Engine:
             dropouts.withdraw_at(self._memory, arena, agent)
         else:
             withdraw_prey_at(self._memory, arena, agent - self.config.hunters)
-        self._observe_chunk_of(arena)
+        self._observe([arena])
 
     def place(
         self,
@@ -241,7 +229,7 @@ class Engine:
         # 0.0 is added so that no zero is negative
         poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
         placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
-        self._observe_chunk_of(arena)
+        self._observe([arena])
 
     def place_batch(
         self,
@@ -270,12 +258,12 @@ class Engine:
         self.rewards[arenas] = 0.0
         if self.with_infos:
             self.parts[arenas] = 0.0
-        self._observe_chunks_of(arenas)
+        self._observe(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
         """R8.1: add a target outside the timer and return its number, the next one; return 0 in a full arena (R3.5)."""
         number = spawner.spawn_at(self._memory, arena, x + 0.0, y + 0.0, theta + 0.0)  # so that no zero is negative
-        self._observe_chunk_of(arena)
+        self._observe([arena])
         return number
 
     def kill(self, arena: int, number: int) -> bool:
@@ -283,7 +271,7 @@ class Engine:
         if prey plays it, since such a target is never killed.
         """
         killed = spawner.kill(self._memory, arena, number)
-        self._observe_chunk_of(arena)
+        self._observe([arena])
         return killed
 
     # reading
@@ -298,8 +286,8 @@ class Engine:
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: return the rank at which a seat sees the target of that name; 0 if it does not see it."""
-        numbers = self._views.targets_seen(arena, seat)
-        return next((rank for rank, number in enumerate(numbers, 1) if self.config.target_name(number) == name), 0)
+        names = [self.config.target_name(number) for number in self.numbers_seen(seat)[arena] if number]
+        return names.index(name) + 1 if name in names else 0
 
     def numbers_seen(self, seat: int) -> NDArray[np.int64]:
         """R7.1: return the numbers of the targets that a seat sees in each arena, by rank: (B, ranks), 0 for none."""
@@ -374,16 +362,14 @@ class Engine:
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
-        size, of_finished = len(self._saved), len(self._finished)
+        size = len(self._saved)
         if alone:
             size = self._column(0).nbytes + sum(rows.shape[1] for rows in self._saved_rows)
-            of_finished = sum(rows.shape[1] for rows in self._finished_rows)
-        require_bytes(saved.memory, size)
-        if of_finished and len(saved.finished):  # if one is empty, that engine has no auto_reset
-            require_bytes(saved.finished, of_finished)
-        shape = self.controls.shape[alone:]
-        if np.shape(saved.controls) != shape:
-            raise ConfigError(f"a saved state must have controls {shape}, got {np.shape(saved.controls)}")
+        if len(saved.memory) != size:
+            raise ConfigError(
+                f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, "
+                f"got {len(saved.memory)}"
+            )
 
     def _column(self, arena: int) -> NDArray[np.float64]:
         """Return one arena's column of its chunk: (rows,), a view of the engine's memory."""
@@ -397,10 +383,7 @@ class Engine:
     def clone(self) -> "Engine":
         """Return an independent engine in the same state."""
         twin = object.__new__(Engine)
-        twin.config, twin.num_arenas = self.config, self.num_arenas
-        twin.with_infos, twin.auto_reset = self.with_infos, self.auto_reset
-        twin._any_control, twin._compiled_for = self._any_control, self._compiled_for
-        twin._num_parts, twin.threads = self._num_parts, Threads(self.threads.size)
+        twin.__dict__ = {**self.__dict__, "threads": Threads(self.threads.size)}
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
         return twin

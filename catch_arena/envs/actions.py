@@ -147,9 +147,7 @@ def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> 
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {shortened(action)}")
-    choice = action["catch"]
-    if type(choice) is not int or not 0 <= choice <= ranks:  # the usual case without another call
-        choice = checked_choice(agent, "catch", choice, ranks)
+    choice = checked_choice(agent, "catch", action["catch"], ranks)
     return choice, checked_command(agent, "cmd_vel", action["cmd_vel"], clip=clip)
 
 

@@ -13,17 +13,14 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode, parallel_env
 from catch_arena.envs.results import Infos
-from catch_arena.equality import equal_fields
+from catch_arena.equality import EqualByBits
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type
 from catch_arena.text import shortened
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SavedTurn:
+class SavedTurn(EqualByBits):
     """The result of `CatchArenaAecEnv.save`, which may be pickled and restored any number of times."""
-
-    __eq__ = equal_fields
-    __hash__ = None  # type: ignore[assignment]
 
     episode: SavedEpisode
     turns: dict[str, Any]

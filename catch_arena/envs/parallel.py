@@ -23,7 +23,7 @@ from catch_arena.envs.display import RENDER_MODES, Display, notebook_html
 from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.results import Infos, Results
 from catch_arena.envs.spaces import action_space, observation_space, vector_space
-from catch_arena.equality import equal_fields
+from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError, require_type
 from catch_arena.layout import observation_size, prey_columns, state_columns
 from catch_arena.replay import Recorder, Replay
@@ -35,14 +35,11 @@ Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool],
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SavedEpisode:
+class SavedEpisode(EqualByBits):
     """The result of `CatchArenaEnv.save`, which may be pickled and restored any number of times.
 
     Two saved episodes are equal if an env continues from both in the same way, bit for bit.
     """
-
-    __eq__ = equal_fields
-    __hash__ = None  # type: ignore[assignment]
 
     arena: SavedState
     seed: int | None

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, require_flag
+from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, require_flag, require_integer
 from catch_arena.core import state
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, SavedState
@@ -21,7 +21,6 @@ from catch_arena.layout import columns, prey_columns
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
-from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -97,8 +96,8 @@ class VectorArena:
         any_control: bool = False,
         **overrides: object,
     ) -> None:
-        num_envs = _positive("num_envs", num_envs, _MOST_ENVS)
-        num_threads = _positive("num_threads", num_threads, _MOST_THREADS)
+        num_envs = require_integer("num_envs", num_envs, 1, _MOST_ENVS)
+        num_threads = require_integer("num_threads", num_threads, 1, _MOST_THREADS)
         auto_reset = require_flag("auto_reset", auto_reset)
         copy, any_control = require_flag("copy", copy), require_flag("any_control", any_control)
         self.config: Final = arena_config(scenario, **overrides)
@@ -181,10 +180,7 @@ class VectorArena:
         return action_space(self.config, "velocity" if row >= self.num_hunters else self.config.controls[row])
 
     def _agent(self, agent: int) -> int:
-        number, last = whole_number(agent), self.num_hunters + self.num_prey - 1
-        if number is None or not 0 <= number <= last:
-            raise ConfigError(f"agent must be a whole number from 0 to {last}, got {agent!r}")
-        return number
+        return require_integer("agent", agent, 0, self.num_hunters + self.num_prey - 1)
 
     # playing
 
@@ -219,7 +215,7 @@ class VectorArena:
             seeds = np.array([checked_seed(one) for one in seed], dtype=np.uint64)
         else:
             seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
-        self._engine.reset(seeds, None if arenas is None else chosen)
+        self._engine.reset(seeds, chosen)
         self._has_begun = True
         self._ended[chosen] = False
         return self._reset_results()
@@ -489,14 +485,6 @@ class VectorArena:
         if row is None or not 0 <= row < self.num_envs:
             raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
         return row
-
-
-def _positive(name: str, value: object, most: int) -> int:
-    number = whole_number(value)
-    if number is None or not 1 <= number <= most:
-        shown = with_type(value) if number is None else number
-        raise ConfigError(f"{name} must be a whole number from 1 to {most}, got {shown}")
-    return number
 
 
 def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], columns: int) -> NDArray[np.float64]:

@@ -2,43 +2,26 @@
 
 - match_summary: a whole match. step_explanation: one step in detail. highlights: moments worth seeing.
 - what_if: the smallest change of actions with which a lost contest would have been won.
-- facts: the data of explanations, found by contests, captures (of prey) and seen_targets (targets in sight).
+- facts: the data of explanations. contests: contests of a step. seen_targets: targets in sight.
 - sentences: facts in words, with formatting for lengths and times. seats: labels of agents, and selection by name.
 """
 
-from catch_arena.explanation.facts import (
-    Capture,
-    Claim,
-    Contest,
-    HunterAction,
-    HunterSummary,
-    PreyAction,
-    PreySummary,
-    Refusals,
-    TeamSummary,
-)
-from catch_arena.explanation.match_summary import Explanation, explain
-from catch_arena.explanation.seen_targets import Unseen
-from catch_arena.explanation.step_explanation import StepExplanation, explain_step, step_at
-from catch_arena.explanation.what_if import WhatIf, lost_contest_at, what_if
-
-__all__ = [
-    "Capture",
-    "Claim",
-    "Contest",
-    "Explanation",
-    "HunterAction",
-    "HunterSummary",
-    "PreyAction",
-    "PreySummary",
-    "Refusals",
-    "StepExplanation",
-    "TeamSummary",
-    "Unseen",
-    "WhatIf",
-    "explain",
-    "explain_step",
-    "lost_contest_at",
-    "step_at",
-    "what_if",
-]
+from catch_arena.explanation.facts import Capture as Capture
+from catch_arena.explanation.facts import Catch as Catch
+from catch_arena.explanation.facts import Claim as Claim
+from catch_arena.explanation.facts import Contest as Contest
+from catch_arena.explanation.facts import HunterAction as HunterAction
+from catch_arena.explanation.facts import HunterSummary as HunterSummary
+from catch_arena.explanation.facts import PreyAction as PreyAction
+from catch_arena.explanation.facts import PreySummary as PreySummary
+from catch_arena.explanation.facts import Refusals as Refusals
+from catch_arena.explanation.facts import TeamSummary as TeamSummary
+from catch_arena.explanation.match_summary import Explanation as Explanation
+from catch_arena.explanation.match_summary import explain as explain
+from catch_arena.explanation.seen_targets import Unseen as Unseen
+from catch_arena.explanation.step_explanation import StepExplanation as StepExplanation
+from catch_arena.explanation.step_explanation import explain_step as explain_step
+from catch_arena.explanation.step_explanation import step_at as step_at
+from catch_arena.explanation.what_if import WhatIf as WhatIf
+from catch_arena.explanation.what_if import lost_contest_at as lost_contest_at
+from catch_arena.explanation.what_if import what_if as what_if

@@ -95,6 +95,18 @@ class HunterSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class Catch:
+    """One catch, and the scores after its step. A contender is a team, or a hunter if there are no teams."""
+
+    judged_ms: int
+    """Time at which the catch was judged [ms since reset]: the beginning of the step (R1.4)."""
+    seat: int
+    contender: int
+    scores: tuple[int, ...]
+    """Scores after the step, by contender."""
+
+
+@dataclass(frozen=True, slots=True)
 class TeamSummary:
     """Result of one team (R11.1)."""
 
@@ -151,7 +163,7 @@ class HunterAction:
     action: str
     """Action in words."""
     chosen: str | None
-    """Target of the rank in the action; None if the rank has no target."""
+    """Target of the rank in the action; None if the rank has no target, or the hunter takes no part."""
     ruling: Ruling | None
     """Ruling on the request; None without a request."""
     mate: bool

@@ -1,7 +1,6 @@
 """Highlights: moments of recorded matches that are worth seeing, each with its reason and a score.
 
-Each match is played once to extract its events, which give its highlights. `SCORES` has the rule of each kind, and
-docs/howto/videos.md has the rules in words.
+They follow from the facts of `explain`. `SCORES` has the rule of each kind, and docs/howto/videos.md has it in words.
 """
 
 import math
@@ -10,12 +9,9 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Final, Literal, NamedTuple
 
-from catch_arena.explanation.captures import PreyRecord
-from catch_arena.explanation.contests import contests_of
-from catch_arena.explanation.facts import Capture, Contest
+from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import metres, seconds, short_length
-from catch_arena.explanation.seats import labels, prey_labels, team_label
-from catch_arena.replay import Replay
+from catch_arena.explanation.match_summary import Explanation
 from catch_arena.verdicts import Verdict
 
 Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
@@ -47,41 +43,6 @@ AFTER_MS: Final = 1500
 """Parts of the match that are shown before and after a decisive instant [ms]."""
 
 
-class Catch(NamedTuple):
-    """One catch, and the scores after its step."""
-
-    judged_ms: int
-    """Time at which the catch was judged [ms since reset]: the beginning of the step (R1.4)."""
-    seat: int
-    contender: int
-    scores: tuple[int, ...]
-    """Scores after the step, by contender."""
-
-
-@dataclass(frozen=True, slots=True)
-class MatchEvents:
-    """Events of a match, from which its highlights follow. A contender is a team, or a hunter if there are no teams."""
-
-    hunters: tuple[str, ...]
-    """Labels of the hunters, by seat, all different."""
-    prey: tuple[str, ...]
-    """Labels of the prey, by index."""
-    names: tuple[str, ...]
-    """Labels of the contenders, all different."""
-    entrants: tuple[str, ...]
-    """Names of the entrants, by contender, which are the same in all matches."""
-    duration_ms: int
-    reach_um: int
-    catches: tuple[Catch, ...]
-    contests: tuple[Contest, ...]
-    captures: tuple[Capture, ...]
-
-    @property
-    def scores(self) -> tuple[int, ...]:
-        """Final scores, by contender."""
-        return self.catches[-1].scores if self.catches else (0,) * len(self.names)
-
-
 @dataclass(frozen=True, slots=True)
 class Highlight:
     """A part of a match that is worth seeing."""
@@ -101,56 +62,20 @@ class Highlight:
         return self.start_ms < other.end_ms and other.start_ms < self.end_ms
 
 
-def extract_events(replay: Replay) -> MatchEvents:
-    """Play a match again and return its events.
-
-    Raises:
-        ReplayError: if the match does not play as recorded.
-    """
-    period_ms = replay.config.control_period_ms
-    catches: list[Catch] = []
-    contests: list[Contest] = []
-    prey = PreyRecord(replay)
-    for world in replay.worlds():
-        contests += contests_of(replay, world)
-        prey.note(world)
-        catches += [
-            Catch(world.time_ms - period_ms, ruling.hunter, world.hunters[ruling.hunter].team, world.team_scores)
-            for ruling in world.rulings
-            if ruling.success
-        ]
-    hunters, teams = replay.hunter_names, replay.config.teams
-    names, entrants = labels(hunters), hunters
-    if teams is not None:
-        names = tuple(team_label(replay, seats) for seats in teams)
-        entrants = tuple(" + ".join(dict.fromkeys(hunters[seat] for seat in seats)) for seats in teams)
-    return MatchEvents(
-        hunters=labels(hunters),
-        prey=prey_labels(replay),
-        names=names,
-        entrants=entrants,
-        duration_ms=replay.duration_ms,
-        reach_um=replay.config.reach_um,
-        catches=tuple(catches),
-        contests=tuple(contests),
-        captures=tuple(prey.captures),
-    )
-
-
-def find_highlights(events: MatchEvents, rates: Mapping[str, float] | None = None) -> list[Highlight]:
+def find_highlights(match: Explanation, rates: Mapping[str, float] | None = None) -> list[Highlight]:
     """Return all highlights of one match, in the order of time.
 
     Args:
-        events: the match's events.
+        match: the explanation of the whole match.
         rates: the share of its other matches that each entrant won (`win_rates`); without it there are no upsets.
     """
     found = [
-        *_contests(events),
-        *_captures(events),
-        *_leads(events),
-        *_streaks(events),
-        *_finish(events),
-        *_upset(events, rates or {}),
+        *_contests(match),
+        *_captures(match),
+        *_leads(match),
+        *_streaks(match),
+        *_finish(match),
+        *_upset(match, rates or {}),
     ]
     return sorted(found, key=lambda highlight: (highlight.decisive_ms, KINDS.index(highlight.kind)))
 
@@ -162,20 +87,21 @@ class WinRecord(NamedTuple):
     won: float = 0.0
 
 
-def win_records(matches: Iterable[MatchEvents]) -> dict[str, WinRecord]:
+def win_records(matches: Iterable[Explanation]) -> dict[str, WinRecord]:
     """Return the win records of all entrants."""
     found: dict[str, WinRecord] = {}
-    for events in matches:
-        best = max(events.scores)
-        for name, score in zip(events.entrants, events.scores, strict=True):
+    for match in matches:
+        scores = list(match.contenders.values())
+        best = max(scores)
+        for name, score in zip(match.entrants, scores, strict=True):
             old = found.get(name, WinRecord())
-            found[name] = WinRecord(old.played + 1, old.won + (score == best) / events.scores.count(best))
+            found[name] = WinRecord(old.played + 1, old.won + (score == best) / scores.count(best))
     return found
 
 
-def win_rates(known: Mapping[str, WinRecord], events: MatchEvents) -> dict[str, float]:
+def win_rates(known: Mapping[str, WinRecord], match: Explanation) -> dict[str, float]:
     """Return the share of its other matches that each entrant of a match won, without entrants with too few of them."""
-    in_match = win_records([events])
+    in_match = win_records([match])
     elsewhere = {
         name: WinRecord(known[name].played - record.played, known[name].won - record.won)
         for name, record in in_match.items()
@@ -208,10 +134,10 @@ def has_loser(contest: Contest) -> bool:
     return measured and winner.verdict is Verdict.GRANTED and not loser.mate
 
 
-def _contests(events: MatchEvents) -> Iterable[Highlight]:
-    for contest in filter(has_loser, events.contests):
+def _contests(match: Explanation) -> Iterable[Highlight]:
+    for contest in filter(has_loser, match.contests):
         winner, loser = contest.claims[:2]
-        first, second, margin_um = events.hunters[winner.seat], events.hunters[loser.seat], contest.margin_um or 0
+        first, second, margin_um = match.names[winner.seat], match.names[loser.seat], contest.margin_um or 0
         distances = f"{metres(winner.distance_um)} from {contest.target}"
         if contest.clause == "R5.5":
             event = f"{first} beats {second} by lot"
@@ -221,22 +147,23 @@ def _contests(events: MatchEvents) -> Iterable[Highlight]:
             reason = (
                 f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
             )
-        yield _highlight("contest", (margin_um, events.reach_um), contest.judged_ms, event, reason)
+        numbers = (margin_um, max(match.reaches_um))
+        yield _highlight("contest", numbers, contest.judged_ms, event, reason)
 
 
-def _captures(events: MatchEvents) -> Iterable[Highlight]:
-    for capture in events.captures:
-        event = f"{events.hunters[capture.seat]} catches {events.prey[capture.prey]}"
+def _captures(match: Explanation) -> Iterable[Highlight]:
+    for capture in match.captures:
+        event = f"{match.names[capture.seat]} catches {match.prey_names[capture.prey]}"
         place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
         reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
-        yield _highlight("capture", (capture.in_play_ms, events.duration_ms), capture.judged_ms, event, reason)
+        yield _highlight("capture", (capture.in_play_ms, match.duration_ms), capture.judged_ms, event, reason)
 
 
-def _leads(events: MatchEvents) -> Iterable[Highlight]:
+def _leads(match: Explanation) -> Iterable[Highlight]:
     """Yield a highlight for each change of the sole leader; the catches of one step count together."""
     leader: int | None = None
-    since_ms = 0
-    for at_ms, step in groupby(events.catches, key=lambda catch: catch.judged_ms):
+    since_ms, names = 0, list(match.contenders)
+    for at_ms, step in groupby(match.catches, key=lambda catch: catch.judged_ms):
         made = list(step)
         scores = made[-1].scores
         new = next(
@@ -245,63 +172,63 @@ def _leads(events: MatchEvents) -> Iterable[Highlight]:
         if new is None or new == leader:
             continue
         if leader is not None:
-            event = f"{events.names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
-            reason = f"{events.names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
-            yield _highlight("lead", (at_ms, events.duration_ms), at_ms, event, reason)
+            event = f"{names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
+            reason = f"{names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
+            yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
         leader, since_ms = new, at_ms
 
 
-def _streaks(events: MatchEvents) -> Iterable[Highlight]:
-    if len(events.hunters) == 1:
+def _streaks(match: Explanation) -> Iterable[Highlight]:
+    if len(match.names) == 1:
         return
-    for seat, run in groupby(events.catches, key=lambda catch: catch.seat):
+    for seat, run in groupby(match.catches, key=lambda catch: catch.seat):
         times = [catch.judged_ms for catch in run]
         if len(times) < STREAK:
             continue
-        event = f"{events.hunters[seat]} catches {len(times)} in a row"
+        event = f"{match.names[seat]} catches {len(times)} in a row"
         reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
         start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
         yield _highlight("streak", (len(times),), times[-1], event, reason, start_ms=start_ms)
 
 
-def _finish(events: MatchEvents) -> Iterable[Highlight]:
+def _finish(match: Explanation) -> Iterable[Highlight]:
     """Yield the final part of a close match."""
-    ranked = sorted(range(len(events.names)), key=lambda contender: -events.scores[contender])[:2]
-    best, second = (events.scores[contender] for contender in (ranked[0], ranked[-1]))
+    names, scores = zip(*match.contenders.items(), strict=True)
+    ranked = sorted(range(len(names)), key=lambda contender: -scores[contender])[:2]
+    best, second = scores[ranked[0]], scores[ranked[-1]]
     difference = best - second
     if len(ranked) == 1 or best == 0 or difference > CLOSE_CATCHES:
         return
-    event = f"{', '.join(f'{events.names[contender]} {events.scores[contender]}' for contender in ranked)} at the end"
+    event = f"{', '.join(f'{names[contender]} {scores[contender]}' for contender in ranked)} at the end"
     lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
     reason = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
-    start_ms, end_ms = max(0, events.duration_ms - LAST_MS), events.duration_ms + AFTER_MS
-    late = [catch.judged_ms for catch in events.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
-    decisive_ms = late[-1] if late else max(start_ms, events.duration_ms - 1000)
-    yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms=start_ms, end_ms=end_ms)
+    start_ms, end_ms = max(0, match.duration_ms - LAST_MS), match.duration_ms + AFTER_MS
+    late = [catch.judged_ms for catch in match.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
+    decisive_ms = late[-1] if late else max(start_ms, match.duration_ms - 1000)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms, end_ms)
 
 
-def _upset(events: MatchEvents, rates: Mapping[str, float]) -> Iterable[Highlight]:
+def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
     """Yield a highlight if the sole winner had won a smaller share of its other matches than the favourite."""
-    scores, names = events.scores, events.names
+    names, scores = zip(*match.contenders.items(), strict=True)
     winner = scores.index(max(scores))
-    if scores.count(scores[winner]) > 1 or not all(name in rates for name in events.entrants):
+    if scores.count(scores[winner]) > 1 or not all(name in rates for name in match.entrants):
         return
-    shares = [rates[name] for name in events.entrants]
+    shares = [rates[name] for name in match.entrants]
     favourite = shares.index(max(shares))
     if shares[favourite] <= shares[winner]:
         return
-    at_ms = events.catches[-1].judged_ms
-    for catch in reversed(events.catches):  # back to the catch after which the winner always leads alone
+    at_ms = match.catches[-1].judged_ms
+    for catch in reversed(match.catches):  # back to the catch after which the winner always leads alone
         if catch.scores[winner] <= _best_other(catch.scores, winner):
             break
         at_ms = catch.judged_ms
     event = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
-    winners_share, favourites_share = shares[winner], shares[favourite]
     reason = (
-        f"It won {100 * winners_share:.0f} % of its other matches, and {names[favourite]} "
-        f"{100 * favourites_share:.0f} %; from here on it leads (R6.1)"
+        f"It won {100 * shares[winner]:.0f} % of its other matches, and {names[favourite]} "
+        f"{100 * shares[favourite]:.0f} %; from here on it leads (R6.1)"
     )
-    yield _highlight("upset", (favourites_share, winners_share), at_ms, event, reason)
+    yield _highlight("upset", (shares[favourite], shares[winner]), at_ms, event, reason)
 
 
 def _highlight(
@@ -310,14 +237,13 @@ def _highlight(
     decisive_ms: int,
     event: str,
     reason: str,
-    *,
     start_ms: int | None = None,
     end_ms: int | None = None,
 ) -> Highlight:
     """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
     start_ms = max(0, decisive_ms - BEFORE_MS) if start_ms is None else start_ms
     end_ms = decisive_ms + AFTER_MS if end_ms is None else end_ms
-    return Highlight(kind, start_ms, decisive_ms, end_ms, max(0.0, SCORES[kind](*numbers)), event, reason)
+    return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
 
 
 def _best_other(scores: Sequence[int], contender: int) -> int:

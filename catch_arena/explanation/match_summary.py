@@ -1,17 +1,17 @@
 """Summary of a match, from the arbiter's evidence (R5.6): contests, refusals, captures, and each agent's results."""
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from catch_arena.config import ArbitrationPolicy
-from catch_arena.explanation.captures import PreyRecord
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
     Capture,
+    Catch,
     Contest,
     HunterSummary,
     PreySummary,
@@ -54,6 +54,10 @@ class Explanation:
     prey_by_target: dict[str, str]
     """Label of the prey by the name of each target that it played."""
     scores: tuple[int, ...]
+    entrants: tuple[str, ...]
+    """Names of the agents of each contender, which are the same in all matches."""
+    catches: tuple[Catch, ...]
+    """All catches of the match."""
     contests: tuple[Contest, ...]
     refusals: tuple[Refusals, ...]
     records: tuple[HunterSummary, ...]
@@ -63,6 +67,11 @@ class Explanation:
     """Captures of or by the prey and hunters that the explanation is about."""
     prey: tuple[PreySummary, ...]
     """Summaries of the prey that the explanation is about, by index."""
+
+    @property
+    def contenders(self) -> dict[str, int]:
+        """Final score of each contender by its label: of the teams, or of the hunters if there are no teams."""
+        return {team.name: team.score for team in self.teams} or dict(zip(self.names, self.scores, strict=True))
 
     def lines(self) -> list[str]:
         """Return the match in words: an opening line, the contests, runs of refusals and captures in order, and the
@@ -101,37 +110,40 @@ def explain(
     seats, prey_indices = find_subjects(replay, hunter)
     names = labels(replay.hunter_names)
     contests: list[Contest] = []
+    catches: list[Catch] = []
     refusals = _RefusalRuns()
-    refused = [Counter[str]() for _ in names]
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
-    scores: tuple[int, ...] = ()
-    prey = PreyRecord(replay)
+    scores = (0,) * len(names)
+    prey = _PreyRecord(replay)
     seen_in_match = _SeenInMatch(replay) if replay.config.partial_view else None
-    before: World | None = None
-    for step, world in enumerate(replay.worlds()):
-        if seen_in_match is not None:
-            seen_in_match.note(world, summaries)
-        _note_departures(replay, world, summaries)
-        prey.note(world)
-        found = contests_of(replay, world)
+    for before, after in pairwise(replay.worlds()):
+        found = contests_of(replay, after)
         contests += found
-        judged_ms = world.time_ms - replay.config.control_period_ms
-        contested = {claim.seat for contest in found for claim in contest.claims}
-        named = replay.named_rulings(before, world) if before is not None else []
-        refusals.note(world.rulings, named, judged_ms, contested)
-        _note_forestalled(world, found, summaries)
-        for ruling in (*world.rulings, *named):
+        catches += [
+            Catch(before.time_ms, ruling.hunter, after.hunters[ruling.hunter].team, after.team_scores)
+            for ruling in after.rulings
+            if ruling.success
+        ]
+        named = replay.named_rulings(before, after)
+        refusals.note(after.rulings, named, before.time_ms, {claim.seat for one in found for claim in one.claims})
+        prey.note(before, after)
+        if seen_in_match is not None:
+            seen_in_match.note(before, after, summaries)
+        _note_departures(replay, before, after, summaries)
+        _note_forestalled(after, found, summaries)
+        for ruling in (*after.rulings, *named):
             if ruling.verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST):
-                refused[ruling.hunter][ruling.verdict.name] += 1
-        scores = tuple(hunter.score for hunter in world.hunters)
-        before = world
+                refused = summaries[ruling.hunter].refused
+                refused[ruling.verdict.name] = refused.get(ruling.verdict.name, 0) + 1
+        scores = tuple(hunter.score for hunter in after.hunters)
         if progress is not None:
-            progress(step, replay.steps)
+            progress(after.step, replay.steps)
     _count_contests(summaries, contests)
-    for summary, score, tally in zip(summaries, scores, refused, strict=True):
-        summary.catches, summary.refused = score, dict(sorted(tally.items()))
+    for summary, score in zip(summaries, scores, strict=True):
+        summary.catches, summary.refused = score, dict(sorted(summary.refused.items()))
     own_names = {prey.summaries[index].name for index in prey_indices}
     own_targets = {target for target, name in prey.by_target.items() if name in own_names}
+    hunters, teams = replay.hunter_names, replay.config.team_seats
     return Explanation(
         title=replay.title,
         policy=replay.config.policy,
@@ -143,6 +155,8 @@ def explain(
         prey_names=prey_labels(replay),
         prey_by_target=prey.by_target,
         scores=scores,
+        entrants=tuple(" + ".join(dict.fromkeys(hunters[seat] for seat in members)) for members in teams),
+        catches=tuple(catches),
         contests=tuple(
             one for one in contests if one.target in own_targets or any(claim.seat in seats for claim in one.claims)
         ),
@@ -197,6 +211,40 @@ class _RefusalRuns:
             run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
 
 
+class _PreyRecord:
+    """Captures of a match (chapter 12) and a summary of each prey, collected step by step."""
+
+    def __init__(self, replay: Replay) -> None:
+        self._open: dict[int, Capture] = {}
+        self.captures: list[Capture] = []
+        self.by_target: dict[str, str] = {}
+        """Label of the prey by the name of each target that it has played."""
+        self.summaries = [PreySummary(index, name) for index, name in enumerate(prey_labels(replay))]
+
+    def note(self, before: World, after: World) -> None:
+        """Add the next step."""
+        for summary, then, now in zip(self.summaries, before.prey, after.prey, strict=True):
+            self.by_target |= {target: summary.name for target in (then.target, now.target) if target is not None}
+            if now.withdrawn and summary.withdrawn_ms is None:
+                summary.withdrawn_ms = before.time_ms
+            if now.caught_by is not None:
+                self._note_capture(summary.index, before, after, now.caught_by)
+            elif then.target is not None and not now.withdrawn:
+                summary.in_play_ms += after.time_ms - before.time_ms
+            summary.times_caught, summary.out = now.times_caught, now.target is None
+            if now.target is not None and summary.index in self._open:
+                capture = self._open.pop(summary.index)
+                capture.returned_ms, capture.returned_as = after.time_ms, now.target
+                summary.returns += 1
+
+    def _note_capture(self, index: int, before: World, after: World, seat: int) -> None:
+        target = next(state for state in before.targets if state.name == before.prey[index].target)
+        distance = next((ruling.distance_um for ruling in after.rulings if ruling.hunter == seat), None)
+        in_play_ms = before.time_ms - target.spawned_ms
+        self._open[index] = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
+        self.captures.append(self._open[index])
+
+
 class _SeenInMatch:
     """R7.5: names of the targets that each hunter has had in sight so far."""
 
@@ -204,22 +252,22 @@ class _SeenInMatch:
         self._targets = SeenTargets(replay.config)
         self._seen: list[set[str]] = [set() for _ in replay.hunter_names]
 
-    def note(self, world: World, summaries: Sequence[HunterSummary]) -> None:
-        """Count the catches of never seen targets in the last step, and add the targets in sight now."""
-        caught = [(str(ruling.target), ruling.hunter) for ruling in world.rulings if ruling.success]
-        names = np.array([target.name for target in world.targets], dtype=object)
+    def note(self, before: World, after: World, summaries: Sequence[HunterSummary]) -> None:
+        """Add the targets in sight before a step, and count the catches of never seen targets in it."""
+        caught = [(str(ruling.target), ruling.hunter) for ruling in after.rulings if ruling.success]
+        names = np.array([target.name for target in before.targets], dtype=object)
         for summary, seen in zip(summaries, self._seen, strict=True):
+            if not before.hunters[summary.seat].withdrawn:
+                seen.update(names[self._targets.of(before, summary.seat)].tolist())
             missed = sum(catcher != summary.seat and name not in seen for name, catcher in caught)
             summary.never_seen = (summary.never_seen or 0) + missed
-            if not world.hunters[summary.seat].withdrawn:
-                seen.update(names[self._targets.of(world, summary.seat)].tolist())
 
 
-def _note_departures(replay: Replay, world: World, summaries: Sequence[HunterSummary]) -> None:
+def _note_departures(replay: Replay, before: World, after: World, summaries: Sequence[HunterSummary]) -> None:
     """R1.6, R1.7: note the departures in a step; a hunter that takes no part in it left at its beginning."""
-    for summary, hunter in zip(summaries, world.hunters, strict=True):
+    for summary, hunter in zip(summaries, after.hunters, strict=True):
         if hunter.withdrawn and summary.withdrawn_ms is None:
-            summary.withdrawn_ms = world.time_ms - replay.config.control_period_ms
+            summary.withdrawn_ms = before.time_ms
             summary.dropped_out = exit_cause(replay, summary.seat) == "dropped out"
 
 

@@ -12,7 +12,7 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels
-from catch_arena.explanation.seen_targets import SeenTargets
+from catch_arena.explanation.seen_targets import SeenTargets, Unseen
 from catch_arena.explanation.sentences import (
     action_sentences,
     contest_sentence,
@@ -105,41 +105,44 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         ReplayError: if the match does not play as recorded.
         ConfigError: for a step or a hunter that the match does not have.
     """
-    require_type("replay", replay, Replay, "Replay.load(path)")
-    number = whole_number(step)
-    if number is None:
-        raise ConfigError(f"step must be a whole number, such as step_at(replay, at_s) returns, got {step!r}")
-    step = number
-    if not 1 <= step <= replay.steps:
-        has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
-        raise ConfigError(f"step must be {has}, got {step}")
     seats, prey_indices = find_subjects(replay, hunter)
-    before, after = islice(replay.worlds(), step - 1, step + 1)
+    number = whole_number(step)
+    if number is None or not 1 <= number <= replay.steps:
+        has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
+        raise ConfigError(f"step must be a whole number {has}, got {step!r}")
+    before, after = islice(replay.worlds(), number - 1, number + 1)
     seen_targets = SeenTargets(replay.config)
-    rulings = {ruling.hunter: ruling for ruling in after.rulings}
+    unseen = [tuple(seen_targets.unseen(before, seat)) for seat in range(replay.config.hunters)]
     by_name = replay.named_rulings(before, after)
-    hunters = tuple(
-        _hunter_action(replay, seen_targets, (before, after), seat, rulings.get(seat), by_name) for seat in seats
+    hunters = tuple(_hunter_action(replay, before, after, seat, unseen[seat], by_name) for seat in seats)
+    prey_names = prey_labels(replay)
+    prey = tuple(
+        PreyAction(
+            index=index,
+            name=prey_names[index],
+            action=replay.prey_action(before.step, index),
+            target=before.prey[index].target,
+            caught_by=after.prey[index].caught_by,
+            returned_as=None if after.prey[index].target == before.prey[index].target else after.prey[index].target,
+            withdrawn=after.prey[index].withdrawn,
+        )
+        for index in prey_indices
     )
-    prey = tuple(_prey_action(replay, before, after, index) for index in prey_indices)
     played = {action.target for action in prey if action.target is not None}
     chosen = {action.chosen for action in hunters}
     requested = {
         ruling.target for action in hunters for ruling in (action.ruling, *action.by_name) if ruling is not None
     }
     named = {target.name for target in before.targets if target.name in played | chosen | requested}
-    unseen = [{hidden.target for hidden in seen_targets.unseen(before, seat)} for seat in range(replay.config.hunters)]
     return StepExplanation(
-        step=step,
+        step=number,
         begin_ms=before.time_ms,
         end_ms=after.time_ms,
         names=labels(replay.hunter_names),
         hunters=hunters,
         prey=prey,
         prey_by_target={
-            state.target: name
-            for state, name in zip(before.prey, prey_labels(replay), strict=True)
-            if state.target is not None
+            state.target: name for state, name in zip(before.prey, prey_names, strict=True) if state.target is not None
         },
         distances_um={
             target.name: tuple(int(measure_um(target.x - hunter.x, target.y - hunter.y)) for hunter in before.hunters)
@@ -147,7 +150,8 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
             if target.name in named
         },
         out_of_sight={
-            name: tuple(seat for seat, missing in enumerate(unseen) if name in missing) for name in sorted(named)
+            name: tuple(seat for seat, hidden in enumerate(unseen) if any(name == one.target for one in hidden))
+            for name in sorted(named)
         },
         reaches_um=replay.config.reaches_um,
         view_radius_m=replay.config.view_radius_m,
@@ -160,38 +164,16 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     )
 
 
-def _prey_action(replay: Replay, before: World, after: World, index: int) -> PreyAction:
-    then, now = before.prey[index], after.prey[index]
-    return PreyAction(
-        index=index,
-        name=prey_labels(replay)[index],
-        action=replay.prey_action(before.step, index),
-        target=then.target,
-        caught_by=now.caught_by,
-        returned_as=None if now.target == then.target else now.target,
-        withdrawn=now.withdrawn,
-    )
-
-
 def _hunter_action(
-    replay: Replay,
-    seen_targets: SeenTargets,
-    worlds: tuple[World, World],
-    seat: int,
-    ruling: Ruling | None,
-    by_name: Sequence[Ruling],
+    replay: Replay, before: World, after: World, seat: int, unseen: tuple[Unseen, ...], by_name: Sequence[Ruling]
 ) -> HunterAction:
-    before, after = worlds
-    step = before.step
-    rank = int(replay.choices[step][seat])
+    ruling = next((ruling for ruling in after.rulings if ruling.hunter == seat), None)
     teams = replay.config.team_by_seat
-    view = seen_targets.ranked(before, seat)
-    unseen = tuple(seen_targets.unseen(before, seat))
     return HunterAction(
         seat=seat,
         control=replay.config.controls[seat],
-        action=replay.action(step, seat),
-        chosen=view[rank - 1] if 0 < rank <= len(view) else None,
+        action=replay.action(before.step, seat),
+        chosen=after.hunters[seat].active_target if replay.choices[before.step][seat] else None,
         ruling=ruling,
         mate=(
             ruling is not None

@@ -3,9 +3,9 @@
 docs/reference/replays.md defines the changes that are tried, and their order.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise, product, starmap
+from itertools import islice, pairwise, product
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 
 from catch_arena.core.state import PART_NAMES
 from catch_arena.engine import Engine
-from catch_arena.engine.saved_state import SavedState
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Claim, Contest
 from catch_arena.explanation.formatting import seconds, short_length
-from catch_arena.explanation.seats import find_subjects, labels, prey_labels
+from catch_arena.explanation.match_summary import explain
+from catch_arena.explanation.seats import find_subjects
 from catch_arena.explanation.sentences import listed
 from catch_arena.explanation.step_explanation import step_at
 from catch_arena.replay import Replay
+from catch_arena.replay.states import ACTIVE_TARGET, LINEAR_VELOCITY, parts_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
@@ -104,16 +105,18 @@ def what_if(
         ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
         ReplayError: if the match does not play as recorded.
     """
-    require_type("replay", replay, Replay, "Replay.load(path)")
+    match = explain(replay)
     require_type("contest", contest, Contest, "lost_contest_at(replay, at_s)")
     claims = _lost(replay, contest, hunter)
     if not claims:
         loser = "a hunter" if hunter is None else hunter
         got = f"the one for {contest.target} at {seconds(contest.judged_ms)}"
         raise ConfigError(f"contest must be one that {loser} lost, got {got}")
-    search = _Search(replay, contest, claims[0].seat)
-    win = search.find(progress)
-    name, target = labels(replay.hunter_names)[search.seat], search.target_label
+    if contest not in match.contests:
+        raise ConfigError(f"contest must be one of explain(replay).contests, got {contest}")
+    target = match.prey_by_target.get(contest.target, contest.target)
+    search = _Search(replay, contest, claims[0].seat, target)
+    win, name = search.find(progress), match.names[search.seat]
     if win is None:
         by_lot = (
             " Lots decide under first_come (R5.9), and no action changes a lot." if contest.clause == "R5.9" else ""
@@ -122,11 +125,11 @@ def what_if(
             f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
         )
         return WhatIf(contest, search.seat, {}, None, sentence, None)
-    alternative, worlds = search.alternative(win)
-    won = next((one for one in contests_of(alternative, worlds[-1]) if one.target == contest.target), None)
-    change = search.sentence(win, worlds[0].hunters[search.seat].linear_velocity)
+    alternative, last = search.alternative(win)
+    won = next((one for one in contests_of(alternative, last) if one.target == contest.target), None)
     called = "it" if search.is_earlier(win) else target
-    sentence = f"{change}, and {name} {_result(won, called, worlds[-1].time_ms - search.period_ms)}."
+    caught = _result(won, called, last.time_ms - replay.config.control_period_ms)
+    sentence = f"{search.sentence(win, alternative)}, and {name} {caught}."
     return WhatIf(
         contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
     )
@@ -145,9 +148,7 @@ def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None
         ReplayError: if the match does not play as recorded.
     """
     step_at(replay, at_s)
-    contests = [
-        contest for world in replay.worlds() for contest in contests_of(replay, world) if _lost(replay, contest, hunter)
-    ]
+    contests = [contest for contest in explain(replay, hunter).contests if _lost(replay, contest, hunter)]
     whose = "" if hunter is None else f" by {hunter}"
     if not contests:
         capstone = ": under the policy capstone every request is granted (R9.1)"
@@ -174,60 +175,43 @@ def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Cl
 
 
 class _Search:
-    """Search for one hunter in one contest: the recorded steps before it, and a batch of arenas that play changes."""
+    """Search for one hunter in one contest: the states before it, and a batch of arenas that play changes.
 
-    def __init__(self, replay: Replay, contest: Contest, seat: int) -> None:
+    Args:
+        replay: the recorded match.
+        contest: the contest.
+        seat: the hunter.
+        target: the label of the contested target.
+    """
+
+    def __init__(self, replay: Replay, contest: Contest, seat: int, target: str) -> None:
         config = replay.config
-        self._replay, self._contest, self.seat = replay, contest, seat
-        self.period_ms = config.control_period_ms
+        self._replay, self._contest, self.seat, self._target = replay, contest, seat, target
+        self._period_ms = config.control_period_ms
         self._control = config.controls[seat]
-        self._number = 0
+        self._number = int(contest.target.removeprefix(config.name_prefix))
         self._others = [other for other in range(config.hunters) if other != seat]
         self._judged = contest.step - 1
-        self._first = max(0, self._judged - _WINDOW_MS // self.period_ms)
-        self._starts: dict[int, SavedState] = {}
-        self._goals: dict[int, int] = {}
-        self._seen: dict[int, list[int]] = {}
-        self._active: dict[int, NDArray[np.int64]] = {}
-        self._speeds: dict[int, float] = {}
-        self.target_label = contest.target
+        self._first = max(0, self._judged - _WINDOW_MS // self._period_ms)
         self.tried = 0
-        rows = _MOST_OTHERS + 2 if self._control == "target" else len(list(self._changes(self._judged)))
-        self._engine = Engine(config, rows)
-        self._play_record()
+        window = range(max(0, self._first - 1), contest.step)
+        states = islice(replay.checked_engines(), contest.step)
+        self._starts = {step: engine.save_row(0) for step, engine in enumerate(states) if step in window}
+        self._goals: dict[int, int] = {}
+        for step in window:
+            active = int(self._hunters(step + 1)[seat, ACTIVE_TARGET])
+            self._goals[step] = active or _FORMER if replay.choices[step][seat] else 0
+        self._engine = Engine(config, _MOST_OTHERS + 2 if self._control == "target" else len(self._changes(0)))
 
-    def _play_record(self) -> None:
-        """Keep the states before the steps of the window, and what all hunters did in them."""
-        found: list[Contest] = []
-        for step, engine in enumerate(self._replay.checked_engines()):
-            if step > self._first:
-                world = engine.world()
-                self._active[step - 1] = engine.active_targets()[0, self._others]
-                self._speeds[step - 1] = world.hunters[self.seat].linear_velocity
-                if step > self._judged:
-                    found = contests_of(self._replay, world)
-                    break
-            if self._first - 1 <= step < self._replay.steps:
-                self._starts[step] = engine.save_row(0)
-                seen: list[int] = engine.numbers_seen(self.seat)[0].tolist()
-                rank = int(self._replay.choices[step][self.seat])
-                self._seen[step] = [number for number in seen if number]
-                self._goals[step] = 0 if rank == 0 else [*self._seen[step], *[_FORMER] * rank][rank - 1]
-            if step == self._judged:
-                for target in engine.world().targets:
-                    if target.name == self._contest.target:
-                        self._number = target.number
-                        if target.prey is not None:
-                            prey = self._replay.config.prey_names.index(target.prey)
-                            self.target_label = prey_labels(self._replay)[prey]
-        if self._contest not in found:
-            raise ConfigError(f"contest must be one of explain(replay).contests, got {self._contest}")
+    def _hunters(self, step: int) -> NDArray[np.int64]:
+        """Return the hunters' numbers in the recorded state after `step` steps."""
+        return parts_of(self._replay.states[step], self._replay.config).hunters
 
     def find(self, progress: Callable[[int, int], None] | None) -> _Win | None:
         """Return the smallest change with which the hunter catches the target: that of the fewest decisions, of these
         the shortest, then the latest, then that of the least deviation; None if there is none.
         """
-        part = max(1, _PART_MS // self.period_ms)
+        part = max(1, _PART_MS // self._period_ms)
         edges = [*range(self._judged + 1, self._first, -part), self._first]
         rounds = list(product(range(_MOST_DECISIONS + 1), range(1, len(edges))))
         for done, (decisions, length) in enumerate(rounds, start=1):
@@ -253,14 +237,16 @@ class _Search:
         more, fewer = (sum(one != other for one, other in pairwise(chosen)) for chosen in (changed, goals))
         return max(0, more - fewer)
 
-    def _changes(self, begin: int) -> Iterable[_Change]:
+    def _changes(self, begin: int) -> list[_Change]:
         """Return the changes that are tried in runs that begin with a step; of equally large ones the first is best."""
         if self._control == "target":
-            others = [number for number in self._seen[begin] if number != self._number]
-            return map(_Change, (self._number, *others[:_MOST_OTHERS], 0))
+            self._engine.restore_row(0, self._starts[begin])
+            seen: list[int] = self._engine.numbers_seen(self.seat)[0].tolist()
+            others = [number for number in seen if number not in (0, self._number)]
+            return [_Change(goal) for goal in (self._number, *others[:_MOST_OTHERS], 0)]
         speeds = [speed for speed in _QUARTERS if speed >= 0.0 or self._replay.config.reverse]
         goals = (None, self._number) if self._control == "full" else (None,)
-        return list(starmap(_Change, product(goals, (None, *speeds), (None, *_QUARTERS))))[1:]
+        return [_Change(*parts) for parts in product(goals, (None, *speeds), (None, *_QUARTERS))][1:]
 
     def _wins(self, run: range, changes: Sequence[_Change]) -> list[_Win]:
         """Play every change in a run of steps; return those that count and win the target.
@@ -293,7 +279,8 @@ class _Search:
             choices_by_step.append(choices[:, seat])
             commands_by_step.append(commands[:, seat])
             engine.step(choices, commands)
-            counts &= (engine.active_targets()[:, self._others] == self._active[step]).all(axis=1)
+            active = self._hunters(step + 1)[self._others, ACTIVE_TARGET]
+            counts &= (engine.active_targets()[:, self._others] == active).all(axis=1)
             for row in np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist():
                 won = {ruling.hunter: ruling.target for ruling in engine.rulings(row) if ruling.success}
                 if won[seat] == self._contest.target:
@@ -325,10 +312,8 @@ class _Search:
             changed[step] = by_control[self._control]
         return changed
 
-    def alternative(self, win: _Win) -> tuple[Replay, list[World]]:
-        """Return the match with a change, up to the step of the catch, and the worlds after the steps from the run's
-        first on.
-        """
+    def alternative(self, win: _Win) -> tuple[Replay, World]:
+        """Return the match with a change, up to the step of the catch, and its last world."""
         old, begin = self._replay, win.run.start
         end = begin + len(win.choices)
         played = replace(
@@ -336,18 +321,16 @@ class _Search:
             choices=[choices.copy() for choices in old.choices[:end]],
             commands=[commands.copy() for commands in old.commands[:end]],
             prey_commands=old.prey_commands[:end],
-            digests=old.digests[: begin + 1],
-            states=old.states[: begin + 1],
+            digests=[],
+            states=[],
             withdrawals=[departure for departure in old.withdrawals if departure[0] < end],
             named_requests=[request for request in old.named_requests if request.step < begin],
         )
         for step, rank, command in zip(range(begin, end), win.choices, win.commands, strict=True):
             played.choices[step][self.seat], played.commands[step][self.seat] = rank, command
-        worlds = []
-        for engine in islice(played.engines(), begin + 1, None):
+        for engine in played.engines():
             played.note(engine)
-            worlds.append(engine.world())
-        return played, worlds
+        return played, engine.world()
 
     def _recorded_command(self, step: int) -> NDArray[np.float32]:
         own: NDArray[np.float32] = self._replay.commands[step][self.seat]
@@ -360,17 +343,20 @@ class _Search:
         goals = {win.change.goal, *(self._goals[step] for step in range(win.run.stop, self._judged + 1))}
         return self._control == "target" and goals == {self._number}
 
-    def sentence(self, win: _Win, faster: float) -> str:
-        """Return a change in words; `faster` is the hunter's velocity in the first step [m/s]."""
+    def sentence(self, win: _Win, alternative: Replay) -> str:
+        """Return a change in words."""
         change, run = win.change, win.run
-        begin, end, length = (seconds(steps * self.period_ms) for steps in (run.start, run.stop, len(run)))
+        begin, end, length = (seconds(steps * self._period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
             if self.is_earlier(win):
-                return f"{length} earlier: head for {self.target_label} at {begin} instead of {end}"
+                return f"{length} earlier: head for {self._target} at {begin} instead of {end}"
             new = f"head for {self._called(change.goal)}" if change.goal else "hold"
             former = dict.fromkeys(self._goals[step] for step in run)
             old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
-            slower = self._speeds[run.start]
+            states = self._replay.states[run.start + 1], alternative.states[run.start + 1]
+            slower, faster = (
+                parts_of(state, alternative.config).hunters[self.seat, LINEAR_VELOCITY] / 1e6 for state in states
+            )
             if faster > slower + 0.05:
                 speeds = f"{faster:.1f} m/s instead of {slower:.1f} m/s"
                 return f"Brake less ({speeds}): for {length} from {begin}, {new} instead of {old}"
@@ -388,11 +374,11 @@ class _Search:
             new, old = _distinct(abs(rate), abs(turn))
             parts.append(f"turn {_turn(rate, new)} instead of {_turn(turn, old)}{average}")
         if change.goal is not None:
-            parts.append(f"request {self.target_label}")
+            parts.append(f"request {self._target}")
         return f"For {length} from {begin}: {listed(parts)}"
 
     def _called(self, number: int) -> str:
-        return self.target_label if number == self._number else self._replay.config.target_name(number)
+        return self._target if number == self._number else self._replay.config.target_name(number)
 
 
 def _distinct(new: float, old: float) -> tuple[str, str]:

@@ -1,6 +1,5 @@
 """Ratings of a league from its newest matches, and the opponents whose matches say most about an entrant's place."""
 
-import math
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -30,19 +29,6 @@ class Evidence:
     """Number of blocks that each entrant played in."""
     met: Mapping[tuple[int, int], int] = field(default_factory=dict)
     """Number of blocks in which two entrants met, the smaller index first."""
-
-    def is_placed(self, entrant: int, precision: float) -> bool:
-        """Return whether a rating is precise enough, or its interval has no other rating.
-
-        Args:
-            entrant: index of the entrant.
-            precision: largest half width of a precise rating's interval [points].
-        """
-        rating = self.ratings.get(entrant)
-        if rating is None or math.isnan(rating.low):
-            return False
-        within = [one for one in self.ratings.values() if rating.low <= one.mean <= rating.high]
-        return rating.margin <= precision or len(within) == 1
 
 
 def weigh(outcomes: Outcomes, zero: int, present: Collection[int]) -> Evidence:

@@ -4,9 +4,8 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
-from catch_arena.classroom.moments import Moment, moment_of
+from catch_arena.classroom.moments import Moment, lead, moment_of
 from catch_arena.explanation import explain
-from catch_arena.explanation.highlights import extract_events
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.replay import Replay
 from catch_arena.tournament.match import PlayedMatch
@@ -21,17 +20,6 @@ class Part(NamedTuple):
 
     one: PlayedMatch
     party: int
-
-    @property
-    def win(self) -> float:
-        """Share of the win: 1 for a win, less for parties that share the first rank, 0 for others."""
-        ranks = self.one.result.ranks
-        return 1.0 / ranks.count(1) if ranks[self.party] == 1 else 0.0
-
-    def lead(self, hunting: int) -> int:
-        """Return the score minus the best score of the others, among the `hunting` parties that hunt."""
-        scores = self.one.result.scores
-        return scores[self.party] - max((scores[other] for other in range(hunting) if other != self.party), default=0)
 
 
 def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]:
@@ -54,7 +42,7 @@ def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part]
 
     def goodness(part: Part) -> tuple[bool, int]:
         forfeit = part.one.result.forfeits[part.party]
-        return forfeit is None or not forfeit.step, part.lead(parties.hunting)
+        return forfeit is None or not forfeit.step, lead(part.one.result, part.party, parties.hunting)
 
     return max(hunted, key=goodness), min(hunted, key=goodness)
 
@@ -68,7 +56,7 @@ def best_moment(replay: Replay, seat: int) -> Moment:
     """Return the contest of a match that a hunter won by least, or its last catch, or the match's start."""
     match = explain(replay, seat)
     won = [contest for contest in match.contests if contest.claims[0].seat == seat and not contest.claims[1].mate]
-    caught = [catch for catch in extract_events(replay).catches if catch.seat == seat]
+    caught = [catch for catch in match.catches if catch.seat == seat]
     if won:
         closest = min(won, key=lambda contest: contest.margin_um or 0)
         text = contest_sentence(closest, match.names, match.prey_by_target.get(closest.target))

@@ -1,12 +1,14 @@
-"""Versions of a league's entries, and their ratings over time: two tables in the league's store."""
+"""Store of a league: that of a tournament, with versions of the entries and their ratings over time."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from datetime import datetime, timedelta
 from typing import Final
 
+import msgspec
+
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.store import Store
+from catch_arena.tournament.store import Store, Tournament
 
 _TABLES: Final = """
 CREATE TABLE IF NOT EXISTS league_version (
@@ -63,43 +65,59 @@ class RatingThen:
     high: float | None
 
 
-class Records:
-    """Tables of a league in its store."""
+class LeagueStore(Store):
+    """Store of a league, whose entrants and matches change as it goes on."""
 
-    def __init__(self, store: Store) -> None:
-        self._store = store
-        with store.transaction() as db:
+    def _begin(self, tournament: Tournament, *, resume: bool) -> None:
+        super()._begin(tournament, resume=resume)
+        with self.transaction() as db:
             for statement in _TABLES.split(";"):
                 db.execute(statement)
 
     def versions(self) -> list[Version]:
         """Return all versions, by entry and number."""
-        with self._store.transaction() as db:
+        with self.transaction() as db:
             return [Version(*row) for row in db.execute("SELECT * FROM league_version ORDER BY entry, number")]
 
     def ratings(self) -> list[RatingThen]:
         """Return the ratings of all entrants after each run that is kept, in the order of time."""
-        with self._store.transaction() as db:
+        with self.transaction() as db:
             return [RatingThen(*row) for row in db.execute("SELECT * FROM league_rating ORDER BY time, entrant")]
 
     def add_versions(self, versions: Iterable[Version], entrants: Sequence[Entrant]) -> None:
         """Write new versions, and all entrants with theirs at the end: all or none."""
-        rows = [(one.entry, one.number, one.digest, one.entered, one.entrant, one.fault, one.log) for one in versions]
-        with self._store.transaction() as db:
-            self._store.replace_entrants(entrants)
-            db.executemany("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", rows)
+        with self.transaction() as db:
+            db.execute("INSERT OR REPLACE INTO fact VALUES ('entrants', ?)", (msgspec.json.encode(entrants).decode(),))
+            db.executemany("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", map(astuple, versions))
 
     def add_ratings(self, ratings: Iterable[RatingThen]) -> None:
         """Write the ratings after a run, and remove those of old runs except the last ones of each day."""
-        rows = [(one.entrant, one.time, one.place, one.rating, one.low, one.high) for one in ratings]
-        with self._store.transaction() as db:
-            db.executemany("INSERT INTO league_rating VALUES (?, ?, ?, ?, ?, ?)", rows)
+        with self.transaction() as db:
+            db.executemany("INSERT INTO league_rating VALUES (?, ?, ?, ?, ?, ?)", map(astuple, ratings))
             db.execute(_REMOVE_OLD, (_RUNS_KEPT,))
 
     def time_after(self, now: datetime) -> str:
         """Return the time of a run as text; a second after the last run's if the clock was set back."""
-        with self._store.transaction() as db:
+        with self.transaction() as db:
             (last,) = db.execute("SELECT max(time) FROM league_rating").fetchone()
         if last is not None:
             now = max(now, datetime.fromisoformat(last) + timedelta(seconds=1))
         return now.isoformat(timespec="seconds")
+
+    def next_block(self) -> tuple[int, int]:
+        """Return the number of rounds so far, and the number of the next block, from 0."""
+        with self.transaction() as db:
+            row = db.execute("SELECT id, block FROM match ORDER BY id DESC LIMIT 1").fetchone()
+        return (int(row[0][1:].partition("-")[0]), row[1] + 1) if row else (0, 0)
+
+    def remove_waiting(self) -> None:
+        """Remove the matches that are planned and not played."""
+        with self.transaction() as db:
+            db.execute("DELETE FROM match WHERE id NOT IN (SELECT match FROM result)")
+
+    def remove_old(self, most: int) -> None:
+        """Remove the oldest blocks, so that at most `most` played matches are left."""
+        with self.transaction() as db:
+            old = "(SELECT id FROM match WHERE block <= (SELECT block FROM match ORDER BY id DESC LIMIT 1 OFFSET ?))"
+            db.execute(f"DELETE FROM result WHERE match IN {old}", (most,))  # noqa: S608 - ours
+            db.execute(f"DELETE FROM match WHERE id IN {old}", (most,))  # noqa: S608 - ours

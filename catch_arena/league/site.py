@@ -34,8 +34,6 @@ _MATCHES: Final = 20
 """Number of the newest matches in the list of a person's page."""
 _LOG_LINES: Final = 80
 """Number of lines of a log, from its end; lines of source are left out of them."""
-_LOG_READ: Final = 100_000
-"""Part of a log that is read, from its end [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +106,8 @@ def _lines(league: League) -> list[Line]:
         before = [earlier[one.entrant] for one in versions if one.entrant in earlier]
         now = None if index is None else ratings.get(index)
         parts = [] if index is None else league.parts.get(index, ())
-        won = [part.win for part in parts if part.party < league.parties.hunting]
+        side = league.parties.on("hunter")
+        won = [part.one.result.win_share(part.party, side) for part in parts if part.party < side.stop]
         lines.append(
             Line(
                 entry,
@@ -225,9 +224,8 @@ def _forfeit(part: Part, league: League) -> tuple[str, str]:
 
 def _log(league: League, entrant: int) -> str:
     try:
-        with log_file(league.state / LOGS, league.entrants[entrant].name).open("rb") as file:
-            file.seek(-min(_LOG_READ, file.seek(0, 2)), 2)
-            return without_source(last_lines(file.read().decode(errors="replace"), _LOG_LINES))
+        log = log_file(league.state / LOGS, league.entrants[entrant].name).read_text("utf-8", "replace")
+        return without_source(last_lines(log, _LOG_LINES))
     except OSError:  # it printed nothing, or a user removed the file
         return ""
 

@@ -3,7 +3,7 @@
 import math
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property, partial
@@ -17,11 +17,11 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries, with_own_names
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
 from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
-from catch_arena.league.records import RatingThen, Records, Version
+from catch_arena.league.records import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
 from catch_arena.tournament.agent_logs import log_file
-from catch_arena.tournament.agent_spec import is_shipped, resolve_spec
+from catch_arena.tournament.agent_spec import is_shipped, resolve
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
@@ -36,7 +36,7 @@ from catch_arena.tournament.players import Fault
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.store import STORE, Store, Tournament, only_one_plays_in, terms_of
+from catch_arena.tournament.store import Store, Tournament, terms_of
 
 STATE: Final = ".league"
 """Folder of the store, the replays, the logs and the copies of versions, in the league's folder."""
@@ -119,8 +119,13 @@ class League:
         return parts_of_entrants(self.played)
 
     def is_placed(self, entrant: int) -> bool:
-        """Return whether the place of an entrant is clear by the rules."""
-        return self.evidence.is_placed(entrant, self.rules.precision)
+        """Return whether a rating is precise enough by the rules, or its interval has no other rating."""
+        ratings = self.evidence.ratings
+        rating = ratings.get(entrant)
+        if rating is None or math.isnan(rating.low):
+            return False
+        within = [one for one in ratings.values() if rating.low <= one.mean <= rating.high]
+        return rating.margin <= self.rules.precision or len(within) == 1
 
     def is_waiting(self, entrant: int) -> bool:
         """Return whether an entrant plays further matches until it has its place."""
@@ -170,41 +175,35 @@ def update_league(
     for warning in warnings:
         report(f"warning: {warning}")
     entries = with_own_names([*shipped_entries(parties.group), *entries])
-    with _opened(folder, rules, secret) as (store, key):
+    with _opened(folder, rules, secret) as store:
         store.remove_waiting()  # of a run that was killed; the same agents now wait for the same matches
-        records, before = Records(store), store.count_played()
-        _add_versions(store, records, folder, rules, entries, jobs, records.time_after(now), report)
-        league = _play(store, records, key, folder, rules, entries, executor_of, on_progress)
+        before = store.count_played()
+        _add_versions(store, folder, rules, entries, jobs, store.time_after(now), report)
+        league = _play(store, folder, rules, entries, executor_of, on_progress)
         last = [replace(one, time="") for one in league.ratings if one.time == league.ratings[-1].time]
         ratings = sorted(_ratings_now(league), key=lambda one: one.entrant)
         if last != ratings:  # also if a run before was killed after its matches
-            time = records.time_after(now)
-            records.add_ratings(replace(one, time=time) for one in ratings)
+            time = store.time_after(now)
+            store.add_ratings(replace(one, time=time) for one in ratings)
         _remove_old(store, league)
-        return replace(league, ratings=records.ratings(), new_matches=len(league.played) - before)
+        return replace(league, ratings=store.ratings(), new_matches=len(league.played) - before)
 
 
-@contextmanager
-def _opened(folder: Path, rules: Rules, secret: Secret | None) -> Iterator[tuple[Store, Secret]]:
+def _opened(folder: Path, rules: Rules, secret: Secret | None) -> AbstractContextManager[LeagueStore]:
     """Open the store of a league; a new league gets one. No other run can open it meanwhile."""
     state = prepare_folder(folder / STATE)
     with suppress(OSError):  # a file system without permissions
         state.chmod(0o700)  # copies of private files, and logs
-    with only_one_plays_in(folder):
-        entrants: tuple[Entrant, ...] = ()
-        if (state / STORE).exists() and (state / STORE).stat().st_size:  # it is empty if its first run was killed
-            with Store.read(state) as store:
-                entrants, secret = store.tournament.entrants, secret or store.tournament.secret
-        secret = secret or Secret.of(None)
-        terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
-        about = Tournament(rules.config, entrants, {"format": "league"}, terms, secret.text)
-        with Store.begin(about, state, resume=True) as store:
-            yield store, secret
+    before = Store.tournament_in(state)
+    secret = secret or (before.secret if before else Secret.of(None))
+    terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
+    entrants = before.entrants if before else ()
+    about = Tournament(rules.config, entrants, {"format": "league"}, secret.text, terms)
+    return LeagueStore.begin(about, state, resume=True)
 
 
 def _add_versions(
-    store: Store,
-    records: Records,
+    store: LeagueStore,
     folder: Path,
     rules: Rules,
     entries: Sequence[Entry],
@@ -213,7 +212,7 @@ def _add_versions(
     report: Callable[[str], None],
 ) -> None:
     """Check new and changed entries, and write their versions."""
-    known = records.versions()
+    known = store.versions()
     before = {(one.entry, one.digest) for one in known}
     new = {one.key for one in entries if (one.key, one.digest) not in before}
     copies = prepare_folder(folder / STATE / _COPIES)
@@ -248,7 +247,7 @@ def _add_versions(
             if entry.kind != "shipped":
                 result = f"does not pass the check: {checked.fault}" if index is None else "enters"
                 report(f"{entry.key}: version {number} {result}")
-    records.add_versions(versions, entrants)
+    store.add_versions(versions, entrants)
     for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
         if {pair.first, pair.second} & new:
             report(f"look at these two: {pair.first} and {pair.second}: {pair}")
@@ -269,14 +268,13 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Chec
     if fault:
         return Checked(None, fault)
     try:
-        spec = resolve_spec(agent)
-        inspection = inspector(worker.sandbox)(spec)
-        (entrant,) = enter([agent], lambda _: inspection)
+        spec = resolve(agent).spec
         findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, 0, worker.sandbox)
         for finding in findings:
             if finding.level == "error":
                 fault, _, log = finding.text.partition("\n")
                 return Checked(None, _without_copies(fault, spec), log)
+        (entrant,) = enter([agent], inspector(worker.sandbox))
         return Checked(entrant)
     except AgentError as error:
         return Checked(None, _without_copies(str(error), agent))
@@ -292,9 +290,7 @@ def _without_copies(text: str, agent: str) -> str:
 
 
 def _play(
-    store: Store,
-    records: Records,
-    secret: Secret,
+    store: LeagueStore,
     folder: Path,
     rules: Rules,
     entries: Sequence[Entry],
@@ -302,9 +298,10 @@ def _play(
     on_progress: Callable[[int, int], None],
 ) -> League:
     """Play until no present entry waits for its place."""
-    entrants, parties = store.tournament.entrants, Parties.of(rules.config)
+    about, parties = store.tournament, Parties.of(rules.config)
+    entrants = about.entrants
     versions: dict[str, list[Version]] = {}
-    for version in records.versions():
+    for version in store.versions():
         versions.setdefault(version.entry, []).append(version)
     current = {one.key: index for one in entries if (index := _current(one, versions.get(one.key, ()))) is not None}
     playing = {*current.values()}
@@ -315,7 +312,7 @@ def _play(
     )
     played, streaks = list(store.played()), ForfeitStreaks(_MOST_FORFEITS)
     streaks.add(played)
-    ratings, zero = records.ratings(), current.get(entries[0].key, -1)
+    ratings, zero = store.ratings(), current.get(entries[0].key, -1)
     before, (rounds, first) = len(played), store.next_block()
     number = first
     executor: Executor | None = None
@@ -334,14 +331,14 @@ def _play(
                 return league
             if executor is None:
                 executor = stack.enter_context(executor_of(Worker(rules.config, able, True, rules.quotas)))
-            draw = partial(secret.part("groups", number).seed, "groups")
+            draw = partial(about.secret.part("groups", number).seed, "groups")
             groups = next_blocks(waiting, pool, evidence, parties.group, draw)
             store.plan(
-                block_of(players, secret, block, f"r{rounds + 1:05d}-g{block - first + 1:06d}", parties)
+                block_of(players, about.secret, block, f"r{rounds + 1:05d}-g{block - first + 1:06d}", parties)
                 for block, players in enumerate(groups, number)
             )
             number += len(groups)
-            play_waiting(store, executor, streaks, league.state, played.extend)
+            play_waiting(store, executor, streaks, played.extend)
 
 
 def _present_path(spec: str, folder: Path) -> str:
@@ -379,7 +376,7 @@ def _ratings_now(league: League) -> Iterator[RatingThen]:
         yield RatingThen(index, "", place, rating.mean, low, high)
 
 
-def _remove_old(store: Store, league: League) -> None:
+def _remove_old(store: LeagueStore, league: League) -> None:
     """Remove old matches, replays that no page shows, and the files of old versions."""
     store.remove_old(_MATCHES_KEPT)
     playing = {*league.current.values()}

@@ -9,6 +9,8 @@ from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import OutputError
 from catch_arena.live import overlays
 from catch_arena.live.user_input import InputState, UserCommand, user_command
+from catch_arena.render import hud
+from catch_arena.render.captions import panel_shapes
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
@@ -63,13 +65,12 @@ class MatchWindow:
     ) -> None:
         self._info, self._seed = info, seed
         self._inputs, self._seat, self._save = inputs, seat, save
-        self._screen = Screen(f"Catch Arena: {info.title}", size, interactive=True)
+        self._screen = Screen(f"Catch Arena: {info.title}", size)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()
         self._view_of: int | None = None
         self._renderer = self._new_renderer(size)
-        self._last: World
         self._motions: list[StepMotion] = []
         self._resized_s: float | None = None
         self._resizing = size
@@ -90,20 +91,18 @@ class MatchWindow:
         world = env.world()
         self._renderer.observe(world.step, env.hunter_observations())
         if world.step == 0:
-            self._last = world
             self._begin(world)
             return
-        motion = step_motion(self._last, world)
-        self._last = world
+        motion = step_motion(self._motions[-1].after, world)
         self._motions.append(motion)
         self._renderer.enter(motion)
         self._run(motion)
 
     def wait(self) -> None:
         """Draw one frame while an agent takes long, with the match as played until now."""
-        motion = self._motions[-1] if self._motions else step_motion(self._last, self._last)
-        note = overlays.note_overlay(self._area, "waiting for an agent")
-        self._draw(motion, motion.after.time_ms, [*self._pointer(motion, motion.after.time_ms), *note])
+        motion = self._motions[-1]
+        time_ms = motion.after.time_ms
+        self._draw(motion, time_ms, self._pointer(motion, time_ms) + self._line("waiting for an agent"))
         self._events()
         self._clock.tick(_FPS)
 
@@ -117,9 +116,9 @@ class MatchWindow:
         self._screen.close()
 
     def _begin(self, world: World) -> None:
-        self._motions = []
-        self._renderer.reset()
         motion = step_motion(world, world)
+        self._motions = [motion]
+        self._renderer.reset()
         self._renderer.enter(motion)
         self._ahead_ms = 0.0
         self._steps = 0
@@ -149,13 +148,13 @@ class MatchWindow:
 
     def show_result(self, result: MatchResult) -> None:
         """Show the podium until the user quits or restarts, unless the user has quit."""
-        heading = ""
+        heading, motion = "", self._motions[-1]
         if self._seat is not None:
             heading = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
-        keys = overlays.note_overlay(self._area, "R: restart    Ctrl-S: save    Esc: quit")
+        keys = self._line("R: restart    Ctrl-S: save    Esc: quit")
         with suppress(MatchStopped):
             while not self._stopped:
-                self._renderer.draw(self._last.time_ms, self._motions[-1].at(self._last.time_ms))
+                self._renderer.draw(motion.after.time_ms, motion.poses[-1])
                 self._renderer.draw_podium(heading=heading)
                 self._renderer.draw_over(self._note_shapes() or keys)
                 self._screen.show(self._renderer.pixels)
@@ -227,18 +226,18 @@ class MatchWindow:
         if self._shows_help:
             return shapes + self._keys_overlay("H: continue")
         if self._paused:
-            return shapes + overlays.note_overlay(self._area, "paused    space: continue    N: one step    H: keys")
+            return shapes + self._line("paused    space: continue    N: one step    H: keys")
         return shapes + (self._note_shapes() or self._out_shapes())
 
     def _out_shapes(self) -> list[Shape]:
         """R12.3: return a note that the person's prey is out, and until when; no shapes if it is not out."""
         index = -1 if self._seat is None else self._seat - self._info.config.hunters
-        caught_ms = self._last.prey[index].caught_ms if index >= 0 else None
+        caught_ms = self._motions[-1].after.prey[index].caught_ms if index >= 0 else None
         if caught_ms is None:
             return []
         after_ms = self._info.config.prey_returns_ms
         until = "" if after_ms is None else f": you return at {(caught_ms + after_ms) / 1000:.1f} s"
-        return overlays.note_overlay(self._area, f"you are out{until}")
+        return self._line(f"you are out{until}")
 
     def _pointer(self, motion: StepMotion, time_ms: float) -> list[Shape]:
         """Return a pointer to the person's agent: in the first seconds, in a pause, and when its prey has returned."""
@@ -255,19 +254,21 @@ class MatchWindow:
             place, since_ms = poses.targets[target.number], target.spawned_ms
         if not (0 <= time_ms - since_ms < _POINTED_MS or self._paused):
             return []
-        viewport = Viewport(*self._area, self._info.config.side_m)
-        return overlays.seat_pointer(viewport, place[:2], self._info.color(self._seat))
+        return overlays.seat_pointer(self._viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)
-        return overlays.card_overlay(self._area, "Keys", rows, below)
+        return overlays.keys_overlay(self._viewport, rows, below)
 
     def _note_shapes(self) -> list[Shape]:
-        return overlays.note_overlay(self._area, self._note) if time.monotonic() < self._note_until_s else []
+        return self._line(self._note) if time.monotonic() < self._note_until_s else []
+
+    def _line(self, text: str) -> list[Shape]:
+        return panel_shapes(self._viewport, hud.DIM, text, at_top=False)
 
     @property
-    def _area(self) -> tuple[int, int]:
-        return self._renderer.arena.width, self._renderer.arena.height
+    def _viewport(self) -> Viewport:
+        return Viewport(self._renderer.arena.width, self._renderer.arena.height, self._info.config.side_m)
 
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))
@@ -285,6 +286,6 @@ class MatchWindow:
             self._resized_s, self._resizing = now_s, size
         elif now_s - self._resized_s > _SETTLED_S:
             self._renderer = self._new_renderer(size)
-            for past in self._motions or [step_motion(self._last, self._last)]:
+            for past in self._motions:
                 self._renderer.enter(past)
             self._clock.tick()

@@ -1,4 +1,4 @@
-"""Texts over the arena: a card with the keys or the result, and short notes. Pure functions to shapes."""
+"""Texts over the arena: a card with the keys, the result, and a pointer to the person's agent."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -31,19 +31,17 @@ WINDOW: Final = (
 )
 _YOU: Final = "you"
 
-Rows = Sequence[tuple[tuple[str, ...], str]]
 
-
-def card_overlay(area: tuple[int, int], title: str, rows: Rows, below: str) -> list[Shape]:
-    """Return a card in the middle of an area of (width, height): a title, a table of keys, and a line below it."""
-    width, height = area
+def keys_overlay(viewport: Viewport, rows: Sequence[tuple[tuple[str, ...], str]], below: str) -> list[Shape]:
+    """Return a card in the middle of the arena: rows of keys with their meaning, and a line below them."""
+    width, height, title = viewport.width, viewport.height, "Keys"
     unit = min(width / 560.0, height / 560.0)
     size, big = hud.font_size(17 * unit, 10), hud.font_size(26 * unit, 13)
     pad = 1.6 * size
     line = min(2.0 * size, (height - 4.0 - 2.0 * pad - 2.4 * big) / (len(rows) + 1.2))
-    keys = max((sum(_key_width(key, size) + 0.4 * size for key in row[0]) for row in rows), default=0.0)
-    text_right = max((keys + 2.0 * size + text_width(row[1], size, 500) for row in rows), default=0.0)
-    text_right = max(text_right, text_width(title, big, 800), text_width(below, size, 500))
+    keys = max(sum(_key_width(key, size) + 0.4 * size for key in names) for names, _ in rows)
+    texts = max(text_width(meaning, size, 500) for _, meaning in rows)
+    text_right = max(keys + 2.0 * size + texts, text_width(below, size, 500))
     wide = min(width - 4.0, text_right + 2.0 * pad)
     high = len(rows) * line + 2.0 * pad + 2.4 * big + 1.2 * line
     left, top = (width - wide) / 2.0, max(2.0, (height - high) / 2.0)
@@ -86,18 +84,6 @@ def verdict(info: MatchInfo, parties: Parties, ranks: Sequence[int], scores: Seq
     if _YOU in (info.names[seat] for seat in first[0]):
         return "You win" if len(first[0]) == 1 else "Your team wins"
     return f"{info.called(first[0][0])} wins"
-
-
-def note_overlay(area: tuple[int, int], text: str) -> list[Shape]:
-    """Return the shapes of a line of text at the bottom of an area of (width, height)."""
-    width, height = area
-    size = hud.font_size(0.03 * min(width, height), 11)
-    wide = min(width - 4.0, text_width(text, size, 600) + 2.0 * size)
-    top = height - 2.9 * size
-    return [
-        Box((width - wide) / 2.0, top, wide, 2.0 * size, hud.PANEL, size),
-        Label(width / 2.0, top + size, text, size, hud.BRIGHT, 600, "center", max_width=wide - size),
-    ]
 
 
 def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color) -> list[Shape]:

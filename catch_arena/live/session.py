@@ -1,16 +1,16 @@
 """Session of one match in the window, which its user may restart any number of times."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.live.match_window import MatchWindow, RestartRequested
-from catch_arena.live.threaded_players import ThreadedPlayers
 from catch_arena.live.user_input import InputState
-from catch_arena.policy import Policy, PreyView, View
+from catch_arena.policy import AnyLimits, PreyView, View
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
@@ -20,7 +20,10 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import Players
+from catch_arena.tournament.players import Fault, Move, Observation, Players
+
+_FIRST_WAIT_S: Final = 0.05
+"""Time within which most agents have answered, so that the window need not be drawn [s]."""
 
 
 class HumanPolicy:
@@ -42,6 +45,47 @@ class HumanPolicy:
         return self._inputs.velocity_command()
 
 
+class ThreadedPlayers(Players):
+    """Isolated players whose thinking does not hold up this thread.
+
+    Args:
+        players: the players in the sandbox.
+        sandbox: sandbox of the players; it is killed if `wait` raises.
+        wait: called repeatedly while they think; an exception that it raises ends the match.
+    """
+
+    def __init__(self, players: Players, sandbox: Sandbox, wait: Callable[[], None]) -> None:
+        self.controls = players.controls
+        self._players = players
+        self._sandbox = sandbox
+        self._wait = wait
+
+    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
+        """Begin a match."""
+        return self._players.reset(seeds, limits)
+
+    def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
+        """Return the answers of seats to their observations; call `wait` while they think."""
+        with ThreadPoolExecutor(1) as thread:
+            moves = thread.submit(self._players.act, observations)
+            try:
+                wait([moves], _FIRST_WAIT_S)
+                while not moves.done():
+                    self._wait()
+            except BaseException:
+                self._sandbox.kill()  # the thread stops waiting when the agents' processes end
+                raise
+        return moves.result()
+
+    def drop(self, seat: int) -> None:
+        """Drop a seat that has forfeited."""
+        self._players.drop(seat)
+
+    def logs(self) -> dict[int, str]:
+        """Return the texts that agents have printed, by seat."""
+        return self._players.logs()
+
+
 @dataclass(frozen=True, slots=True)
 class Lineup:
     """Players by seat: first the hunters' seats, then those of the prey."""
@@ -55,11 +99,6 @@ class Lineup:
     def person(self) -> int | None:
         """Seat of the person, None without one."""
         return self.entrants.index(None) if None in self.entrants else None
-
-    @property
-    def agents(self) -> dict[int, Entrant]:
-        """Entrants by seat, without the person."""
-        return {seat: entrant for seat, entrant in enumerate(self.entrants) if entrant is not None}
 
 
 class ShownMatch(NamedTuple):
@@ -125,8 +164,8 @@ def show_match(
 @contextmanager
 def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
     """Start fresh players for one match, and stop them after it."""
-    person: dict[int, Entrant | Policy] = {} if lineup.person is None else {lineup.person: HumanPolicy(inputs)}
-    with start_players(person | lineup.agents, sandbox) as players:
+    seated = {seat: entrant or HumanPolicy(inputs) for seat, entrant in enumerate(lineup.entrants)}
+    with start_players(seated, sandbox) as players:
         yield players if sandbox is None else ThreadedPlayers(players, sandbox, window.wait)
 
 

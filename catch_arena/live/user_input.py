@@ -33,7 +33,12 @@ class UserCommand(Enum):
     SLOWER = auto()
 
 
-_TYPED: Final = {"+": UserCommand.FASTER, "-": UserCommand.SLOWER, ".": UserCommand.STEP}
+_TYPED: Final = {
+    "+": UserCommand.FASTER,
+    "=": UserCommand.FASTER,
+    "-": UserCommand.SLOWER,
+    ".": UserCommand.STEP,
+}
 """Commands by typed character, since the keys for these characters depend on the keyboard."""
 _COMMANDS: Final = {
     pygame.K_SPACE: UserCommand.PAUSE,
@@ -43,13 +48,7 @@ _COMMANDS: Final = {
     pygame.K_h: UserCommand.HELP,
     pygame.K_F1: UserCommand.HELP,
     pygame.K_v: UserCommand.VIEW,
-    pygame.K_PLUS: UserCommand.FASTER,
-    pygame.K_EQUALS: UserCommand.FASTER,
-    pygame.K_KP_PLUS: UserCommand.FASTER,
-    pygame.K_MINUS: UserCommand.SLOWER,
-    pygame.K_KP_MINUS: UserCommand.SLOWER,
     pygame.K_n: UserCommand.STEP,
-    pygame.K_PERIOD: UserCommand.STEP,
 }
 """Commands by key. No key of these drives; Q is unused, since it lies next to W and A: a slip must not end a match."""
 

@@ -69,7 +69,6 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
     targets: dict[int, tuple[int, Track]] = {}
     rulings: list[list[Any]] = []
     contests: list[Contest] = []
-    judged: list[dict[str, Any]] = []
     lenses: list[Lens | None] = []
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
@@ -92,9 +91,6 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
                 lens = lens_of(last, contest.target, claims) if claims else None  # R9.1: capstone does not measure
                 contests.append(contest)
                 lenses.append(lens)
-                judged.append(
-                    _contest(contest, info, lens, contest_sentence(contest, names, played.get(contest.target)))
-                )
             shown = commentary.caption
             commentary.record(last.time_ms, annotations_of(last, world, by_lot=info.by_lot), world.team_scores)
             caption = commentary.caption
@@ -109,7 +105,10 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
                     }
                 )
         last = world
-        _update_tracks(state, world, targets, numbers)
+        for target in world.targets:
+            numbers[target.name] = target.number
+            _, poses = targets.setdefault(target.number, (state, []))
+            poses.append((target.x, target.y, target.theta))
         for prey, name, numbers_of in zip(world.prey, prey_names, lives, strict=True):
             if prey.target is not None and prey.target not in played:
                 played[prey.target] = name
@@ -147,7 +146,22 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
         "targets": [[number, first, len(poses)] for number, (first, poses) in targets.items()],
         "withdrawals": [[before, agent] for agent, before in left.items()],
         "rulings": rulings,
-        "contests": judged,
+        "contests": [
+            {
+                "state": contest.step - 1,
+                "target": contest.target,
+                "clause": contest.clause,
+                "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
+                "sentence": contest_sentence(contest, names, played.get(contest.target)),
+                "lens": lens
+                and {
+                    "corner": lens.corner,
+                    "directions": [round(claimant.direction, 3) for claimant in lens.claimants],
+                    "result": result_text(info, lens),
+                },
+            }
+            for contest, lens in zip(contests, lenses, strict=True)
+        ],
         "answers": [
             {
                 "contest": contests.index(answer.contest),
@@ -171,30 +185,6 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
 def css(color: Color) -> str:
     """Return a colour in the notation of style sheets."""
     return "#{:02x}{:02x}{:02x}".format(*color)
-
-
-def _contest(contest: Contest, info: MatchInfo, lens: Lens | None, sentence: str) -> dict[str, Any]:
-    return {
-        "state": contest.step - 1,
-        "target": contest.target,
-        "clause": contest.clause,
-        "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
-        "sentence": sentence,
-        "lens": lens
-        and {
-            "corner": lens.corner,
-            "directions": [round(claimant.direction, 3) for claimant in lens.claimants],
-            "result": result_text(info, lens),
-        },
-    }
-
-
-def _update_tracks(state: int, world: World, targets: dict[int, tuple[int, Track]], numbers: dict[object, int]) -> None:
-    """Add the targets' poses in a state to their tracks."""
-    for target in world.targets:
-        numbers[target.name] = target.number
-        _, poses = targets.setdefault(target.number, (state, []))
-        poses.append((target.x, target.y, target.theta))
 
 
 def _tracks(bodies: Iterable[Track], side_m: float) -> bytes:

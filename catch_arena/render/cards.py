@@ -43,20 +43,10 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     shapes: list[Shape] = [
         Label(middle, top, info.event or "CATCH ARENA", big, GOLD, 800, "center", max_width=room),
         Label(middle, top + 0.95 * big, info.title, small, WHITE, 600, "center", max_width=room),
-        *(
-            Label(
-                middle,
-                top + 0.95 * big + (1.5 + 1.3 * line) * small,
-                text,
-                small,
-                hud.DIM,
-                600,
-                "center",
-                max_width=room,
-            )
-            for line, text in enumerate(goal(info))
-        ),
     ]
+    for row, text in enumerate(goal(info)):
+        below = top + 0.95 * big + (1.5 + 1.3 * row) * small
+        shapes.append(Label(middle, below, text, small, hud.DIM, 600, "center", max_width=room))
     y, texts = top + 2.3 * big + 2.8 * small, [f"{name}, prey" if hunted else name for name, _, hunted in rows]
     widest = min(room - 1.4 * size, max(text_width(text, size, 700) for text in texts))
     start = middle - 0.5 * (widest + 1.4 * size) + 0.6 * size
@@ -101,52 +91,29 @@ def podium_shapes(
     """
     width, height = area
     unit = min(width, height) / 720.0
-    middle = width / 2.0
-    big, size = hud.font_size(46 * unit, 14), hud.font_size(27 * unit, 10)
-    shapes: list[Shape] = [
-        Label(
-            middle,
-            0.5 * height - 265 * unit,
-            heading or result(info, scores),
-            big,
-            GOLD,
-            800,
-            "center",
-            max_width=0.94 * width,
-        )
-    ]
+    middle, room = width / 2.0, 0.94 * width
+    big, size, small = (hud.font_size(pixels * unit, least) for pixels, least in ((46, 14), (27, 10), (20, 10)))
+    text, top = heading or result(info, scores), 0.5 * height - 265 * unit
+    shapes: list[Shape] = [Label(middle, top, text, big, GOLD, 800, "center", max_width=room)]
     order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(HEIGHTS)]
     foot, wide = 0.5 * height + 215 * unit, 190 * unit
     for place, contender in enumerate(order):
         rank = 1 + sum(score > scores[contender] for score in scores)
         tall = HEIGHTS[rank - 1] * 200 * unit
-        x, color = middle + PLACES[len(order) - 1][place] * 210 * unit, info.contenders[contender].color
-        top = foot - tall
+        x, top = middle + PLACES[len(order) - 1][place] * 210 * unit, foot - tall
+        name, color = info.contenders[contender].name, info.contenders[contender].color
         shapes += [
             Box(x - wide / 2.0, top, wide, tall, mix(color, hud.PANEL, 0.35), 10 * unit),
             Label(x, top + 34 * unit, str(rank), big, WHITE, 800, "center"),
             Turtle(x, top - 52 * unit, 1.57, 92 * unit, color),
             Label(x, top - 122 * unit, str(scores[contender]), big, WHITE, 800, "center"),
-            Label(
-                x, foot + 26 * unit, info.contenders[contender].name, size, WHITE, 700, "center", max_width=1.06 * wide
-            ),
+            Label(x, foot + 26 * unit, name, size, WHITE, 700, "center", max_width=1.06 * wide),
         ]
     if prey:
         texts = [f"{info.label(score.agent)} was caught {times(score.score)}" for score in prey[:2]]
         more = f", and {len(prey) - 2} more" if len(prey) > 2 else ""
         line = ", ".join(texts) + more
-        shapes.append(
-            Label(
-                middle,
-                foot + 70 * unit,
-                line,
-                hud.font_size(20 * unit, 10),
-                WHITE,
-                600,
-                "center",
-                max_width=0.94 * width,
-            )
-        )
+        shapes.append(Label(middle, foot + 70 * unit, line, small, WHITE, 600, "center", max_width=room))
     return shapes
 
 

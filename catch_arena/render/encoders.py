@@ -8,17 +8,15 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from catch_arena.errors import ConfigError, install_hint
 from catch_arena.files import regular_file, unfinished_file, unwritable
 from catch_arena.render.optional_imports import cv2
+from catch_arena.render.raster import Pixels
 
-Pixels = NDArray[np.uint8]
 Progress = Callable[[int, int], None]
 """Function that is called with (frames written, frames in all)."""
 
@@ -41,40 +39,38 @@ class Format:
     """True if the format takes even widths and heights only."""
 
 
-FORMATS: Final[Mapping[str, Format]] = MappingProxyType(
-    {
-        ".mp4": Format(
-            "MP4",
-            "mp4",
-            "libx264",
-            (1280, 720),
-            60,
-            # flat areas need no finer search: encoding is faster, and files are no larger
-            options={"preset": "veryfast", "crf": "20", "x264-params": "subme=1:rc-lookahead=10"},
-            container_options={"movflags": "+faststart"},
-        ),
-        ".webm": Format(
-            "WebM",
-            "webm",
-            "libvpx-vp9",
-            (1280, 720),
-            60,
-            options={"deadline": "realtime", "cpu-used": "7", "row-mt": "1", "crf": "34", "b": "0"},
-        ),
-        # browsers show a GIF's frames for at least 20 ms, and its times are hundredths of a second
-        ".gif": Format("GIF", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False),
-        ".webp": Format(
-            "animated WebP",
-            "webp",
-            "libwebp_anim",
-            (640, 360),
-            30,
-            most_fps=100,
-            options={"quality": "75", "compression_level": "4"},
-            container_options={"loop": "0"},
-        ),
-    }
-)
+FORMATS: Final[Mapping[str, Format]] = {
+    ".mp4": Format(
+        "MP4",
+        "mp4",
+        "libx264",
+        (1280, 720),
+        60,
+        # flat areas need no finer search: encoding is faster, and files are no larger
+        options={"preset": "veryfast", "crf": "20", "x264-params": "subme=1:rc-lookahead=10"},
+        container_options={"movflags": "+faststart"},
+    ),
+    ".webm": Format(
+        "WebM",
+        "webm",
+        "libvpx-vp9",
+        (1280, 720),
+        60,
+        options={"deadline": "realtime", "cpu-used": "7", "row-mt": "1", "crf": "34", "b": "0"},
+    ),
+    # browsers show a GIF's frames for at least 20 ms, and its times are hundredths of a second
+    ".gif": Format("GIF", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False),
+    ".webp": Format(
+        "animated WebP",
+        "webp",
+        "libwebp_anim",
+        (640, 360),
+        30,
+        most_fps=100,
+        options={"quality": "75", "compression_level": "4"},
+        container_options={"loop": "0"},
+    ),
+}
 """Formats by the file's ending."""
 
 _BT601: Final = 6

@@ -33,10 +33,6 @@ class FeedItem:
     contest: bool = False
     times: int = 1
 
-    def repeated_by(self, later: "FeedItem") -> bool:
-        """True if `other` is another refusal of the same hunter for the same reason."""
-        return self.other is None and (self.seat, self.text, self.other) == (later.seat, later.text, later.other)
-
 
 def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
     """Return the items of annotations: refusals, catches of prey, and catches with a rival near."""
@@ -59,19 +55,16 @@ def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
     return items
 
 
-class EventFeed:
-    """Latest items, the newest first; a repeated refusal is one item with a count."""
+def with_items(feed: Sequence[FeedItem], annotations: Iterable[Annotation]) -> tuple[FeedItem, ...]:
+    """Return the feed, the newest item first, with the items of the latest annotations.
 
-    def __init__(self) -> None:
-        self.items: tuple[FeedItem, ...] = ()
-
-    def record(self, annotations: Iterable[Annotation]) -> None:
-        """Add the items of the latest annotations."""
-        for item in feed_items(annotations):
-            same = [old for old in self.items if old.repeated_by(item)]
-            different = tuple(old for old in self.items if old not in same)
-            times = item.times + sum(old.times for old in same)
-            self.items = (replace(item, times=times), *different)[:MOST_ITEMS]
+    Refusals of the same hunter for the same reason are one item with a count.
+    """
+    for item in feed_items(annotations):
+        same = [old for old in feed if old.other is None and (old.seat, old.text) == (item.seat, item.text)]
+        counted = replace(item, times=item.times + sum(old.times for old in same))
+        feed = [counted, *(old for old in feed if old not in same)][:MOST_ITEMS]
+    return tuple(feed)
 
 
 def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: float) -> list[Shape]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.render.captions import LOW, panel_shapes
-from catch_arena.render.encoders import Pixels
+from catch_arena.render.raster import Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import WHITE, Color, Path, Shape, Turtle, mix
 from catch_arena.render.viewport import Viewport

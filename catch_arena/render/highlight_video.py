@@ -10,14 +10,14 @@ from typing import Final
 import numpy as np
 
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.highlights import Highlight, Kind
+from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.captions import Captions
 from catch_arena.render.cards import GOLD
-from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
-from catch_arena.render.raster import Canvas
+from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.sprites import SpriteCache
@@ -40,14 +40,6 @@ _FADE_S: Final = 0.2
 _CAPTION: Final = 0.13
 """Height of the caption as a part of the picture's."""
 _CLAUSE: Final = re.compile(r" \(R[0-9.]+\)")
-HEADINGS: Final[dict[Kind, str]] = {
-    "contest": "CONTEST",
-    "capture": "CAPTURE",
-    "lead": "NEW LEADER",
-    "streak": "STREAK",
-    "finish": "FINISH",
-    "upset": "UPSET",
-}
 
 
 def render_highlights(
@@ -123,7 +115,7 @@ def caption_shapes(
     big, small = hud.font_size(28 * unit, 12), hud.font_size(17 * unit, 10)
     tag = hud.font_size(15 * unit, 9)
     upper, lower = area.top + 0.34 * area.height, area.top + 0.72 * area.height
-    heading = HEADINGS[highlight.kind]
+    heading = highlight.kind.upper()
     chip = text_width(heading, tag, 800) + 1.2 * tag
     right = area.left + area.width - pad
     note = f"{origin}   slow motion ¼" if slow else origin

@@ -228,33 +228,15 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
     subtitle = "   ".join(part for part in (info.title, short_seed) if part)
     whole = f"of {info.duration_ms / 1000:g} s"
     clock_room = len(time_text) * 0.68 * big + 1.6 * small
-    middle = area.top + area.height * (0.36 if subtitle else 0.5)
+    room = area.width - clock_room - 8
+    middle, below = area.top + area.height * (0.36 if subtitle else 0.5), area.top + area.height * 0.86
     shapes: list[Shape] = [
-        Label(
-            area.left,
-            middle,
-            "CATCH ARENA",
-            font_size(28 * unit, 13),
-            BRIGHT,
-            700,
-            max_width=area.width - clock_room - 8,
-        ),
+        Label(area.left, middle, "CATCH ARENA", font_size(28 * unit, 13), BRIGHT, 700, max_width=room),
         Label(right - 1.2 * small, middle, time_text, big, BRIGHT, 700, "right"),
         Label(right, middle + 0.36 * (big - small), "s" if ":" not in time_text else "", small, DIM, 500, "right"),
-        Label(right, area.top + area.height * 0.86, whole, small, DIM, 500, "right", max_width=clock_room),
+        Label(right, below, whole, small, DIM, 500, "right", max_width=clock_room),
+        Label(area.left, below, subtitle, small, DIM, 500, max_width=room),
     ]
-    if subtitle:
-        shapes.append(
-            Label(
-                area.left,
-                area.top + area.height * 0.86,
-                subtitle,
-                small,
-                DIM,
-                500,
-                max_width=area.width - clock_room - 8,
-            )
-        )
     return shapes
 
 
@@ -280,12 +262,10 @@ def chip_width(info: MatchInfo, size: float) -> float:
 def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, faded: bool = False) -> list[Shape]:
     """Return the shapes of an agent's number on its colour; `x` is the left end."""
     color = mix(info.color(agent), PANEL, 0.6 if faded else 0.0)
-    width = chip_width(info, size)
+    width, small = chip_width(info, size), font_size(0.82 * size, 9)
     return [
         Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
-        Label(
-            x + width / 2.0, middle, info.number(agent), font_size(0.82 * size, 9), readable_on(color), 800, "center"
-        ),
+        Label(x + width / 2.0, middle, info.number(agent), small, readable_on(color), 800, "center"),
     ]
 
 
@@ -358,5 +338,5 @@ def _luminance(color: Color) -> float:
 
 
 def font_size(pixels: float, smallest: int) -> int:
-    """Return a text's size in whole pixels, at least `least` so that it can be read."""
+    """Return a text's size in whole pixels, at least `smallest` so that it can be read."""
     return max(smallest, round(pixels))

@@ -9,17 +9,16 @@ from typing import Final, NamedTuple
 
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
-from catch_arena.render.encoders import Pixels, Progress, format_of
+from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
-from catch_arena.render.raster import Canvas
+from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
-    frame_rate,
     frame_size,
     pace_of,
     rendered_frames,
@@ -30,13 +29,11 @@ from catch_arena.replay import Replay
 
 MOST: Final = 64
 """Greatest number of matches in one picture."""
-SIZE: Final = (1280, 1280)
-"""Greatest default size of the picture [pixels], which is as large as its cells need."""
-SMALL_SIZE: Final = (720, 720)
-"""Greatest default size in formats that take odd sizes (`Format.even` is false) [pixels]."""
-USUAL_FPS: Final = 30
-LEAST_SIDE: Final = 72
-"""Least side of an arena [pixels]; a smaller one shows nothing."""
+LARGEST: Final = (1280, 1280)
+"""Greatest size of the picture [pixels], which is as large as its cells need."""
+LARGEST_SMALL: Final = (720, 720)
+"""Greatest size in the formats whose default size is small, GIF and WebP [pixels]."""
+MOST_FPS: Final = 30
 _STRIP: Final = 0.09
 _LABEL: Final = 0.075
 _GAP: Final = 0.025
@@ -63,16 +60,15 @@ class Grid(NamedTuple):
             self.rows * (self.side + self.extra + self.gap) + self.gap,
         )
 
-    def cells(self, count: int, area: hud.Rect) -> list[hud.Rect]:
-        """Return the cells row by row, centred in an area; a last row that is not full is centred too."""
-        left, top = (area.left + (area.width - self.size[0]) // 2, area.top + (area.height - self.size[1]) // 2)
+    def cells(self, count: int) -> list[hud.Rect]:
+        """Return the cells row by row; a last row that is not full is centred."""
         across, down = self.side + self.gap, self.side + self.extra + self.gap
         found = []
         for index in range(count):
             row, column = divmod(index, self.columns)
             short = self.columns - min(self.columns, count - row * self.columns)
-            x = left + self.gap + column * across + short * across // 2
-            found.append(hud.Rect(x, top + self.gap + row * down, self.side, self.side + self.extra))
+            x = self.gap + column * across + short * across // 2
+            found.append(hud.Rect(x, self.gap + row * down, self.side, self.side + self.extra))
         return found
 
 
@@ -94,8 +90,6 @@ def render_mosaic(
     replays: Mapping[str, Replay],
     path: str | os.PathLike[str],
     *,
-    size: tuple[int, int] | None = None,
-    fps: int | None = None,
     speed: float = 1.0,
     view_of: int | str | None = None,
     progress: Progress | None = None,
@@ -107,33 +101,26 @@ def render_mosaic(
     Args:
         replays: 1 to 64 matches, by the text below each.
         path: the file to write.
-        size: (width, height) [pixels].
-        fps: frames a second, from 1 on.
         speed: seconds of the match in a second of the video.
         view_of: as in `video.render_replay`; the cell of a match without such a view shows no view.
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for too many matches or none, an invalid ending, fps or speed, and too small a size; for a hunter
-            that has no view to show in any of the matches.
+        ConfigError: for too many matches or none, an invalid ending or speed, and a hunter that has no view to show in
+            any of the matches.
         OutputError: if the file cannot be written; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:
         raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")
     kind = format_of(Path(path))
-    fps, pace = frame_rate(kind, min(USUAL_FPS, kind.fps) if fps is None else fps), pace_of(speed)
-    box = (SIZE if kind.even else SMALL_SIZE) if size is None else size
-    grid = fit_grid(len(replays), box, _STRIP + _LABEL)
-    within = frame_size(kind, grid.size if size is None else size)
-    if grid.side < LEAST_SIDE:
-        raise ConfigError(
-            f"size must give each of {len(replays)} arenas at least {LEAST_SIDE} pixels, "
-            f"got {grid.side} in {within[0]} x {within[1]}"
-        )
+    fps, pace = min(MOST_FPS, kind.fps), pace_of(speed)
+    largest = LARGEST if kind.size[0] >= LARGEST[0] else LARGEST_SMALL
+    grid = fit_grid(len(replays), largest, _STRIP + _LABEL)
+    size = frame_size(kind, grid.size)
     views = viewed_seats(replays.values(), view_of)
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
     whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
-    return write_video(path, _pictures(replays, views, grid, within, whole), within, fps, whole.frames, progress)
+    return write_video(path, _pictures(replays, views, grid, size, whole), size, fps, whole.frames, progress)
 
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
@@ -146,9 +133,8 @@ def _pictures(
 ) -> Iterator[Pixels]:
     sprites = SpriteCache()
     frame = Canvas.blank(*size, hud.PANEL, sprites)
-    areas = grid.cells(len(replays), hud.Rect(0, 0, *size))
     cells = []
-    for area, (name, replay), view_of in zip(areas, replays.items(), views, strict=True):
+    for area, (name, replay), view_of in zip(grid.cells(len(replays)), replays.items(), views, strict=True):
         label = round(_LABEL * area.width)
         picture = area._replace(height=area.height - label)
         renderer = MatchRenderer(MatchInfo.of_replay(replay), picture[2:], "arena", sprites=sprites)

@@ -86,15 +86,8 @@ class Canvas:
             self._blit(*self._sprites.ring(shape))
         elif shape.radius < 4 * max(self.pixels.shape):  # wider than that, its line is out of sight
             centre = (round(shape.x * 16 - 8), round(shape.y * 16 - 8))
-            cv2.circle(
-                self.pixels,
-                centre,
-                round(shape.radius * 16),
-                (*shape.color, 255),
-                round(max(1, shape.width)),
-                cv2.LINE_AA,
-                _SHIFT,
-            )
+            radius, width = round(shape.radius * 16), round(max(1, shape.width))
+            cv2.circle(self.pixels, centre, radius, (*shape.color, 255), width, cv2.LINE_AA, _SHIFT)
 
     def _sector(self, shape: shapes.Sector) -> None:
         height, width = self.pixels.shape[:2]
@@ -178,13 +171,10 @@ class Ground:
         self._floor.pixels[:] = self._clean
         self._time_ms = time_ms
 
-    def trail(self, seat_color: shapes.Color, start: Pose2D, end: Pose2D) -> None:
-        """Draw a piece of a hunter's way."""
-        self._floor.draw((scene.trail_shape(self.viewport, start, end, seat_color),))
-
-    def target_trail(self, start: Pose2D, end: Pose2D) -> None:
-        """Draw a piece of a target's way."""
-        self._floor.draw((scene.trail_shape(self.viewport, start, end),))
+    def draw_trail(self, start: Pose2D, end: Pose2D, agent_color: shapes.Color | None) -> None:
+        """Draw a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
+        if start[:2] != end[:2]:
+            self._floor.draw((scene.trail_shape(self.viewport, start, end, agent_color),))
 
     def fade(self, time_ms: float) -> None:
         """Fade the trails up to an instant, in at most 150 steps: after long waits there is nothing left to fade."""

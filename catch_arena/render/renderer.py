@@ -15,11 +15,11 @@ from catch_arena.render import cards, hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.blurred_view import Belief, BlurredView
 from catch_arena.render.captions import Captions, Commentary, caption_shapes
-from catch_arena.render.event_feed import EventFeed, feed_shapes
+from catch_arena.render.event_feed import FeedItem, feed_shapes, with_items
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
-from catch_arena.render.shapes import Shape
+from catch_arena.render.shapes import Color, Shape
 from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
@@ -101,10 +101,10 @@ class MatchRenderer:
         self._commentary = Commentary(self.info)
         self._timeline = timeline.Timeline(self.info.duration_ms)
         self._standings_animation = StandingsAnimation()
-        self._feed = EventFeed()
+        self._feed: tuple[FeedItem, ...] = ()
         self._standings: tuple[hud.AgentScore, ...] = ()
         self._scores: tuple[int, ...] = ()
-        self._players: dict[int, int] = {}
+        self._prey_colors: dict[int, Color] = {}
         self._motion: StepMotion | None = None
         self._poses = Poses((), {})
         self._moved_ms = time_ms
@@ -118,11 +118,7 @@ class MatchRenderer:
         """
         if self._blurred is not None:
             recent = range(step - _OBSERVED_AHEAD, step)
-            self._observations = {
-                recent_step: self._observations[recent_step]
-                for recent_step in recent
-                if recent_step in self._observations
-            }
+            self._observations = {old: seen for old, seen in self._observations.items() if old in recent}
             self._observations[step] = observations.copy()
 
     def enter(self, motion: StepMotion) -> None:
@@ -138,12 +134,14 @@ class MatchRenderer:
         self._motion = motion
         annotations = annotations_of(motion.before, motion.after, by_lot=self.info.by_lot)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
-        self._feed.record(annotations)
+        self._feed = with_items(self._feed, annotations)
         after = motion.after
         self._scores = after.team_scores
         self._commentary.record(began_ms, annotations, self._scores)
-        self._players = {
-            target.number: self.info.prey(target.prey) for target in after.targets if target.prey is not None
+        self._prey_colors = {
+            target.number: self.info.color(self.info.prey(target.prey))
+            for target in after.targets
+            if target.prey is not None
         }
         self._record_standings(after, began_ms)
         catchers = [
@@ -232,16 +230,9 @@ class MatchRenderer:
     def _move_to(self, poses: Poses) -> None:
         """Move all turtles to `poses` and draw their trails; the trail of a prey is like a hunter's."""
         for number, end in poses.targets.items():
-            start = self._poses.targets.get(number, end)
-            if start[:2] == end[:2]:
-                continue
-            if number in self._players:
-                self._ground.trail(self.info.color(self._players[number]), start, end)
-            else:
-                self._ground.target_trail(start, end)
+            self._ground.draw_trail(self._poses.targets.get(number, end), end, self._prey_colors.get(number))
         for seat, (start, end) in enumerate(zip(self._poses.hunters, poses.hunters, strict=True)):
-            if start[:2] != end[:2]:
-                self._ground.trail(self.info.color(seat), start, end)
+            self._ground.draw_trail(start, end, self.info.color(seat))
         self._poses = poses
 
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
@@ -259,7 +250,7 @@ class MatchRenderer:
         self._update(
             plan.standings, (lines, view_of), lambda: standings_shapes(plan.standings, info, lines, unit, view_of)
         )
-        self._update(plan.feed, self._feed.items, lambda: feed_shapes(plan.feed, info, self._feed.items, unit))
+        self._update(plan.feed, self._feed, lambda: feed_shapes(plan.feed, info, self._feed, unit))
         area, history = plan.timeline, self._timeline
         card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
         redrawn = self._update(area, history.catches, lambda: timeline.timeline_shapes(area, info, history, unit))
@@ -349,14 +340,9 @@ class ArenaPainter:
         )
 
 
-def png(pixels: Pixels) -> bytes:
-    """Return a (height, width, 3 or 4) picture, red first, as a PNG file; the fourth byte is unused."""
-    order = cv2.COLOR_RGB2BGR if pixels.shape[2] == 3 else cv2.COLOR_RGBA2BGR
-    return bytes(cv2.imencode(".png", cv2.cvtColor(pixels, order))[1])
-
-
 def png_html(config: ArenaConfig, world: World) -> str:
     """Return an HTML image of a world with its standings, which includes the picture's data."""
-    content = png(ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world))
+    pixels = ArenaPainter(config, size=NOTEBOOK_SIZE, layout="broadcast").paint(world)
+    content = cv2.imencode(".png", cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR))[1].tobytes()
     caption = f"step {world.step}, {world.time_ms / 1000:.1f} s"
     return f'<img alt="Catch Arena, {caption}" src="data:image/png;base64,{base64.b64encode(content).decode()}">'

@@ -44,12 +44,12 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     return shapes
 
 
-def trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D, seat_color: Color | None = None) -> Stroke:
-    """Return a piece of a hunter's way in its colour, or of a target's way."""
+def trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D, agent_color: Color | None) -> Stroke:
+    """Return a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
     points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
-    if seat_color is None:
+    if agent_color is None:
         return Stroke(*points, viewport.target_trail_width, TARGET_TRAIL)
-    return Stroke(*points, viewport.trail_width, seat_color)
+    return Stroke(*points, viewport.trail_width, agent_color)
 
 
 def arena_shapes(
@@ -70,19 +70,18 @@ def arena_shapes(
     `view_of` is the seat whose view is shown, `beliefs` are its beliefs, and `withdrawn_prey` are agents.
     """
     shapes: list[Shape] = []
-    if view_of is not None and info.config.partial_view and not hunters[view_of].withdrawn:
-        shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
     if view_of is not None and not hunters[view_of].withdrawn:
-        shapes += [shape for belief in beliefs for shape in _belief(viewport, poses, belief, info.color(view_of))]
+        if info.config.partial_view:
+            shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
+        for belief in beliefs:
+            shapes += _belief(viewport, poses, belief, info.color(view_of))
     places = dict(enumerate(poses.hunters))
     for target in targets:
         pose = poses.targets[target.number]
-        if target.prey is None:
-            shapes += _target(viewport, target, pose, time_ms)
-        else:
-            agent = info.prey(target.prey)
+        agent = None if target.prey is None else info.prey(target.prey)
+        if agent is not None:
             places[agent] = pose
-            shapes += _prey(viewport, target, pose, time_ms, faded=agent in withdrawn_prey)
+        shapes += _target(viewport, target, pose, time_ms, faded=agent in withdrawn_prey)
     for seat, hunter in enumerate(hunters):
         reach = info.config.reaches[seat] * viewport.scale
         shapes += _hunter(viewport, hunter, poses.hunters[seat], info.color(seat), reach, info.rings[seat])
@@ -127,29 +126,23 @@ def _belief(viewport: Viewport, poses: Poses, belief: Belief, color: Color) -> l
     return shapes
 
 
-def _target(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float) -> list[Shape]:
-    body = Turtle(*viewport.to_pixels(*pose[:2]), pose[2], viewport.target_length, TARGET, contrast=0.6)
-    return [*_announcement(viewport, target, pose, time_ms), body]
+def _target(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float, *, faded: bool) -> list[Shape]:
+    """Return the shapes of a target, with a ring around it if it has just appeared.
 
-
-def _prey(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float, *, faded: bool) -> list[Shape]:
-    """Return the shapes of a target that an agent plays: larger and darker than others, in a ring that is no reach."""
+    A target that an agent plays is larger and darker than others, in a ring of pieces that is no reach.
+    """
     x, y = viewport.to_pixels(*pose[:2])
+    shapes: list[Shape] = []
+    age = time_ms - target.spawned_ms
+    if 0.0 <= age < SPAWN_MS and target.spawned_ms > 0:
+        part = age / SPAWN_MS
+        shapes.append(Ring(x, y, viewport.target_length * (1.3 - 0.7 * part), 1.5, WHITE, 0.8 * part))
+    if target.prey is None:
+        return [*shapes, Turtle(x, y, pose[2], viewport.target_length, TARGET, contrast=0.6)]
     length = viewport.prey_length
-    shapes = _announcement(viewport, target, pose, time_ms)
     if not faded:
         shapes.append(Ring(x, y, 0.62 * length, max(1.5, 0.05 * length), WHITE, 0.9, pieces=PREY_PIECES))
     return [*shapes, Turtle(x, y, pose[2], length, TARGET, faded=faded)]
-
-
-def _announcement(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float) -> list[Shape]:
-    """Return the ring around a target that has just appeared; no shapes for other targets."""
-    x, y = viewport.to_pixels(*pose[:2])
-    age = time_ms - target.spawned_ms
-    if not (0.0 <= age < SPAWN_MS and target.spawned_ms > 0):
-        return []
-    part = age / SPAWN_MS
-    return [Ring(x, y, viewport.target_length * (1.3 - 0.7 * part), 1.5, WHITE, 0.8 * part)]
 
 
 def _hunter(

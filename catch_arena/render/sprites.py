@@ -4,6 +4,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -27,28 +28,33 @@ class Sprite(NamedTuple):
     origin_x: int
     origin_y: int
 
+    @property
+    def bytes(self) -> int:
+        """Size of its pixels."""
+        return 4 * self.surface.get_width() * self.surface.get_height()
+
 
 class SpriteCache:
     """Cache of sprites; the least recently used ones are dropped if all take more than `most_bytes`."""
 
     def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
         self._most_bytes = most_bytes
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+        self._kept: OrderedDict[Hashable, Sprite] = OrderedDict()
         self.bytes = 0
 
     def __len__(self) -> int:
         return len(self._kept)
 
-    def _get(self, key: Hashable, make: Callable[[], Any]) -> Any:
+    def _get(self, key: Hashable, make: Callable[[], Sprite]) -> Sprite:
         found = self._kept.get(key)
         if found is not None:
             self._kept.move_to_end(key)
             return found
         made = self._kept[key] = make()
-        self.bytes += _bytes_of(made)
+        self.bytes += made.bytes
         while self.bytes > self._most_bytes and len(self._kept) > 1:
             _, dropped = self._kept.popitem(last=False)
-            self.bytes -= _bytes_of(dropped)
+            self.bytes -= dropped.bytes
         return made
 
     def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
@@ -58,15 +64,9 @@ class SpriteCache:
         angle = round(shape.theta * turns / (2.0 * math.pi)) % turns
         length = round(shape.length)
         key = ("turtle", length, angle, phase_x, phase_y, shape.color, shape.faded, shape.contrast)
-
-        def make() -> Sprite:
-            inks = self._get(
-                ("inks", length, angle, phase_x, phase_y),
-                lambda: _turtle_inks(length, 2.0 * math.pi * angle / turns, phase_x / PHASES, phase_y / PHASES),
-            )
-            return _tinted(inks, shape)
-
-        return self._get(key, make), x, y
+        theta = 2.0 * math.pi * angle / turns
+        inks = length, theta, phase_x / PHASES, phase_y / PHASES
+        return self._get(key, lambda: _tinted(_turtle_inks(*inks), shape)), x, y
 
     def ring(self, shape: Ring) -> tuple[Sprite, int, int]:
         """Return a ring's sprite, and the whole pixels x and y for its origin."""
@@ -90,12 +90,6 @@ class SpriteCache:
         opacity = round(shape.opacity * 8) / 8
         key = ("label", shown, shape.size, shape.weight, shape.color, shape.outline, opacity, phase_x, phase_y)
         return self._get(key, lambda: _label(shape, shown, opacity, phase_x, phase_y)), x, y
-
-
-def _bytes_of(made: Any) -> int:
-    if isinstance(made, Sprite):
-        return 4 * made.surface.get_width() * made.surface.get_height()
-    return int(made.nbytes)
 
 
 def _phase(x: float, y: float, phases: int = PHASES) -> tuple[int, int, int, int]:
@@ -123,6 +117,7 @@ _EDGE: Final = np.stack([-0.03 + 0.285 * np.cos(_CORNERS), 0.228 * np.sin(_CORNE
 _SHEEN: Final = ellipse(0.0, 0.0, 0.185, 0.14)
 
 
+@lru_cache(maxsize=1024)
 def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.uint8]:
     """Return a turtle before it has a colour: (side, side, 4), 0 to 255.
 

@@ -141,15 +141,6 @@ def _line_shapes(
         length = bar_end - bar_start
         shapes.append(Box(bar_start, middle - thick / 2, length, thick, TRACK, thick / 2))
         if line.share > 0.0:
-            filled = max(thick, length * line.share)
-            shapes.append(
-                Box(
-                    bar_start,
-                    middle - thick / 2,
-                    filled,
-                    thick,
-                    mix(legible(color), CARD, 0.5 * entry.withdrawn),
-                    thick / 2,
-                )
-            )
+            filled, shade = max(thick, length * line.share), mix(legible(color), CARD, 0.5 * entry.withdrawn)
+            shapes.append(Box(bar_start, middle - thick / 2, filled, thick, shade, thick / 2))
     return shapes

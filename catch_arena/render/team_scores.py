@@ -60,11 +60,8 @@ def _team(area: tuple[float, float, float, float], contender: Contender, score: 
 
 def _between(area: Rect, contenders: Sequence[Contender], scores: Sequence[int], room: float) -> list[Shape]:
     """Return the word «catches» and the leader's name and lead, if they fit in `room`."""
-    middle, small, size = (
-        area.left + area.width / 2.0,
-        font_size(0.12 * area.height, 9),
-        font_size(0.155 * area.height, 10),
-    )
+    middle = area.left + area.width / 2.0
+    small, size = font_size(0.12 * area.height, 9), font_size(0.155 * area.height, 10)
     if text_width("catches", small, 500) > room or 0.18 * area.height < 0.4 * (small + size):
         return []
     shapes: list[Shape] = [Label(middle, area.top + 0.4 * area.height, "catches", small, DIM, 500, "center")]

@@ -5,6 +5,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain, pairwise, starmap
 
 from catch_arena.replay.motion import Poses, StepMotion, step_motion
 from catch_arena.world import World
@@ -56,7 +57,10 @@ def frame_spans(worlds: Iterable[World], times_ms: Sequence[float]) -> Iterator[
         worlds: the match's states.
         times_ms: the instants of the frames, in order.
     """
-    motions = _motions(worlds)
+    stream = iter(worlds)
+    first = next(stream)
+    second = next(stream, first)  # a match without steps has a motion too
+    motions = starmap(step_motion, pairwise(chain((first, second), stream)))
     motion: StepMotion | None = next(motions)
     shown = 0
     while motion is not None and shown < len(times_ms):
@@ -65,13 +69,3 @@ def frame_spans(worlds: Iterable[World], times_ms: Sequence[float]) -> Iterator[
         next_tick = None if following is None else following.poses[min(1, len(following.poses) - 1)]
         yield FrameSpan(motion, times_ms[shown:end], next_tick)
         shown, motion = end, following
-
-
-def _motions(worlds: Iterable[World]) -> Iterator[StepMotion]:
-    stream = iter(worlds)
-    first = before = next(stream)
-    for after in stream:
-        yield step_motion(before, after)
-        before = after
-    if before is first:
-        yield step_motion(first, first)

@@ -15,9 +15,10 @@ from catch_arena.explanation.what_if import WhatIf
 from catch_arena.plain import whole_number
 from catch_arena.render import cards, hud
 from catch_arena.render.captions import Captions
-from catch_arena.render.encoders import Format, Pixels, Progress, format_of, video_file
+from catch_arena.render.encoders import Format, Progress, format_of, video_file
 from catch_arena.render.ghost import with_ghost
 from catch_arena.render.match_info import MatchInfo
+from catch_arena.render.raster import Pixels
 from catch_arena.render.renderer import MatchRenderer, checked_size
 from catch_arena.render.timing import Clip, frame_spans
 from catch_arena.replay import Replay

@@ -1,7 +1,6 @@
 """Windows: a picture on the screen that its user may resize, and the plain window for render_mode="human"."""
 
 import os
-import sys
 import time
 from collections.abc import Callable
 from typing import Final
@@ -24,26 +23,23 @@ class Screen:
     Args:
         title: the text in the window's title bar.
         size: (width, height) [pixels] at first.
-        interactive: whether the user's keys matter; if so, a window that no user can see raises an error.
 
     Raises:
         OutputError: if there is no display.
     """
 
-    def __init__(self, title: str, size: tuple[int, int], *, interactive: bool = False) -> None:
+    def __init__(self, title: str, size: tuple[int, int]) -> None:
         try:
             pygame.display.init()
             pygame.display.set_mode(size, pygame.RESIZABLE)
+            if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
+                # SDL uses this driver if there is no display, though it was not asked for
+                raise pygame.error("none was found")
         except pygame.error as error:
-            raise _no_display(str(error)) from None
-        if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
-            # SDL falls back to this driver if there is no display, though it was not asked for
-            if interactive:
-                self.close()
-                raise _no_display("none was found")
-            sys.stderr.write(
-                'catch_arena: there is no display, so the window cannot be seen; use render_mode "rgb_array"\n'
-            )
+            self.close()
+            raise OutputError(
+                f'a window needs a display: {error}; render_mode "rgb_array" and videos work without one'
+            ) from None
         pygame.display.set_caption(title)
 
     @property
@@ -73,10 +69,6 @@ class Screen:
     def close(self) -> None:
         """Close the window."""
         pygame.display.quit()
-
-
-def _no_display(reason: str) -> OutputError:
-    return OutputError(f'a window needs a display: {reason}; render_mode "rgb_array" and videos work without one')
 
 
 class Window:

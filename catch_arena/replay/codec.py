@@ -3,22 +3,25 @@
 import json
 import struct
 from collections.abc import Iterable
-from typing import Any, Final
+from io import BytesIO
+from typing import Final, TypeVar
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.errors import ReplayError
 
-LENGTH: Final = struct.Struct("<I")
+NUMBER: Final = struct.Struct("<I")
 """Length or number of items, which precedes them: four bytes, unsigned, little-endian."""
 _WIDEST: Final = 8
+_T = TypeVar("_T")
 
 
 def pack_json(value: object) -> bytes:
     """Return a value as JSON text, preceded by its length [bytes]."""
     text = json.dumps(value, separators=(",", ":")).encode()
-    return LENGTH.pack(len(text)) + text
+    return NUMBER.pack(len(text)) + text
 
 
 def pack_columns(columns: Iterable[NDArray[np.int64]]) -> bytes:
@@ -34,55 +37,35 @@ def pack_columns(columns: Iterable[NDArray[np.int64]]) -> bytes:
     return b"".join(parts)
 
 
-class Reader:
-    """Reader of packed columns, JSON texts and plain bytes, from the beginning of a body to its end.
+def read_number(body: BytesIO) -> int:
+    """Return the next length or count, a number of four bytes."""
+    return int.from_bytes(body.read(NUMBER.size), "little")
 
-    Each method raises a ReplayError if the body holds something else.
+
+def read_json(body: BytesIO, longest: int, kind: type[_T]) -> _T:
+    """Return the value of the next JSON text, of at most `longest` bytes.
+
+    Raises:
+        ReplayError: for a longer text.
+        ValueError: for a text that is no JSON of this kind.
     """
+    length = read_number(body)
+    if length > longest:
+        raise ReplayError(f"is damaged: a JSON text is {length} bytes long, more than {longest}")
+    return msgspec.convert(json.loads(body.read(length)), kind)
 
-    def __init__(self, body: bytes) -> None:
-        self._body = memoryview(body)
-        self._at = 0
 
-    def take(self, size: int) -> bytes:
-        """Return the next `size` bytes."""
-        if size > len(self._body) - self._at:
-            raise ReplayError(f"is damaged: its body ends after {len(self._body)} bytes, before the end of its parts")
-        self._at += size
-        return bytes(self._body[self._at - size : self._at])
+def read_columns(body: BytesIO, count: int, size: int) -> NDArray[np.int64]:
+    """Return the next `count` columns as a table: (size, count).
 
-    def length(self) -> int:
-        """Return the next length or count, a number of four bytes."""
-        (number,) = LENGTH.unpack(self.take(LENGTH.size))
-        return int(number)
-
-    def json(self, part: str, longest: int) -> Any:
-        """Return the value of the next JSON text, of at most `longest` bytes; `part` names it in errors."""
-        length = self.length()
-        if length > longest:
-            raise ReplayError(f"is damaged: its {part} is {length} bytes long, more than {longest}")
-        try:
-            return json.loads(self.take(length).decode())
-        except (ValueError, RecursionError):
-            raise ReplayError(f"is damaged: it has no readable {part}") from None
-
-    def columns(self, count: int, size: int) -> NDArray[np.int64]:
-        """Return the next `count` columns as a table: (size, count)."""
-        read = np.zeros((size, count), dtype=np.int64)
-        for index in range(count):
-            read[:, index] = self._column(size)
-        return read
-
-    def _column(self, size: int) -> NDArray[np.int64]:
-        (width,) = self.take(1)
-        if width > _WIDEST:
-            raise ReplayError(f"is damaged: a column is {width} bytes wide")
+    Raises:
+        ValueError: if they are not there.
+    """
+    table = np.zeros((size, count), dtype=np.int64)
+    for index in range(count):
+        (width,) = body.read(1)
         planes = np.zeros((_WIDEST, size), dtype=np.uint8)
-        planes[:width] = np.frombuffer(self.take(width * size), dtype=np.uint8).reshape(width, size)
+        planes[:width] = np.frombuffer(body.read(width * size), dtype=np.uint8).reshape(width, size)
         folded = np.ascontiguousarray(planes.T).view("<u8").reshape(size)
-        return (folded >> np.uint64(1)).astype(np.int64) ^ -(folded & np.uint64(1)).astype(np.int64)
-
-    def end(self) -> None:
-        """Require that all bytes have been read."""
-        if left := len(self._body) - self._at:
-            raise ReplayError(f"is damaged: {left} bytes follow its end")
+        table[:, index] = (folded >> np.uint64(1)).astype(np.int64) ^ -(folded & np.uint64(1)).astype(np.int64)
+    return table

@@ -1,7 +1,5 @@
 """Comparison of two replays: the first differences."""
 
-from collections.abc import Iterator
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -16,10 +14,12 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
     """Return a line for each difference of two replays: of headers, first actions, first state with its numbers, and
     scores; [] for equal replays. The recorded data are compared; `verification.verify` checks them.
     """
-    found = [
-        f"{name}: {first_values} in A; {second_values} in B"
-        for name, first_values, second_values in _headers(first, second)
-    ]
+    headers = _header(first), _header(second)
+    found = []
+    for name in headers[0] | headers[1]:
+        first_value, second_value = (header.get(name, "none") for header in headers)
+        if first_value != second_value:
+            found.append(f"{name}: {first_value} in A; {second_value} in B")
     for kind in ("hunters", "prey"):
         if getattr(first.config, kind) != getattr(second.config, kind):
             return [*found, f"with different numbers of {kind}, actions and states cannot be compared"]
@@ -43,26 +43,18 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
     return found
 
 
-def _headers(first: Replay, second: Replay) -> Iterator[tuple[str, Any, Any]]:
-    """Yield each difference of the headers as (name, value of the first replay, value of the second)."""
-    for name in ("seed", "title"):
-        if getattr(first, name) != getattr(second, name):
-            yield name, repr(getattr(first, name)), repr(getattr(second, name))
-    for side, first_values, second_values in (
-        ("hunter", first.hunter_names, second.hunter_names),
-        ("prey", first.prey_names, second.prey_names),
-    ):
-        for place, names in enumerate(zip_longest(first_values, second_values)):
-            if names[0] != names[1]:
-                first_name, second_name = ("none" if name is None else repr(name) for name in names)
-                yield f"the agent of {side}_{place}", first_name, second_name
-    settings, second_settings = ({**flat_settings(match.config), "control": None} for match in (first, second))
-    for name in sorted(settings.keys() | second_settings.keys()):
-        if settings.get(name) != second_settings.get(name):
-            yield name, settings.get(name), second_settings.get(name)
-    for seat, controls in enumerate(zip_longest(first.config.controls, second.config.controls, fillvalue="none")):
-        if controls[0] != controls[1]:
-            yield f"control of hunter_{seat}", *controls
+def _header(replay: Replay) -> dict[str, str]:
+    """Return the entries of a replay's header in words, by name: seed, title, agents, settings and controls."""
+    config, settings = replay.config, flat_settings(replay.config)
+    del settings["control"]
+    agents = config.hunter_names + config.prey_names
+    return {
+        "seed": str(replay.seed),
+        "title": repr(replay.title),
+        **{f"the agent of {agent}": repr(name) for agent, name in zip(agents, replay.names, strict=True)},
+        **{name: str(settings[name]) for name in sorted(settings)},
+        **{f"control of {agent}": control for agent, control in zip(agents, config.controls, strict=False)},
+    }
 
 
 def flat_settings(config: ArenaConfig) -> dict[str, Any]:
@@ -83,9 +75,8 @@ def _first_actions(first: Replay, second: Replay, steps: int) -> list[str]:
             f"before step {step + 1}: {agents[agent]} is withdrawn in {'A' if agent in gone[0] else 'B'} only"
             for agent in sorted(gone[0] ^ gone[1])
         ]
-        for agent, first_action, second_action in zip(
-            agents, *(_actions(match, step) for match in (first, second)), strict=False
-        ):
+        for index, agent in enumerate(agents if step < steps else ()):
+            first_action, second_action = (_action(match, step, index) for match in (first, second))
             if first_action != second_action:
                 found.append(f"step {step + 1}: {agent} acts differently: {first_action} in A; {second_action} in B")
         if found:
@@ -93,15 +84,12 @@ def _first_actions(first: Replay, second: Replay, steps: int) -> list[str]:
     return []
 
 
-def _actions(replay: Replay, step: int) -> list[str]:
-    """Return each agent's action in a step, counted from 0; [] after the last step."""
-    if step == replay.steps:
-        return []
-    hunters = []
-    for seat in range(replay.config.hunters):
-        named = ", ".join(replay.requested_by_name(step, seat))
-        hunters.append(" ".join(filter(None, (replay.action(step, seat), named and f"({named})"))))
-    return hunters + [replay.prey_action(step, index) for index in range(replay.config.prey)]
+def _action(replay: Replay, step: int, agent: int) -> str:
+    """Return an agent's action in a step, counted from 0; prey are numbered after the hunters."""
+    if agent >= replay.config.hunters:
+        return replay.prey_action(step, agent - replay.config.hunters)
+    named = ", ".join(replay.requested_by_name(step, agent))
+    return replay.action(step, agent) + (f" ({named})" if named else "")
 
 
 def _first_state(first: Replay, second: Replay, steps: int) -> list[str]:

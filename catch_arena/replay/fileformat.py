@@ -1,24 +1,24 @@
 """Conversion of a replay to the bytes of a file, and back (docs/reference/replays.md).
 
-Files are untrusted: every size is checked before memory is allocated for it, and a file that is not a whole replay of
-this ruleset is refused.
+Files are untrusted: every size is checked before memory is allocated for it, actions and agents must be those of the
+arena, and a file that is not a whole replay of this ruleset is refused. `verify` checks all other numbers.
 """
 
 import hashlib
 import struct
 import zlib
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
+from io import BytesIO
 from typing import Annotated, Any, Final
 
 import msgspec
 import numpy as np
-from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import CatchArenaError, ConfigError, ReplayError
+from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.plain import plain_setting
-from catch_arena.replay.codec import Reader, pack_columns, pack_json
+from catch_arena.replay.codec import pack_columns, pack_json, read_columns, read_json
 from catch_arena.replay.named_requests import pack_requests, read_requests
 from catch_arena.replay.recording import Replay
 from catch_arena.replay.states import driven_seats, pack_states, state_length, unpack_states
@@ -44,7 +44,7 @@ _LONGEST_REASON: Final = 300
 _Count = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
 
 
-class _Header(msgspec.Struct, forbid_unknown_fields=True):
+class _Header(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """JSON object at the beginning of a body; `colors` is left out if there are none."""
 
     ruleset: str
@@ -76,7 +76,7 @@ def encode_replay(match: Replay) -> bytes:
     _require_sizes(config, steps, spans)
     header = _Header(
         RULESET,
-        _package_version(),
+        version("catch-arena"),
         config.to_dict(),
         match.seed,
         match.names,
@@ -87,7 +87,7 @@ def encode_replay(match: Replay) -> bytes:
         list(match.colors),
     )
     parts = [
-        pack_json({name: value for name, value in asdict(header).items() if name != "colors" or value}),
+        pack_json(msgspec.to_builtins(header)),
         pack_columns(choices.T),
         _pack_commands(commands[:, driven_seats(config)]),
         _pack_commands(prey_commands),
@@ -110,28 +110,52 @@ def decode_replay(content: bytes) -> Replay:
     Raises:
         ReplayError: if the content is not a whole replay of this ruleset.
     """
-    form, body = _checked_body(content)
-    reader = Reader(body)
-    match, steps, spans = _read_header(reader)
-    config = match.config
-    parts = form - _FORMAT
-    if bool(parts & _PREY) != bool(config.prey):
-        raise ReplayError(f"has format {form}, which does not fit a match with {config.prey} prey")
-    choices = reader.columns(config.hunters, steps)
-    for seat, control in enumerate(config.controls):
-        highest = 0 if control == "velocity" else config.targets_seen
-        if steps and not 0 <= choices[:, seat].min() <= choices[:, seat].max() <= highest:
-            raise ReplayError(f"contains actions of hunter_{seat} that no arena would accept")
+    try:
+        return _decode_body(*_checked_body(content))
+    except (ConfigError, msgspec.ValidationError) as error:
+        raise ReplayError(f"cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
+    except (AttributeError, LookupError, RecursionError, TypeError, ValueError, zlib.error):
+        raise ReplayError("is damaged: its parts do not fit together") from None
+
+
+def _decode_body(form: int, body: BytesIO) -> Replay:
+    header = read_json(body, _LONGEST_HEADER, _Header)
+    if header.ruleset != RULESET:
+        ruleset = repr(header.ruleset)[:_LONGEST_TEXT]
+        raise ReplayError(f"was recorded under ruleset {ruleset}, but this version plays {RULESET!r}")
+    config, steps = ArenaConfig.from_dict(header.config), header.steps
+    checked_text("name_prefix", config.name_prefix)
+    names, title = checked_names(header.names, config), checked_text("title", header.title)
+    if any(agent >= len(names) for _, agent in header.withdrawals) or len(header.colors) not in (0, config.hunters):
+        raise ReplayError("is damaged: its header has withdrawals or colors of agents that it does not have")
+    _require_sizes(config, steps, header.spans)
+    choices = read_columns(body, config.hunters, steps)
+    highest = [0 if control == "velocity" else config.targets_seen for control in config.controls]
+    if np.any((choices < 0) | (choices > highest)):
+        raise ReplayError("contains ranks that no arena would accept")
     driven = driven_seats(config)
     commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
-    commands[:, driven] = _read_commands(reader, steps, len(driven))
-    prey_commands = _read_commands(reader, steps, config.prey)
-    match.choices, match.commands, match.prey_commands = list(choices), list(commands), list(prey_commands)
-    match.named_requests = read_requests(reader, config, steps) if parts & _NAMED_REQUESTS else []
-    match.digests = [reader.take(_DIGEST_BYTES) for _ in range(steps + 1)]
-    match.states = unpack_states(config, commands, prey_commands, reader, spans)
-    reader.end()
-    return match
+    commands[:, driven] = _read_commands(body, steps, len(driven))
+    prey_commands = _read_commands(body, steps, config.prey)
+    requests = read_requests(body, config) if (form - _FORMAT) & _NAMED_REQUESTS else []
+    digests = [body.read(_DIGEST_BYTES) for _ in range(steps + 1)]
+    states = unpack_states(config, commands, prey_commands, body, header.spans)
+    if body.read(1):
+        raise ReplayError("is damaged: more bytes follow its end")
+    return Replay(
+        config,
+        checked_seed(header.seed),
+        names,
+        title,
+        choices=list(choices),
+        commands=list(commands),
+        prey_commands=list(prey_commands),
+        digests=digests,
+        states=states,
+        withdrawals=header.withdrawals,
+        named_requests=requests,
+        colors=tuple(header.colors),
+    )
 
 
 def _pack_commands(commands: NDArray[np.float32]) -> bytes:
@@ -142,13 +166,10 @@ def _pack_commands(commands: NDArray[np.float32]) -> bytes:
     return pack_columns(turned.astype(np.int64).T)
 
 
-def _read_commands(reader: Reader, steps: int, bodies: int) -> NDArray[np.float32]:
+def _read_commands(body: BytesIO, steps: int, bodies: int) -> NDArray[np.float32]:
     """Return the velocity commands that `_pack_commands` wrote: (steps, bodies, 2)."""
-    turned = reader.columns(2 * bodies, steps)
-    if turned.size and not 0 <= turned.min() <= turned.max() < 2**32:
-        raise ReplayError("is damaged: a velocity command is not a float32")
-    bits = (turned >> 1) | ((turned & 1) << 31)
-    commands = bits.astype(np.uint32).view(np.float32).reshape(steps, bodies, 2)
+    turned = read_columns(body, 2 * bodies, steps).astype(np.uint32)
+    commands = ((turned >> np.uint32(1)) | (turned << np.uint32(31))).view(np.float32).reshape(steps, bodies, 2)
     if not np.all(np.abs(commands) <= 1.0):  # NaN too
         raise ReplayError("contains velocity commands that no arena would accept")
     return commands
@@ -181,68 +202,27 @@ def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
     return tuple(checked_text(f"names[{agent}]", name) for agent, name in enumerate(plain))
 
 
-def _checksum(content: bytes | memoryview) -> bytes:
+def _checksum(content: bytes) -> bytes:
     return hashlib.blake2b(content, digest_size=_CHECKSUM_BYTES).digest()
 
 
-def _checked_body(content: bytes) -> tuple[int, bytes]:
-    """Return the format number and the unpacked body of a file, after all checks."""
+def _checked_body(content: bytes) -> tuple[int, BytesIO]:
+    """Return the format number and the unpacked body of a file."""
     if not content.startswith(_MAGIC):
         raise ReplayError("is not a Catch Arena replay")
-    if len(content) < _PREFIX.size + _CHECKSUM_BYTES:
-        raise ReplayError("is truncated")
     if len(content) > LARGEST_FILE:
         raise ReplayError(f"is longer than {LARGEST_FILE} bytes")
-    _, form, length = _PREFIX.unpack_from(content)
+    stored = content[:-_CHECKSUM_BYTES]
+    if len(stored) < _PREFIX.size or _checksum(stored) != content[-_CHECKSUM_BYTES:]:
+        raise ReplayError("is incomplete or damaged: its checksum does not match")
+    _, form, _ = _PREFIX.unpack_from(stored)
     if not _FORMAT <= form <= _NEWEST:
         raise ReplayError(f"has format {form}, but this version reads formats {_FORMAT} to {_NEWEST}")
-    whole = _PREFIX.size + length + _CHECKSUM_BYTES
-    if len(content) != whole:
-        raise ReplayError(f"is incomplete or damaged: it must be {whole} bytes long, got {len(content)}")
-    checked = memoryview(content)[:-_CHECKSUM_BYTES]
-    if _checksum(checked) != content[-_CHECKSUM_BYTES:]:
-        raise ReplayError("is damaged: its checksum does not match")
     unpacker = zlib.decompressobj()
-    try:
-        body = unpacker.decompress(checked[_PREFIX.size :], LARGEST_FILE)
-    except zlib.error:
-        raise ReplayError("is damaged: its body does not unpack") from None
+    body = unpacker.decompress(stored[_PREFIX.size :], LARGEST_FILE)
     if not unpacker.eof:
         raise ReplayError(f"is damaged, or longer than {LARGEST_FILE} bytes when unpacked")
-    if unpacker.unused_data:
-        raise ReplayError(f"is damaged: {len(unpacker.unused_data)} bytes follow its body")
-    return form, body
-
-
-def _read_header(reader: Reader) -> tuple[Replay, int, int]:
-    """Return a match without its steps, the number of its steps, and the number of its spans."""
-    found = reader.json("header", _LONGEST_HEADER)
-    if not isinstance(found, dict):
-        raise ReplayError("is damaged: its header is not a table")
-    if found.get("ruleset") != RULESET:
-        ruleset = repr(found.get("ruleset"))[:_LONGEST_TEXT]
-        raise ReplayError(f"was recorded under ruleset {ruleset}, but this version plays {RULESET!r}")
-    try:
-        header = msgspec.convert(found, _Header)
-        config = ArenaConfig.from_dict(header.config)
-        checked_text("name_prefix", config.name_prefix)
-        names, title = checked_names(header.names, config), checked_text("title", header.title)
-        match = Replay(config, checked_seed(header.seed), names, title, withdrawals=header.withdrawals)
-        match.colors = tuple(header.colors)
-        if match.colors and len(match.colors) != config.hunters:
-            raise ConfigError(f"colors must have {config.hunters} entries, one for each hunter")
-        agents = {agent for _, agent in header.withdrawals}
-        in_order = header.withdrawals == sorted(header.withdrawals) and len(agents) == len(header.withdrawals)
-        if not in_order or any(step > header.steps or agent >= len(names) for step, agent in header.withdrawals):
-            raise ConfigError("withdrawals must name agents, each once, in the order of the steps")
-    except (CatchArenaError, TypeError, ValueError, AttributeError) as error:  # ValueError: msgspec's, too
-        raise ReplayError(f"has a header that cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
-    _require_sizes(config, header.steps, header.spans)
-    if header.steps > config.max_steps:
-        raise ReplayError(
-            f"has a header that cannot be used: {header.steps} steps, but a match has at most {config.max_steps}"
-        )
-    return match, header.steps, header.spans
+    return form, BytesIO(body)
 
 
 def _require_sizes(config: ArenaConfig, steps: int, spans: int = 0) -> None:
@@ -254,10 +234,3 @@ def _require_sizes(config: ArenaConfig, steps: int, spans: int = 0) -> None:
         raise ReplayError(f"is too long for a file: {steps} steps of {config.control_period_ms} ms are more than a day")
     if spans > _MOST_SPANS:
         raise ReplayError(f"is too long for a file: {spans} targets, but at most {_MOST_SPANS} fit")
-
-
-def _package_version() -> str:
-    try:
-        return version("catch-arena")
-    except PackageNotFoundError:
-        return "unknown"

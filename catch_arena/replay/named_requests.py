@@ -7,15 +7,17 @@ arbiter judges them again.
 
 from bisect import bisect_left
 from collections.abc import Collection, Sequence
-from typing import Final, NamedTuple
+from io import BytesIO
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
+from msgspec import Meta
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.core.random import kill_service_down
 from catch_arena.errors import ReplayError
-from catch_arena.replay.codec import LENGTH, Reader, pack_columns, pack_json
+from catch_arena.replay.codec import NUMBER, pack_columns, pack_json, read_columns, read_json, read_number
 from catch_arena.replay.states import USED_UP, QuantisedState, parts_of
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling, Verdict
@@ -139,33 +141,28 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
     places = {name: place for place, name in enumerate(names)}
     numbers = np.array([(request.step, request.seat, places[request.name]) for request in requests], dtype=np.int64)
     numbers[:, 0] = np.diff(numbers[:, 0], prepend=0)
-    return pack_json(names) + LENGTH.pack(len(requests)) + pack_columns(numbers.T)
+    return pack_json(names) + NUMBER.pack(len(requests)) + pack_columns(numbers.T)
 
 
-def read_requests(reader: Reader, config: ArenaConfig, steps: int) -> list[NamedRequest]:
+def read_requests(body: BytesIO, config: ArenaConfig) -> list[NamedRequest]:
     """Return the requests that `pack_requests` wrote.
 
     Raises:
-        ReplayError: for requests that no hunter could have made.
+        ReplayError: for too many requests, or those of hunters that cannot make any.
+        LookupError: for a name that is not in the table.
+        ValueError: for other bytes.
     """
-    names = reader.json("table of names", _LONGEST_TABLE)
-    if not isinstance(names, list) or any(
-        name is not None and not (isinstance(name, str) and len(name) <= _LONGEST_NAME) for name in names
-    ):
-        raise ReplayError("contains requests for names that a replay cannot contain")
-    count = reader.length()
-    if not 0 < count <= MOST_REQUESTS:
-        raise ReplayError(f"contains {count} requests by name, but must contain 1 to {MOST_REQUESTS}")
-    later, seats, places = reader.columns(3, count).T
-    request_steps = np.cumsum(later)
-    if later.min() < 0 or later.max() >= steps or request_steps[-1] >= steps:
-        raise ReplayError("contains requests by name that are not in the order of the steps")
-    full = [seat for seat, control in enumerate(config.controls) if control == "full"]
-    if not np.isin(seats, full).all() or not 0 <= places.min() <= places.max() < len(names):
+    names = read_json(body, _LONGEST_TABLE, list[Annotated[str, Meta(max_length=_LONGEST_NAME)] | None])
+    count = read_number(body)
+    if count > MOST_REQUESTS:
+        raise ReplayError(f"contains {count} requests by name, but must contain at most {MOST_REQUESTS}")
+    later, seats, places = read_columns(body, 3, count).T
+    if not np.isin(seats, [seat for seat, control in enumerate(config.controls) if control == "full"]).all():
         raise ReplayError("contains requests by name that no hunter could have made")
+    steps = np.cumsum(later).tolist()
     return [
         NamedRequest(step, seat, names[place])
-        for step, seat, place in zip(request_steps.tolist(), seats.tolist(), places.tolist(), strict=True)
+        for step, seat, place in zip(steps, seats.tolist(), places.tolist(), strict=True)
     ]
 
 

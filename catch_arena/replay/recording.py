@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
-from catch_arena.equality import equal_fields
+from catch_arena.equality import EqualByBits
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
 from catch_arena.replay.named_requests import NamedRequest, describe_name, has_appeared, judge_again, requests_of_step
@@ -25,11 +25,8 @@ from catch_arena.world import World
 
 
 @dataclass(slots=True, eq=False)
-class Replay:
+class Replay(EqualByBits):
     """One recorded match, or its part played so far. Two replays are equal if they agree in every bit."""
-
-    __eq__ = equal_fields
-    __hash__ = None  # type: ignore[assignment]
 
     config: ArenaConfig
     seed: int

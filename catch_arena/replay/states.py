@@ -5,6 +5,7 @@ bodies as differences from R2.2's motion, which are almost 0, and the numbers of
 """
 
 from collections.abc import Sequence
+from io import BytesIO
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from catch_arena.core.jit import entry
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS
 from catch_arena.errors import ReplayError
-from catch_arena.replay.codec import Reader, pack_columns
+from catch_arena.replay.codec import pack_columns, read_columns
 
 QuantisedState = NDArray[np.int64]
 """One state: the numbers of `Engine.state()`; lengths, angles and velocities are in whole millionths."""
@@ -53,7 +54,7 @@ _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular vel
 MICRO: Final = frozenset({"m", "rad", "m/s", "rad/s", "m s", "rad s"})
 """Units whose numbers are in whole millionths in a quantised state."""
 
-_THETA, _TURN_RATE, _ACTIVE, _SCORE = 2, 4, 7, 8
+_THETA, LINEAR_VELOCITY, _TURN_RATE, ACTIVE_TARGET, _SCORE = 2, 3, 4, 7, 8
 _PLACE, _VELOCITIES = slice(0, 2), slice(3, 5)
 """Columns of a hunter, and of a moving target's motion."""
 _IDENTITY: Final = (0, 4)
@@ -139,7 +140,7 @@ def pack_states(
     ticks, commanded = _ticks(clock[:, 0]), _hunter_velocities(config, commands)
     for seat in range(config.hunters):
         rest = _without_motion(by_seat[:, seat], ticks)
-        rest[:, _ACTIVE] = by_seat[:, seat, _ACTIVE]
+        rest[:, ACTIVE_TARGET] = by_seat[:, seat, ACTIVE_TARGET]
         if seat in driven_seats(config):
             rest[:, _VELOCITIES] = by_seat[:, seat, _VELOCITIES] - commanded[:, seat]
         packed.append(pack_columns(rest.T))
@@ -159,38 +160,44 @@ def unpack_states(
     config: ArenaConfig,
     commands: NDArray[np.float32],
     prey_commands: NDArray[np.float32],
-    reader: Reader,
+    body: BytesIO,
     spans: int,
 ) -> list[QuantisedState]:
     """Return the states that `pack_states` wrote.
 
     Raises:
-        ReplayError: for states that cannot be.
+        ReplayError: for targets outside the match, or too many of them.
+        ValueError: for other bytes.
     """
     size = len(commands) + 1
-    fixed = [_bounded(np.cumsum(reader.columns(len(ARENA), size), axis=0))]
+    fixed = [np.cumsum(read_columns(body, len(ARENA), size), axis=0)]
     ticks, commanded = _ticks(fixed[0][:, 0]), _hunter_velocities(config, commands)
     for seat in range(config.hunters):
-        rest = reader.columns(len(HUNTER), size)
+        rest = read_columns(body, len(HUNTER), size)
         numbers = np.cumsum(rest, axis=0)
-        numbers[:, _ACTIVE] = rest[:, _ACTIVE]
+        numbers[:, ACTIVE_TARGET] = rest[:, ACTIVE_TARGET]
         if seat in driven_seats(config):
             numbers[:, _VELOCITIES] = rest[:, _VELOCITIES] + commanded[:, seat]
         fixed.append(_with_motion(numbers, ticks))
-    prey = _bounded(np.cumsum(reader.columns(config.prey * len(PREY), size), axis=0))
+    prey = np.cumsum(read_columns(body, config.prey * len(PREY), size), axis=0)
     numbers_of_target = len(target_numbers(config))
-    table = reader.columns(2 + (len(_IDENTITY) if config.targets_move else numbers_of_target), spans)
+    table = read_columns(body, 2 + (len(_IDENTITY) if config.targets_move else numbers_of_target), spans)
     table[:, 0] = np.cumsum(table[:, 0])
-    _require_alive_together(_bounded(table), size, config.max_targets)
-    targets = np.repeat(table[:, 2:], table[:, 1], axis=0)
+    begin, length = table[:, 0], table[:, 1]
+    inside = (begin >= 0) & (length > 0) & (length <= size) & (begin <= size - length)
+    if not inside.all() or length.sum() > size * config.max_targets:
+        raise ReplayError("is damaged: its states have targets that cannot be in the match")
+    targets = np.repeat(table[:, 2:], length, axis=0)
     if config.targets_move:
-        tracks = np.cumsum(reader.columns(len(_MOTION), len(targets)), axis=0)
+        tracks = np.cumsum(read_columns(body, len(_MOTION), len(targets)), axis=0)
         tracks[:, _VELOCITIES] += _target_velocities(config, prey_commands, prey[:, :: len(PREY)], table)
         moving = np.zeros((len(targets), numbers_of_target), dtype=np.int64)
         moving[:, _IDENTITY] = targets
         moving[:, _MOTION] = _with_motion(tracks, _ticks_of_targets(ticks, table))
         targets = moving
-    alive = _by_state(targets, _ranges(table[:, 0], table[:, 1]), size)
+    state_of_row = _ranges(begin, length)
+    order = np.lexsort((targets[:, 0], state_of_row))
+    alive = np.split(targets[order], np.searchsorted(state_of_row[order], np.arange(1, size)))
     before = np.hstack(fixed)
     return [np.concatenate((row, tail.reshape(-1), last)) for row, tail, last in zip(before, alive, prey, strict=True)]
 
@@ -203,12 +210,6 @@ def _before_targets(config: ArenaConfig) -> int:
 def _rounded(numbers: NDArray[np.float64]) -> Matrix:
     """Return floor(number + 0.5), at most 2^53 in size."""
     return np.clip(np.floor(numbers + 0.5), -_LARGEST, _LARGEST).astype(np.int64)
-
-
-def _bounded(numbers: Matrix) -> Matrix:
-    if numbers.size and not -_LARGEST <= numbers.min() <= numbers.max() <= _LARGEST:
-        raise ReplayError("is damaged: a quantised state contains a number beyond 2^53")
-    return numbers
 
 
 def _differences(numbers: Matrix) -> Matrix:
@@ -234,11 +235,9 @@ def _without_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
 
 def _with_motion(numbers: Matrix, ticks: NDArray[np.int64]) -> Matrix:
     """Undo `_without_motion` in the same memory: `numbers` are the sums of its rows, velocities as they were."""
-    _bounded(numbers[:, _VELOCITIES])
     numbers[:, _THETA] += np.cumsum(_turned(numbers, ticks))
-    _bounded(numbers[:, _THETA])
     numbers[:, _PLACE] += np.cumsum(_travelled(numbers, ticks), axis=0)
-    return _bounded(numbers)
+    return numbers
 
 
 def _turned(numbers: Matrix, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -348,22 +347,3 @@ def _spans_of(rows: Matrix, state_of_row: NDArray[np.int64], config: ArenaConfig
     spans = np.column_stack((state_of_row[first], length, stays[first]))
     by_beginning = np.lexsort(spans.T[::-1])
     return spans[by_beginning], order[_ranges(first[by_beginning], length[by_beginning])]
-
-
-def _require_alive_together(spans: Matrix, size: int, max_alive: int) -> None:
-    """Raise ReplayError for impossible spans, before memory is allocated for a row for each of their states."""
-    begin, end = spans[:, 0], spans[:, 0] + spans[:, 1]
-    if np.any((begin < 0) | (begin >= end) | (end > size)):
-        raise ReplayError("is damaged: its quantised states have a target outside the match")
-    changes = np.bincount(begin, minlength=size + 1) - np.bincount(end, minlength=size + 1)
-    if np.cumsum(changes).max() > max_alive:
-        raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
-
-
-def _by_state(targets: Matrix, state_of_row: NDArray[np.int64], size: int) -> list[Matrix]:
-    """Return the targets that are alive in each state, by number; `at` is the state of each row."""
-    order = np.lexsort((targets[:, 0], state_of_row))
-    targets, state_of_row = targets[order], state_of_row[order]
-    if np.any((np.diff(state_of_row) == 0) & (np.diff(targets[:, 0]) == 0)):
-        raise ReplayError("is damaged: its quantised states have targets that cannot be alive together")
-    return np.split(targets, np.searchsorted(state_of_row, np.arange(1, size)))

@@ -40,6 +40,8 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
             other_digests.append(step)
         if not np.array_equal(state, replay.states[step]):
             other_numbers[step] = state
+        if engine.ends.item() and step < replay.steps:
+            impossible.append(f"the match ends in {state_name(step)}, but {replay.steps} steps are recorded")
         if before is not None:
             try:
                 replay.named_rulings(before, engine.world())

@@ -55,7 +55,7 @@ class Axis:
 
 
 def _round_step(smallest: float) -> float:
-    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `least`; 1 if `least` is not positive."""
+    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `smallest`; 1 if `smallest` is not positive."""
     if smallest <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(smallest))
@@ -173,41 +173,23 @@ def encounters(data: SideData) -> dict[str, Any]:
     return {"names": names, "rows": rows, "small": len(names) > _ROOMY}
 
 
-@dataclass(frozen=True, slots=True)
-class Seat:
-    """Results of one seat, of a team's seats, or of one prey."""
-
-    wins: Estimate
-    """Share of wins; a tie counts as a part of a win for each."""
-    score: float
-
-
 def seat_tables(data: ReportData) -> list[dict[str, Any]]:
-    """Return the results by seat: a table for each side that has several seats."""
+    """Return the results by seat: a table for each side that has several seats.
+
+    In each block every agent sat in each seat. A row has a seat's name, its share of wins, in which a tie counts as a
+    part of a win for each, and its mean score.
+    """
     tables = []
     for side in data.sides:
-        cut = data.parties.on(side.side)
-        if len(data.parties.seats[cut]) > 1 or len(data.sides) == 1:
-            tables.append(_seat_table(data.parties.names[cut], seat_results(side)))
+        names, outcomes = data.parties.names[data.parties.on(side.side)], side.outcomes
+        if len(names) == 1 and len(data.sides) > 1:
+            continue
+        cells = outcomes.blocks, len(names), outcomes.block[:, None], np.arange(len(names))
+        wins = shares(sums_by(*cells, outcomes.win_shares), sums_by(*cells))
+        ends = [end for share in wins for end in (share.low, share.mean, share.high)]
+        rows = list(zip(names, wins, outcomes.scores.mean(axis=0).tolist(), strict=True))
+        tables.append({"rows": rows, "axis": Axis.over([0.0, *ends]), "even": 1 / len(names)})
     return tables
-
-
-def _seat_table(names: Sequence[str], seats: Sequence[Seat]) -> dict[str, Any]:
-    ends = [end for seat in seats for end in (seat.wins.low, seat.wins.mean, seat.wins.high)]
-    return {"rows": list(zip(names, seats, strict=True)), "axis": Axis.over([0.0, *ends]), "even": 1 / len(seats)}
-
-
-def seat_results(data: SideData) -> list[Seat]:
-    """Return the results of a side's seats; in each block every agent sat in each of them."""
-    outcomes = data.outcomes
-    seat = np.broadcast_to(np.arange(outcomes.seating.shape[1]), outcomes.seating.shape)
-    block = np.broadcast_to(outcomes.block[:, None], outcomes.seating.shape)
-
-    def by_block(values: Any) -> Any:
-        return sums_by(outcomes.blocks, seat.shape[1], block, seat, values)
-
-    wins = shares(by_block(outcomes.win_shares), by_block(1.0))
-    return [Seat(won, float(score)) for won, score in zip(wins, outcomes.scores.mean(axis=0), strict=True)]
 
 
 def refusals(data: ReportData) -> dict[str, str]:

@@ -5,14 +5,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from catch_arena.explanation.formatting import exact_length
-from catch_arena.explanation.highlights import (
-    Highlight,
-    MatchEvents,
-    find_highlights,
-    select_highlights,
-    win_rates,
-    win_records,
-)
+from catch_arena.explanation.highlights import Highlight, find_highlights, select_highlights, win_rates, win_records
+from catch_arena.explanation.match_summary import Explanation
 from catch_arena.report.charts import number
 from catch_arena.report.data import ReportData
 
@@ -35,18 +29,18 @@ class Moment:
     """Last instant that is shown, which a match has [ms since reset]."""
 
 
-def figures(data: ReportData, events: Mapping[str, MatchEvents]) -> list[Figure]:
-    """Return the figures of the first screen: all matches and contests, and the closest contest of the `events`."""
+def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[Figure]:
+    """Return the figures of the first screen: all matches and contests, and the closest contest explained."""
     played, hunting = len(data.played), data.parties.hunting
     of_plan = f"of {number(data.planned)}" if data.planned > played else ""
     contests = sum(sum(one.result.contests_won[:hunting]) for one in data.played)
     margins = [
         contest.margin_um
-        for match in events.values()
+        for match in explanations.values()
         for contest in match.contests
         if contest.clause == "R5.4" and contest.margin_um is not None and not contest.claims[1].mate
     ]
-    among = "" if len(events) == played else f"in {number(len(events))} matches"
+    among = "" if len(explanations) == played else f"in {number(len(explanations))} matches"
     catches = sum(sum(one.result.scores[:hunting]) for one in data.played)
     return [
         Figure("Matches played", number(played), of_plan),
@@ -55,10 +49,10 @@ def figures(data: ReportData, events: Mapping[str, MatchEvents]) -> list[Figure]
     ]
 
 
-def best_moment(events: Mapping[str, MatchEvents]) -> Moment | None:
+def best_moment(explanations: Mapping[str, Explanation]) -> Moment | None:
     """Return the best highlight of some matches; None if they have none."""
-    records = win_records(events.values())
-    found = {match: find_highlights(one, win_rates(records, one)) for match, one in events.items()}
+    records = win_records(explanations.values())
+    found = {match: find_highlights(one, win_rates(records, one)) for match, one in explanations.items()}
     for match, highlight in select_highlights(found, 1):
-        return Moment(match, highlight, min(highlight.end_ms, events[match].duration_ms))
+        return Moment(match, highlight, min(highlight.end_ms, explanations[match].duration_ms))
     return None

@@ -6,7 +6,8 @@ from typing import Final
 
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import short_length
-from catch_arena.explanation.highlights import MatchEvents, has_loser
+from catch_arena.explanation.highlights import has_loser
+from catch_arena.explanation.match_summary import Explanation
 from catch_arena.explanation.what_if import WhatIf, what_if
 from catch_arena.report.data import ReportData
 from catch_arena.report.glance import Moment
@@ -27,12 +28,12 @@ class LostContest:
     answer: WhatIf
 
 
-def find_lost_contests(data: ReportData, events: Mapping[str, MatchEvents]) -> list[LostContest]:
+def find_lost_contests(data: ReportData, explanations: Mapping[str, Explanation]) -> list[LostContest]:
     """Return for each agent the closest contest that it lost in some matches, the closest of all first.
 
     Args:
         data: the tournament's data.
-        events: the events of recorded matches, by their ids.
+        explanations: the explanations of recorded matches, by their ids.
 
     Raises:
         ReplayError: if a match does not play as recorded.
@@ -40,7 +41,7 @@ def find_lost_contests(data: ReportData, events: Mapping[str, MatchEvents]) -> l
     players = {one.match.id: [data.names[entrant] for entrant in one.match.seating] for one in data.played}
     party = data.tournament.config.team_by_seat
     closest: dict[str, tuple[int, str, Contest]] = {}
-    for match, one in events.items():
+    for match, one in explanations.items():
         for contest in filter(has_loser, one.contests):
             loser, margin_um = players[match][party[contest.claims[1].seat]], contest.margin_um or 0
             if loser not in closest or margin_um < closest[loser][0]:

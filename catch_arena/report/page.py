@@ -11,7 +11,7 @@ from typing import Any, Final
 import jinja2
 
 from catch_arena.config import RULESET
-from catch_arena.explanation.highlights import MatchEvents
+from catch_arena.explanation import Explanation
 from catch_arena.files import write_whole
 from catch_arena.player import bundle_text, css, element_script, packed_text, page_file, script_json
 from catch_arena.player.page_template import page_policy, page_style, page_template
@@ -55,19 +55,19 @@ def write_report(
     data = ReportData.of(folder)
     path = output or folder / REPORT
     selected = select_matches(data, budget, matches)
-    events = {match: choice.events for match, choice in selected.items()}
-    lost = find_lost_contests(data, events)
+    explanations = {match: choice.explanation for match, choice in selected.items()}
+    lost = find_lost_contests(data, explanations)
     for match in {one.match for one in lost}:
         answers = [one.answer for one in lost if one.match == match]
         selected[match] = selected[match]._replace(bundle=bundle_text(data.replay(match), answers))
-    write_whole(path, page(data, selected, events, lost).encode())
+    write_whole(path, page(data, selected, explanations, lost).encode())
     return path
 
 
 def page(
     data: ReportData,
     selected: dict[str, SelectedMatch],
-    events: Mapping[str, MatchEvents],
+    explanations: Mapping[str, Explanation],
     lost: Sequence[LostContest] = (),
     *,
     watched: bool = False,
@@ -77,12 +77,12 @@ def page(
     Args:
         data: the tournament's data.
         selected: the matches that the page plays, by their ids.
-        events: the events of matches, by their ids, from which the best moment is chosen.
+        explanations: the explanations of matches, by their ids, from which the best moment is chosen.
         lost: contests that agents lost, with their answers.
         watched: whether the page is served; it then requests news, and the replays that it shows.
     """
     forfeits, size = _forfeits(data), data.parties.block_size
-    moment = best_moment(events)
+    moment = best_moment(explanations)
     titles = {one.match.id: one.match.title(size) for one in data.played}
     colors = [agent_color(data.tournament.config, number) for number in range(len(data.tournament.entrants))]
     return _template().render(
@@ -100,7 +100,7 @@ def page(
             }
             for side in data.sides
         ],
-        figures=figures(data, events),
+        figures=figures(data, explanations),
         moment=moment,
         answer=answer_to(moment, lost),
         lost=lost,

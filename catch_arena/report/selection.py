@@ -5,28 +5,18 @@ from itertools import zip_longest
 from typing import NamedTuple
 
 from catch_arena.errors import ReplayError
-from catch_arena.explanation.highlights import MatchEvents, extract_events
+from catch_arena.explanation import Explanation, explain
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.tournament.match import PlayedMatch
 
 
 class SelectedMatch(NamedTuple):
-    """Match that the page plays: its replay bundle, the reason for the choice, and its events."""
+    """Match that the page plays: its replay bundle, the reason for the choice, and its explanation."""
 
     bundle: str
     why: str
-    events: MatchEvents
-
-    @classmethod
-    def of(cls, data: ReportData, match: str, why: str) -> "SelectedMatch":
-        """Return a recorded match, for a reason.
-
-        Raises:
-            ReplayError: if it was not recorded, or its file is no replay or a damaged one.
-        """
-        replay = data.replay(match)
-        return cls(bundle_text(replay), why, extract_events(replay))
+    explanation: Explanation
 
 
 def select_matches(data: ReportData, budget: int, requested: Sequence[str] = ()) -> dict[str, SelectedMatch]:
@@ -35,17 +25,20 @@ def select_matches(data: ReportData, budget: int, requested: Sequence[str] = ())
     Raises:
         ReplayError: if a requested match was not recorded.
     """
-    selected = {match: SelectedMatch.of(data, match, "requested") for match in requested}
-    taken = sum(len(choice.bundle) for choice in selected.values())
-    for match, why in _by_interest(data):
+    selected: dict[str, SelectedMatch] = {}
+    taken = 0
+    for match, why in [*((match, "requested") for match in requested), *_by_interest(data)]:
         if match in selected:
             continue
         try:
-            choice = SelectedMatch.of(data, match, why)
+            replay = data.replay(match)
+            choice = SelectedMatch(bundle_text(replay), why, explain(replay))
         except ReplayError:  # it was moved away or has another ruleset; the figures do not need it
+            if match in requested:
+                raise
             continue
         taken += len(choice.bundle)
-        if taken > budget:
+        if taken > budget and match not in requested:
             break
         selected[match] = choice
     return selected

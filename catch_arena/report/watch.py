@@ -11,7 +11,7 @@ from typing import Any, Final
 from urllib.parse import unquote
 
 from catch_arena.errors import CatchArenaError, OutputError, ReplayError
-from catch_arena.explanation.highlights import MatchEvents, extract_events
+from catch_arena.explanation import Explanation, explain
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.report.page import content_policy, page
@@ -19,8 +19,8 @@ from catch_arena.text import printable, without_folders
 from catch_arena.tournament.store import Store
 
 HOST: Final = "127.0.0.1"
-PORT: Final = 8765
-_PORTS: Final = 20
+PORTS: Final = range(8765, 8785)
+"""Port numbers, of which the first free one is used."""
 _PAUSE_S: Final = 2.0
 _PAUSE_FACTOR: Final = 10.0
 """Pause between two refreshes, in durations of the last one: they take at most a tenth of one core's time."""
@@ -38,7 +38,7 @@ class LiveReport:
         self._lock = threading.Lock()
         self._page = ""
         self._data: ReportData | None = None
-        self._events: dict[str, MatchEvents] = {}
+        self._explanations: dict[str, Explanation] = {}
         self._shown = ""
         self._next = 0.0
 
@@ -62,11 +62,9 @@ class LiveReport:
         Raises:
             CatchArenaError: if it was not recorded.
         """
-        with self._lock:
-            data = self._data
-        if data is None:
+        if self._data is None:
             raise ReplayError("no match has been played yet; reload the page later")
-        return bundle_text(data.replay(match))
+        return bundle_text(self._data.replay(match))
 
     def _refresh(self) -> None:
         with Store.read(self._folder) as store:
@@ -79,14 +77,14 @@ class LiveReport:
         else:
             self._data = ReportData.of(self._folder)
             self._look_at(self._data)
-            self._page = page(self._data, {}, self._events, watched=True)
+            self._page = page(self._data, {}, self._explanations, watched=True)
         self._shown = state
 
     def _look_at(self, data: ReportData) -> None:
-        """Extract the events of the newest recorded matches, a few for each refresh."""
-        for match in sorted(data.recorded - self._events.keys(), reverse=True)[:_LOOKED_AT]:
+        """Explain the newest recorded matches, a few for each refresh."""
+        for match in sorted(data.recorded - self._explanations.keys(), reverse=True)[:_LOOKED_AT]:
             with suppress(ReplayError):  # it was moved away, or has another ruleset
-                self._events[match] = extract_events(data.replay(match))
+                self._explanations[match] = explain(data.replay(match))
 
 
 _WAITING: Final = (
@@ -148,29 +146,21 @@ class _Server(ThreadingHTTPServer):
 
 
 @contextmanager
-def serve(report: LiveReport, port: int | None = None) -> Iterator[str]:
+def serve(report: LiveReport) -> Iterator[str]:
     """Serve a report inside the `with` block, and yield its address.
 
-    Args:
-        report: the report to serve.
-        port: port number, None for the first free one from PORT up.
-
     Raises:
-        OutputError: if the port, or each of them, is taken.
+        OutputError: if no port of PORTS is free.
     """
     reason = ""
-    ports = range(PORT, PORT + _PORTS) if port is None else range(port, port + 1)
-    for tried in ports:
+    for port in PORTS:
         try:
-            server = _Server(tried, report)
+            server = _Server(port, report)
             break
         except OSError as error:
             reason = error.strerror or str(error)
-        except OverflowError:
-            raise OutputError(f"port must be from 0 to 65535, got {port}") from None
     else:
-        taken = f"{ports[0]} to {ports[-1]}" if port is None else port
-        raise OutputError(f"port {taken} of {HOST}: cannot be used: {reason}")
+        raise OutputError(f"ports {PORTS[0]} to {PORTS[-1]} of {HOST}: cannot be used: {reason}")
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
     try:

@@ -1,6 +1,7 @@
 """Play of a suite by an agent: each scenario is a tournament of its own, kept in the agent's folder."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -102,8 +103,8 @@ class Evaluation:
         """
         waiting = []
         for one in self.suite.scenarios:
-            self._open_store(one).close()  # checks all folders first: their matches must be this agent's
-            kept = self.played(one)
+            with self._store(one):  # checks all folders first: their matches must be this agent's
+                kept = self.played(one)
             if len(kept) < self._plan(one).size:
                 waiting.append(one)
             else:
@@ -113,16 +114,8 @@ class Evaluation:
         with local_executor(self._worker(waiting[0]), jobs) as ready:
             for one in waiting:
                 ready.worker = self._worker(one)
-                with self._open_store(one) as store:
-                    folder = self._folder(one)
-                    play_plan(
-                        store,
-                        self._plan(one),
-                        ready,
-                        max_forfeits=self.max_forfeits,
-                        folder=folder,
-                        on_results=on_results,
-                    )
+                with self._store(one) as store:
+                    play_plan(store, self._plan(one), ready, max_forfeits=self.max_forfeits, on_results=on_results)
 
     def played(self, scenario: SuiteScenario) -> list[PlayedMatch]:
         """Return the kept matches of a scenario that belong to the first `blocks` blocks; the store may have more."""
@@ -132,7 +125,7 @@ class Evaluation:
         with Store.read(folder) as store:
             return [one for one in store.played() if one.match.block < self.blocks]
 
-    def _open_store(self, scenario: SuiteScenario) -> Store:
+    def _store(self, scenario: SuiteScenario) -> AbstractContextManager[Store]:
         """Open the store of a scenario, or create it if there is none.
 
         Raises:
@@ -140,7 +133,7 @@ class Evaluation:
         """
         terms = terms_of(self.quotas, self.max_forfeits, recorded=False)
         parameters, secret = self._plan(scenario).parameters, self.suite.secret(scenario)
-        facts = Tournament(scenario.config, self.entrants(scenario), parameters, terms, secret.text)
+        facts = Tournament(scenario.config, self.entrants(scenario), parameters, secret.text, terms)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)
 
     def _plan(self, scenario: SuiteScenario) -> FixedPlan:

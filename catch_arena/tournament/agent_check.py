@@ -8,7 +8,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
 from catch_arena.text import last_lines
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -39,8 +39,7 @@ def check_fitness(
 ) -> Iterator[Finding]:
     """Yield the findings about an agent that plays against itself.
 
-    It first plays one step in each arena, then a whole match in every arena in which that step did not fail. In the
-    first arena without a forfeit it plays twice, to check that equal seeds give equal matches.
+    In the first arena without a forfeit it plays twice, to check that equal seeds give equal matches.
 
     Args:
         spec: the agent, as `enter` takes it.
@@ -53,7 +52,7 @@ def check_fitness(
         AgentError: if the spec names no agent.
         MatchFailedError: if a match could not be held.
     """
-    resolved = resolve_spec(spec)
+    resolved = resolve(spec).spec
     try:
         inspection = inspector(sandbox)(resolved)
     except AgentError as error:  # it is trusted
@@ -74,31 +73,24 @@ def check_fitness(
     prey = f"{SHIPPED_PREY} plays prey for it" if entrant.needs_prey else "plays prey itself"
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
     step_ms = (Quotas() if sandbox is None else sandbox.quotas).step_ms
-    total, reported = 2 * len(arenas) + 1, set[tuple[str, str]]()
-    begun, late = [], 0
+    reported: set[tuple[str, str]] = set()
+    whole: dict[str, list[bytes]] = {}
+    late = 0
     for number, (name, config) in enumerate(arenas.items()):
         if late == MOST_TIMEOUTS:
             left = ", ".join(list(arenas)[number:])
             yield Finding("warning", f"was too slow in {late} arenas, and not tried in: {left}")
             return
-        progress(number, total)
-        result = play_first_step(config, seed, copies[: len(Parties.of(config))], sandbox)
-        if any(result.forfeits):  # a whole match would show the same fault in every seat
-            yield from _findings(name, config, result, step_ms, reported)
-            late += any(forfeit is not None and forfeit.late for forfeit in result.forfeits)
-        else:
-            begun.append(name)
-    whole: dict[str, list[bytes]] = {}
-    for number, name in enumerate(begun, len(arenas)):
-        progress(number, total)
-        result, digests = play(arenas[name])
-        yield from _findings(name, arenas[name], result, step_ms, reported)
+        progress(number, len(arenas) + 1)
+        result, digests = play(config)
+        yield from _findings(name, config, result, step_ms, reported)
+        late += any(forfeit is not None and forfeit.late for forfeit in result.forfeits)
         if not any(result.forfeits):
             whole[name] = digests
     if not whole:  # the forfeits have been reported, and there is no match to repeat
         return
     name, first = next(iter(whole.items()))
-    progress(total - 1, total)
+    progress(len(arenas), len(arenas) + 1)
     _, again = play(arenas[name])
     if again == first:
         yield Finding("ok", f"{name}: plays the same match again, given the same seed")

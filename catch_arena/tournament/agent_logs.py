@@ -23,24 +23,21 @@ def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one
     """
     for party, index in enumerate(one.match.seating):
         forfeit, printed = one.result.forfeits[party], one.result.logs[party]
-        if forfeit is not None or printed:
-            why = f": {forfeit}" if forfeit is not None else ""
-            where = f"match {one.match.id}, {parties.called(party)}"
-            _append(folder, entrants[index].name, f"== {where}{why}\n{printed}")
+        if forfeit is None and not printed:
+            continue
+        why = f": {forfeit}" if forfeit is not None else ""
+        text = f"== match {one.match.id}, {parties.called(party)}{why}\n{printed}".removesuffix("\n")
+        path = log_file(folder, entrants[index].name)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("ab") as file:
+                if file.tell() < MOST_BYTES:
+                    file.write(f"{text}\n".encode())
+        except OSError as error:
+            raise unwritable(path, error, len(text)) from None
 
 
 def log_file(folder: Path, name: str) -> Path:
     """Return the log file of an entrant."""
     *folders, last = name.split("/")  # a name may be ann/agent
     return Path(folder, *folders, f"{last.encode()[:_LONGEST].decode(errors='ignore')}.log")
-
-
-def _append(folder: Path, name: str, text: str) -> None:
-    path = log_file(folder, name)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("ab") as file:
-            if file.tell() < MOST_BYTES:
-                file.write(text.encode() + (b"" if text.endswith("\n") else b"\n"))
-    except OSError as error:
-        raise unwritable(path, error, len(text)) from None

@@ -10,7 +10,7 @@ import pkgutil
 import shlex
 import shutil
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from stat import S_ISREG
 from typing import Final, NamedTuple
@@ -98,15 +98,6 @@ def command_of(spec: str) -> list[str] | None:
     return shlex.split(spec.removeprefix(COMMAND)) if spec.startswith(COMMAND) else None
 
 
-def resolve_spec(word: str) -> str:
-    """Return the spec of the agent that a word on the command line names; the spec is valid in any working folder.
-
-    Raises:
-        AgentError: if it names no agent.
-    """
-    return resolve(word).spec
-
-
 def resolve(word: str) -> AgentSpec:
     """Return the agent that a word on the command line names.
 
@@ -165,6 +156,14 @@ def content_of(source: str) -> bytes | None:
             return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
     except (OSError, ValueError):
         return None
+
+
+def digest_of_files(files: Iterable[tuple[str | Path, Path]], size: int) -> "hashlib.blake2b":
+    """Return a digest, of `size` bytes, of the names and contents of files, which are given with their names."""
+    digest = hashlib.blake2b(digest_size=size)
+    for name, path in files:  # they may hold more than memory does
+        digest.update(os.fsencode(name) + b"\0" + (content_of(str(path)) or b"") + b"\0")
+    return digest
 
 
 def _resolve_path(word: str, path: Path) -> AgentSpec:
@@ -236,12 +235,9 @@ def _path_to(file: Path) -> tuple[str, ...]:
 
 def _digest_of_folder(folder: Path) -> bytes:
     """Return a digest of the names and contents of a folder's files, without `__pycache__` and hidden files."""
-    paths = (path.relative_to(folder) for path in sorted(folder.rglob("*")))
-    kept = (path for path in paths if not any(part[0] == "." or part == "__pycache__" for part in path.parts))
-    digest = hashlib.blake2b()  # a folder may hold more than memory does
-    for path in kept:
-        digest.update(os.fsencode(path) + b"\0" + (content_of(str(folder / path)) or b"") + b"\0")
-    return digest.digest()
+    paths = ((path.relative_to(folder), path) for path in sorted(folder.rglob("*")))
+    kept = (one for one in paths if not any(part[0] == "." or part == "__pycache__" for part in one[0].parts))
+    return digest_of_files(kept, 64).digest()
 
 
 def _weights_beside(path: Path) -> bytes:

@@ -60,11 +60,8 @@ class Entrant:
     @property
     def source(self) -> str:
         """Origin for readers of a report: a file's name without its folders, or a command's program."""
-        try:
-            if (words := command_of(self.spec)) is not None:
-                return f"a command: {Path(words[0]).name}"
-        except (ValueError, IndexError):  # a spec from a store may be any text
-            return "a command"
+        if (words := command_of(self.spec)) is not None:
+            return f"a command: {Path(words[0]).name}"
         return self.spec if file_of(self.spec) is None else Path(self.spec).name
 
     def create(self) -> Policy | PreyPolicy:

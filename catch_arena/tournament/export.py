@@ -80,11 +80,10 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     sides = [parties.side_of(party) for party in range(len(parties))]
     with_teams = len(parties) < len(parties.by_seat)
     entrants, config_digest = tournament.entrants, tournament.config.digest
-    secret, ended = tournament.secret, store.ended
+    tournament_seed = tournament.secret.digits if store.ended else None
     for played, versions in store.records():
         match, result = played.match, played.result
         players = [entrants[index].on(side) for index, side in zip(match.seating, sides, strict=True)]
-        agent_seeds: list[int | None] = [*match.agent_seeds] or [None] * len(players)
         record = {
             "match": match.id,
             "block": match.block,
@@ -92,14 +91,14 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "sides": sides,
             "agents": [entrant.name for entrant in players],
             "agent_digests": [entrant.digest for entrant in players],
-            "agent_seeds": agent_seeds,  # None: the agent's seed followed from `seed`
+            "agent_seeds": match.agent_seeds,
             **{name: getattr(result, name) for name in _RESULTS},
             "forfeits": result.forfeit_codes,
             **({"seats": parties.seats} | {name: getattr(result, name) for name in _OF_TEAMS} if with_teams else {}),
             "replay_digest": played.replay,
             "ruleset": RULESET,
             "config_digest": config_digest,
-            "tournament_seed": secret.digits if secret is not None and ended else None,
+            "tournament_seed": tournament_seed,
             "versions": versions,
         }
         if timing:

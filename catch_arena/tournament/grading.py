@@ -194,9 +194,9 @@ def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties
         verdicts.update(result.verdicts[party])
         side = parties.side_of(party)
         scores[side].append(result.scores[party])
-        forfeit, ranks = result.forfeits[party], result.ranks[parties.on(side)]
-        if len(ranks) > 1 or len(parties.sides) == 1:  # an only prey has no other prey to win against
-            wins.append(0.0 if forfeit else (result.ranks[party] == 1) / ranks.count(1))
+        forfeit, cut = result.forfeits[party], parties.on(side)
+        if len(result.ranks[cut]) > 1 or len(parties.sides) == 1:  # an only prey has no other prey to win against
+            wins.append(0.0 if forfeit else result.win_share(party, cut))
         if forfeit is not None and forfeit.code not in forfeits:
             forfeits[forfeit.code] = forfeit
             log = log or last_lines(result.logs[party])

@@ -3,7 +3,6 @@
 import hashlib
 import importlib
 import importlib.util
-import locale
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -182,19 +181,16 @@ def _takes_one_argument(method: Callable[..., object]) -> bool:
 def _process_restored() -> Iterator[None]:
     """Search modules in `module_folders` only, and restore the process after the import of a stranger's module.
 
-    The working folder, the standard streams, the locale, `sys.path` and a lowered limit of recursion are restored.
+    The working folder, the standard streams and `sys.path` are restored.
     """
-    path, folder, language = sys.path[:], Path.cwd(), locale.setlocale(locale.LC_ALL)
-    depth = sys.getrecursionlimit()
+    path, folder = sys.path[:], Path.cwd()
     streams = sys.stdin, sys.stdout, sys.stderr
     sys.path[:] = module_folders()
     try:
         yield
     finally:
         sys.path[:] = path
-        sys.setrecursionlimit(max(depth, sys.getrecursionlimit()))
         os.chdir(folder)
-        locale.setlocale(locale.LC_ALL, language)
         sys.stdin, sys.stdout, sys.stderr = streams
 
 

@@ -10,8 +10,8 @@ from catch_arena.tournament.players import ForfeitCode, Observation
 
 MOST_TIMEOUTS: Final = 2
 """Number of timeouts of an agent after which grade and check-agent stop: each costs seconds."""
-_ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)(?:-([ab]))?")
-"""Pattern of the ids of plans and comparisons: round, block of the round, match of the block, and A or B in turn."""
+_ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)")
+"""Pattern of the ids of plans: round, block of the round, match of the block."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -27,7 +27,7 @@ class Match:
     seating: tuple[int, ...]
     """Index of the player among the entrants, by party (parties.py)."""
     agent_seeds: tuple[int, ...] = field(default=(), repr=False)
-    """Seed of the player, by party; if empty, these seeds follow from the match's own."""
+    """Seed of the player, by party."""
 
     def title(self, block_size: int) -> str:
         """Return the text that names the match for people, such as "round 1, match 5".
@@ -35,11 +35,8 @@ class Match:
         Args:
             block_size: number of matches in a block (`Parties.block_size`), since ids count the blocks of a round.
         """
-        parts = _ID.fullmatch(self.id)
-        if parts is None:
-            return f"match {self.id}"
-        turn, group, place = map(int, parts.group(1, 2, 3))
-        return f"round {turn}, match {(group - 1) * block_size + place + 1}{parts[4] or ''}"
+        ((turn, group, place),) = _ID.findall(self.id)
+        return f"round {int(turn)}, match {(int(group) - 1) * block_size + int(place) + 1}"
 
 
 Block = tuple[Match, ...]
@@ -128,6 +125,10 @@ class MatchResult:
         """Code of each party's failure; None if it did not fail."""
         return tuple(None if one is None else one.code for one in self.forfeits)
 
+    def win_share(self, party: int, side: slice) -> float:
+        """Return the share of the win on its side: 1 for a win, less if parties share the first rank, 0 for others."""
+        return (self.ranks[party] == 1) / self.ranks[side].count(1)
+
 
 @dataclass(frozen=True, slots=True)
 class PlayedMatch:
@@ -137,8 +138,3 @@ class PlayedMatch:
     result: MatchResult
     replay: str | None = None
     """Digest of the replay's file; None if no replay was kept."""
-
-
-def players_of(block: Block) -> frozenset[int]:
-    """Return the players of a block's matches, as indices among the entrants."""
-    return frozenset(index for match in block for index in match.seating)

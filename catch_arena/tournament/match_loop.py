@@ -135,7 +135,8 @@ class _RunningMatch:
                 if mate not in self._playing:  # it has dropped out
                     continue
                 self._on_forfeit(mate, forfeit)
-                self._actions[self._agents[mate]] = self._hold(mate)  # R1.6: the env takes one more action of it
+                # R1.6: the env takes one more action of it
+                self._actions[self._agents[mate]] = _HOLD[self._controls[mate]]
                 del self._playing[mate]
                 self._env.withdraw(self._agents[mate])
                 self._players.drop(mate)
@@ -148,11 +149,8 @@ class _RunningMatch:
         """
         self.step += 1
         shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
-        faults = self._collect_actions(shown)
-        if faults:
-            self.forfeit(faults, shown)
-        if illegal := self._check_actions():
-            self.forfeit(illegal, shown)
+        self.forfeit(self._collect_actions(shown), shown)
+        self.forfeit(self._check_actions(), shown)
         observations, _, _, _, infos = self._env.step(self._actions)
         self._actions.clear()
         self._count(infos)
@@ -185,9 +183,6 @@ class _RunningMatch:
             lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
             catches=tuple(catches) if teams else (),
         )
-
-    def _hold(self, seat: int) -> Any:
-        return _HOLD[self._controls[seat]]
 
     def _collect_actions(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
         """Ask the seats in `shown` for their actions, and keep them.

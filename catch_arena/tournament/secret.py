@@ -12,15 +12,7 @@ from typing import Final, Literal
 from catch_arena.errors import ConfigError
 from catch_arena.seeding import SEED_LIMIT, checked_seed
 
-Purpose = Literal[
-    "match",
-    "agent",
-    "seating",
-    "groups",
-    "compare",
-    "grade",
-    "suite",
-]
+Purpose = Literal["match", "agent", "seating", "groups", "compare", "grade", "suite"]
 """Purposes of draws, each of at most sixteen bytes (`person` of BLAKE2b)."""
 
 _BYTES: Final = 16

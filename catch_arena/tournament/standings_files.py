@@ -56,7 +56,7 @@ def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Seq
     summary = {
         "ruleset": RULESET,
         "plan": dict(tournament.plan),
-        "seed": None if tournament.secret is None else tournament.secret.digits,
+        "seed": tournament.secret.digits,
         "matches": matches,
         "config_digest": tournament.config.digest,
         "config": tournament.config.to_dict(),

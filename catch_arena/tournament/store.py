@@ -7,14 +7,13 @@ match. Storing a match twice changes nothing.
 import os
 import platform
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, fields
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
@@ -28,6 +27,9 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: the kind of the file
@@ -78,17 +80,16 @@ class Tournament:
     entrants: tuple[Entrant, ...]
     plan: Mapping[str, str | int | float]
     """Parameters of the plan."""
+    seed: str = field(repr=False)
+    """Seed as `Secret.text`."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)
     """Other terms of the tournament: `recorded`, `trusted`, `max_forfeits`, and the quotas of isolated agents."""
-    seed: str | None = field(default=None, repr=False)
-    """Seed as `Secret.text`; None if the plan is not drawn, or need not be repeated by others."""
     ruleset: str = RULESET
 
     def __post_init__(self) -> None:
         if self.ruleset != RULESET:
             raise ValueError(f"it was played under ruleset {self.ruleset}, and this is {RULESET}")
-        if self.seed is not None:
-            Secret.parse(self.seed)
+        Secret.parse(self.seed)
 
     @classmethod
     def of(cls, facts: Mapping[str, str]) -> "Tournament":
@@ -106,9 +107,9 @@ class Tournament:
             raise store_rows.DamagedError(f"table fact: {error}") from None
 
     @property
-    def secret(self) -> Secret | None:
-        """Secret that the plan is drawn from; None if there is no seed."""
-        return None if self.seed is None else Secret.parse(self.seed)
+    def secret(self) -> Secret:
+        """Secret that the plan is drawn from."""
+        return Secret.parse(self.seed)
 
 
 def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
@@ -124,16 +125,15 @@ def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dic
 
 
 class Store:
-    """Store of one tournament's matches. Use it as a context manager: its exit closes the file.
+    """Store of one tournament's matches; `begin` and `read` open it for the time of a `with` statement.
 
     Raises:
         StoreError: if SQLite reports an error; this holds for all methods.
     """
 
-    def __init__(self, path: Path, *, writable: bool = True) -> None:
+    def __init__(self, path: Path, *, writable: bool) -> None:
         """Open the file; see `begin` and `read`."""
         self.path = path
-        self._playing = ExitStack()
         name = path.absolute().as_uri()
         if not writable:
             # without a log there is no writer, and with immutable=1 SQLite makes no helper files
@@ -143,8 +143,9 @@ class Store:
         self._versions = 0
 
     @classmethod
-    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> "Store":
-        """Return the store for playing a tournament.
+    @contextmanager
+    def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> "Iterator[Self]":
+        """Open the store for playing a tournament; other commands cannot play in its folder meanwhile.
 
         Raises:
             StoreError: if the folder has a store already that is not to be resumed, or another command plays in it.
@@ -154,15 +155,15 @@ class Store:
         if not path.exists():
             with suppress(OSError):  # SQLite reports the error below
                 path.touch(0o600)  # the file has the seeds of future matches
-        store = cls(path)
-        with store._closed_on_error():
-            store._playing.enter_context(only_one_plays_in(folder))
-            store._open(tournament, resume=resume)
-        return store
+        store = cls(path, writable=True)
+        with closing(store), only_one_plays_in(folder):
+            store._begin(tournament, resume=resume)
+            yield store
 
     @classmethod
-    def read(cls, folder: Path) -> "Store":
-        """Return the store of a tournament that has begun, for reading.
+    @contextmanager
+    def read(cls, folder: Path) -> Iterator["Store"]:
+        """Open the store of a tournament that has begun, for reading.
 
         Raises:
             StoreError: if there is none; here and in later calls also if the file is damaged.
@@ -173,14 +174,14 @@ class Store:
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
         store = cls(path, writable=False)
-        with store._closed_on_error():
+        with closing(store):
             if not store._has_tables():
                 raise StoreError(f"{folder}: holds a tournament that has not begun")
-        return store
+            yield store
 
     @classmethod
-    def secret_in(cls, folder: Path) -> Secret | None:
-        """Return the secret of the tournament in a folder; None if there is no tournament yet.
+    def tournament_in(cls, folder: Path) -> Tournament | None:
+        """Return the tournament in a folder; None if none has begun.
 
         Raises:
             StoreError: if the store cannot be read.
@@ -188,8 +189,9 @@ class Store:
         path = folder / STORE
         if not path.is_file():
             return None
-        with cls(path, writable=False) as store:
-            return store.tournament.secret if store._has_tables() else None
+        store = cls(path, writable=False)
+        with closing(store):
+            return store.tournament if store._has_tables() else None
 
     @property
     def tournament(self) -> Tournament:
@@ -235,32 +237,6 @@ class Store:
         parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
         self._db.execute(_ADD, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
 
-    def replace_entrants(self, entrants: Sequence[Entrant]) -> None:
-        """Write the entrants of a tournament that others join, in a transaction of the caller.
-
-        Args:
-            entrants: the present ones in their order, and new ones at the end.
-        """
-        self._db.execute("INSERT OR REPLACE INTO fact VALUES ('entrants', ?)", (_json(entrants),))
-
-    def next_block(self) -> tuple[int, int]:
-        """Return the number of rounds so far, and the number of the next block, from 0."""
-        with self._store_errors():
-            row = self._db.execute("SELECT id, block FROM match ORDER BY id DESC LIMIT 1").fetchone()
-        return (int(row[0][1:].partition("-")[0]), row[1] + 1) if row else (0, 0)
-
-    def remove_waiting(self) -> None:
-        """Remove the matches that are planned and not played."""
-        with self.transaction() as db:
-            db.execute("DELETE FROM match WHERE id NOT IN (SELECT match FROM result)")
-
-    def remove_old(self, most: int) -> None:
-        """Remove the oldest blocks, so that at most `most` played matches are left."""
-        with self.transaction() as db:
-            old = "(SELECT id FROM match WHERE block <= (SELECT block FROM match ORDER BY id DESC LIMIT 1 OFFSET ?))"
-            db.execute(f"DELETE FROM result WHERE match IN {old}", (most,))  # noqa: S608 - ours
-            db.execute(f"DELETE FROM match WHERE id IN {old}", (most,))  # noqa: S608 - ours
-
     def waiting(self) -> Iterator[Block]:
         """Yield the blocks that are planned and not played, in the order of the plan."""
         for _, block in groupby(self._waiting(), key=lambda match: match.block):
@@ -303,19 +279,10 @@ class Store:
         return self._count("match")
 
     def close(self) -> None:
-        """Close the file, and let other commands play in its folder."""
+        """Close the file."""
         self._db.close()
-        self._playing.close()
 
-    def __enter__(self) -> "Store":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def _open(self, tournament: Tournament, *, resume: bool) -> None:
+    def _begin(self, tournament: Tournament, *, resume: bool) -> None:
         begun = self._has_tables()  # before any change: the file may not be ours
         with self._store_errors():
             self._db.execute("PRAGMA journal_mode = WAL")
@@ -374,14 +341,6 @@ class Store:
     def _count(self, table: str) -> int:
         with self._store_errors():
             return int(self._db.execute(f"SELECT count(*) FROM {table}").fetchone()[0])  # noqa: S608 - ours
-
-    @contextmanager
-    def _closed_on_error(self) -> Iterator[None]:
-        try:
-            yield
-        except BaseException:
-            self.close()
-            raise
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:

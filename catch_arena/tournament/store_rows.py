@@ -47,7 +47,7 @@ def decode_match(row: Sequence[Any], parties: int, entrants: int) -> Match:
     match = _decode(_MATCH, where, _object(values))
     if len(match.seating) != parties or not all(0 <= index < entrants for index in match.seating):
         raise DamagedError(f"{where}: seating must have {parties} of {entrants} entrants")
-    if len(match.agent_seeds) not in {0, parties}:
+    if len(match.agent_seeds) != parties:
         raise DamagedError(f"{where}: agent_seeds must be {parties}")
     return match
 

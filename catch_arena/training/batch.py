@@ -12,15 +12,14 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from catch_arena.config import ArenaConfig, require_flag
+from catch_arena.config import ArenaConfig, require_flag, require_integer
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import SavedState
 from catch_arena.envs.actions import clipped
 from catch_arena.envs.vector import VectorArena
-from catch_arena.equality import equal_fields
+from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
-from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import shortened
@@ -59,14 +58,11 @@ class LearnerStep(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SavedLearners:
+class SavedLearners(EqualByBits):
     """Saved state of a `LearnerBatch`, from its `save`; it can be pickled, and any number can be kept.
 
     Two are equal if every bit is equal. Agents are compared by their own `==`; without one they equal only themselves.
     """
-
-    __eq__ = equal_fields
-    __hash__ = None  # type: ignore[assignment]
 
     arena: SavedState
     opponents: Mapping[str, Any] | None
@@ -127,9 +123,7 @@ class LearnerBatch:
         max_learners = config.hunters - (opponents is not None)
         if not max_learners:
             raise ConfigError("hunters must be at least 2 if there are opponents, got 1")
-        learning = whole_number(learners)
-        if learning is None or not 1 <= learning <= max_learners:
-            raise ConfigError(f"learners must be a whole number from 1 to {max_learners}, got {learners!r}")
+        learning = require_integer("learners", learners, 1, max_learners)
         self.learners: Final = config.hunters if opponents is None else learning
         self.arena: Final = VectorArena(
             config, num_envs, num_threads, auto_reset=auto_reset, any_control=opponents is not None

@@ -16,7 +16,7 @@ from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Limits, PreyLimits, Side, control_of
 from catch_arena.text import shortened
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
 
 _SEED_LIMIT: Final = 2**63
@@ -48,7 +48,7 @@ class Player:
         """
         name, policy = type(agent).__name__, agent
         if isinstance(agent, str):
-            name, policy = agent, create_policy(resolve_spec(agent), side)
+            name, policy = agent, create_policy(resolve(agent).spec, side)
         elif isinstance(agent, type):
             name = agent.__name__
             try:

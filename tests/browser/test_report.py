@@ -583,7 +583,7 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
     monkeypatch.setattr(watch, "_PAUSE_S", 0.0)
     monkeypatch.setattr(watch, "_PAUSE_FACTOR", 0.0)
     tournament(tmp_path, 1, most=12)
-    with serve(LiveReport(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path)) as address:
         page.goto(address)
         page.wait_for_selector("#list li")
         assert "of 60" in page.locator(".figures").inner_text()
@@ -592,7 +592,7 @@ def test_a_watched_page_follows_the_tournament_and_keeps_its_replay(page, report
         assert "of 60" not in page.locator(".figures").inner_text()
     until(page, "document.querySelector('#news').textContent.includes('no longer live')", timeout=15_000)
     recorded = ReportData.of(report.parent).recorded
-    with serve(LiveReport(report.parent), 0) as address:
+    with serve(LiveReport(report.parent)) as address:
         page.goto(address)
         until(page, "document.getElementById('player').replay && document.getElementById('best').playing")
         page.get_by_role("button", name=f"Show round 1, match {len(recorded)}").click()
@@ -665,7 +665,7 @@ def test_the_page_breaks_no_rule_of_its_own_policy(chromium, report, served):
     page = chromium.new_page()
     messages = []
     page.on("console", lambda message: messages.append(message.text))
-    with serve(LiveReport(report.parent), 0) as address:
+    with serve(LiveReport(report.parent)) as address:
         page.goto(address if served else report.as_uri())
         until(page, "document.querySelector('catch-replay').replay")
         page.get_by_role("button", name="Light or dark").click()

@@ -15,7 +15,7 @@ from catch_arena import Replay
 
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--trusted"]
 MODULE = """
-import locale, os, sys
+import os, sys
 {change}
 class Agent:
     def reset(self, seed):
@@ -29,7 +29,6 @@ CHANGES = {
     "folder": "os.chdir('/')",
     "replaced": "sys.stdout = sys.stderr = open(os.devnull, 'w')",
     "umask": "os.umask(0o777)",
-    "depth of calls": "sys.setrecursionlimit(sys.getrecursionlimit() // 10)",
     "path": "sys.path.clear()",
 }
 

@@ -7,8 +7,7 @@ from oracle.arbiter import judge
 from rulebook.adjudicators import ADJUDICATORS
 
 from catch_arena.arbitration import arbitrate
-from catch_arena.conformance.case_files import load_cases
-from catch_arena.conformance.cases import ArbiterCase
+from catch_arena.conformance.cases import ArbiterCase, load_cases
 from catch_arena.testing import run_conformance
 
 

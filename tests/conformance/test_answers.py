@@ -202,7 +202,7 @@ def test_there_must_be_something_to_try_and_such_a_case():
 def test_an_arbiter_alone_does_not_pass_by_playing_nothing():
     report = run_conformance(arbitrate, only=["spawning"])
     assert not report.passed
-    assert report.summary == "cases: 0 passed, 0 failed, 24 need an arena"
+    assert report.summary == "cases: 0 passed, 0 failed, 24 not played without an arena"
 
 
 def test_an_arbiter_that_never_answers_is_interrupted_where_it_stands():

@@ -9,8 +9,7 @@ import pytest
 from conformance.wrong_arbiters import KNOWN, PlainArbiter
 
 from catch_arena.conformance.adjudicator_calls import KINDS
-from catch_arena.conformance.case_files import load_cases
-from catch_arena.conformance.cases import ArbiterCase
+from catch_arena.conformance.cases import ArbiterCase, load_cases
 from catch_arena.conformance.diagnosis import known_mistakes
 from catch_arena.testing import Report, run_conformance
 

@@ -4,41 +4,45 @@ from dataclasses import replace
 
 import pytest
 
-from catch_arena.explanation.facts import Capture, Claim, Contest
+from catch_arena.explanation import Explanation, explain
+from catch_arena.explanation.facts import Capture, Catch, Claim, Contest
 from catch_arena.explanation.highlights import (
     REPEAT_FACTOR,
-    Catch,
     Highlight,
-    MatchEvents,
-    extract_events,
     find_highlights,
     select_highlights,
     win_rates,
     win_records,
 )
-from catch_arena.explanation.match_summary import explain
 from catch_arena.verdicts import Verdict
 
 
-def match_with(
-    catches=(), contests=(), names=("ann", "bob", "cy"), duration_ms=60_000, captures=(), hunters=None
-) -> MatchEvents:
-    """The events of a match in which these contenders catch at these times: (ms, contender)."""
+def match_with(catches=(), contests=(), names=("ann", "bob", "cy"), captures=()) -> Explanation:
+    """The facts of a match in which these hunters catch at these times: (ms, seat)."""
     scores = [0] * len(names)
     rows = []
     for time_ms, contender in catches:
         scores[contender] += 1
         rows.append(Catch(time_ms, contender, contender, tuple(scores)))
-    return MatchEvents(
-        hunters=hunters or names,
-        prey=("pip (prey_0)",),
+    return Explanation(
+        title="",
+        policy="nearest",
+        hunters_per_catch=1,
+        reaches_um=(300_000,) * len(names),
+        steps=600,
+        duration_ms=60_000,
         names=names,
+        prey_names=("pip (prey_0)",),
+        prey_by_target={},
+        scores=tuple(scores),
         entrants=names,
-        duration_ms=duration_ms,
-        reach_um=300_000,
         catches=tuple(rows),
         contests=tuple(contests),
+        refusals=(),
+        records=(),
+        teams=(),
         captures=tuple(captures),
+        prey=(),
     )
 
 
@@ -154,12 +158,11 @@ def test_a_kind_that_was_shown_counts_less():
 
 def test_the_events_of_a_real_match_are_what_was_played(play):
     replay = play("duel", chase=True, time_limit_s=30.0, reach_m=1.0, initial_targets=8, spawn_frequency_hz=2.0)
-    events, explained = extract_events(replay), explain(replay)
-    assert events.scores == explained.scores
-    assert events.contests == explained.contests
-    assert sum(events.scores) == len(events.catches)
-    assert all(0.0 <= one.score <= 1.0 and one.start_ms < one.end_ms for one in find_highlights(events))
-    assert of_kind("contest", events)
+    match = explain(replay)
+    assert sum(match.scores) == len(match.catches)
+    assert match.catches[-1].scores == match.scores
+    assert all(0.0 <= one.score <= 1.0 and one.start_ms < one.end_ms for one in find_highlights(match))
+    assert of_kind("contest", match)
 
 
 def test_prey_that_is_caught_is_worth_the_more_the_longer_it_had_got_away():
@@ -179,10 +182,10 @@ def test_a_contest_among_team_mates_is_no_highlight():
 
 
 def test_highlights_of_a_match_with_teams_are_those_of_its_teams(hunted):
-    events = extract_events(hunted)
+    match = explain(hunted)
     *_, last = hunted.worlds()
-    assert events.names == ("a", "b + c")
-    assert events.entrants == ("a", "b + c")
-    assert events.scores == last.team_scores
-    assert len(events.captures) == sum(prey.times_caught for prey in last.prey)
-    assert {one.kind for one in find_highlights(events)} >= {"capture"}
+    assert match.contenders == dict(zip(("a", "b + c"), last.team_scores, strict=True))
+    assert match.entrants == ("a", "b + c")
+    assert match.catches[-1].scores == last.team_scores
+    assert len(match.captures) == sum(prey.times_caught for prey in last.prey)
+    assert {one.kind for one in find_highlights(match)} >= {"capture"}

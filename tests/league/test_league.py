@@ -1,7 +1,5 @@
 """A league runs from a folder: versions are checked and placed, pages show each person, and nothing is lost."""
 
-import json
-import os
 import re
 import shutil
 import signal
@@ -20,7 +18,7 @@ from catch_arena.errors import StoreError
 from catch_arena.league import update
 from catch_arena.league.entries import shipped_entries
 from catch_arena.league.matchmaking import Evidence, next_blocks
-from catch_arena.league.records import RatingThen, Records
+from catch_arena.league.records import LeagueStore, RatingThen
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.store import Store, only_one_plays_in
 
@@ -307,9 +305,9 @@ def test_a_run_that_was_killed_before_it_wrote_its_store_does_not_block_the_next
     assert league(folder).exit_code == 0
 
 
-def test_two_runs_exclude_each_other(folder):
-    with only_one_plays_in(folder):
-        done = league(folder)
+def test_two_runs_exclude_each_other(ran):
+    with only_one_plays_in(ran / ".league"):
+        done = league(ran)
     assert done.exit_code == 2
     assert "another command is playing in this folder" in done.output
 
@@ -345,16 +343,6 @@ def test_other_settings_than_before_are_refused_and_nothing_is_lost(ran):
     assert done.exit_code == 2
     assert "is of another tournament: time_limit_s is 3" in done.output
     assert matches(ran) == before
-
-
-def test_a_store_of_another_format_is_refused_and_kept(ran):
-    store = ran / ".league" / "tournament.sqlite"
-    with sqlite3.connect(store) as db:
-        db.execute("PRAGMA user_version = 4")
-    done = league(ran)
-    assert done.exit_code == 2
-    assert "is of format 4, and this version reads format 5" in done.output
-    assert store.exists()
 
 
 def test_a_site_that_a_user_edited_is_written_again_and_other_files_stay(ran):
@@ -411,24 +399,22 @@ def test_a_league_that_runs_again_and_again_outlives_an_error(folder, monkeypatc
 def test_a_clock_that_is_set_back_keeps_the_order_of_runs(ran):
     with Store.read(ran / ".league") as found:
         tournament = found.tournament
-    with Store.begin(tournament, ran / ".league", resume=True) as store:
-        records = Records(store)
-        last = datetime.fromisoformat(records.ratings()[-1].time)
-        assert records.time_after(last - timedelta(days=1)) == (last + timedelta(seconds=1)).isoformat()
+    with LeagueStore.begin(tournament, ran / ".league", resume=True) as store:
+        last = datetime.fromisoformat(store.ratings()[-1].time)
+        assert store.time_after(last - timedelta(days=1)) == (last + timedelta(seconds=1)).isoformat()
         later = last + timedelta(hours=1)
-        assert records.time_after(later) == later.isoformat()
+        assert store.time_after(later) == later.isoformat()
 
 
 def test_old_ratings_are_thinned_out_to_one_run_a_day(ran):
     with Store.read(ran / ".league") as found:
         tournament = found.tournament
-    with Store.begin(tournament, ran / ".league", resume=True) as store:
-        records = Records(store)
+    with LeagueStore.begin(tournament, ran / ".league", resume=True) as store:
         begin = datetime(2030, 1, 1, tzinfo=timezone.utc)
         times = [(begin + timedelta(hours=6 * number)).isoformat() for number in range(200)]
         for time_ in times:
-            records.add_ratings([RatingThen(0, time_, None, 0.0, None, None)])
-        kept = [one.time for one in records.ratings() if one.time >= begin.isoformat()]
+            store.add_ratings([RatingThen(0, time_, None, 0.0, None, None)])
+        kept = [one.time for one in store.ratings() if one.time >= begin.isoformat()]
     assert kept == [*times[3:100:4], *times[100:]]
 
 
@@ -436,7 +422,7 @@ def test_old_matches_are_removed_in_whole_blocks(ran):
     before = matches(ran)
     with Store.read(ran / ".league") as found:
         tournament = found.tournament
-    with Store.begin(tournament, ran / ".league", resume=True) as store:
+    with LeagueStore.begin(tournament, ran / ".league", resume=True) as store:
         store.remove_old(5)
         assert [one.match.id for one in store.played()] == sorted(before)[-4:]  # a block has two matches
         rounds, block = store.next_block()
@@ -455,9 +441,3 @@ def test_opponents_are_near_and_new_to_each_other():
     assert set(first) <= {100, 48, 49, 50, 51}  # without a rating it begins in the middle
     both = next_blocks([10, 11, 90], range(100), Evidence(ratings), 2, draw)
     assert both == [(10, 11), (90, 89)]  # those that wait meet each other
-
-
-def test_the_store_of_a_league_is_private(ran):
-    assert os.stat(ran / ".league" / "tournament.sqlite").st_mode & 0o077 == 0  # noqa: PTH116
-    with Store.read(ran / ".league") as store:
-        assert json.loads(json.dumps(dict(store.tournament.plan))) == {"format": "league"}

@@ -6,6 +6,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.live import overlays
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label
+from catch_arena.render.viewport import Viewport
 from catch_arena.tournament.parties import Parties
 
 AREAS = [(320, 240), (720, 720), (2160, 2160)]
@@ -24,7 +25,7 @@ def within(shapes, area) -> bool:
 @pytest.mark.parametrize("area", AREAS)
 def test_every_key_is_on_the_card(area):
     rows = (*overlays.DRIVING, *overlays.WINDOW)
-    shapes = overlays.card_overlay(area, "Keys", rows, "press any key to begin")
+    shapes = overlays.keys_overlay(Viewport(*area, 11.0), rows, "press any key to begin")
     texts = [shape.text for shape in shapes if isinstance(shape, Label)]
     assert {meaning for _, meaning in rows} <= set(texts)
     assert {"W", "A", "S", "D", "space", "P", "N", ".", "R", "Ctrl-S", "H", "Esc"} <= set(texts)

@@ -136,11 +136,11 @@ def test_pause_holds_the_match_and_a_step_is_one_step(session, tmp_path):
         pygame.K_x,
         pygame.K_p,
         *nothing(40),
-        pygame.K_PERIOD,
+        pygame.K_n,
         *nothing(15),
         pygame.K_w,  # drives in the next step, and asks for none
         *nothing(15),
-        pygame.K_PERIOD,
+        pygame.K_n,
         *nothing(15),
     )
     assert result.exit_code == 0, result.output

@@ -84,13 +84,14 @@ def test_no_key_that_drives_asks_the_window_for_anything():
         (key(pygame.K_SPACE), UserCommand.PAUSE),
         (key(pygame.K_p), UserCommand.PAUSE),
         (key(pygame.K_n, typed="n"), UserCommand.STEP),
-        (key(pygame.K_PERIOD), UserCommand.STEP),
+        (key(pygame.K_PERIOD, typed="."), UserCommand.STEP),
         (key(pygame.K_r), UserCommand.RESTART),
         (key(pygame.K_SEMICOLON, typed="."), UserCommand.STEP),  # a French keyboard
         (key(pygame.K_r, mod=pygame.KMOD_LCTRL), None),
         (key(pygame.K_ESCAPE), UserCommand.QUIT),
         (key(pygame.K_h), UserCommand.HELP),
-        (key(pygame.K_EQUALS, typed="+"), UserCommand.FASTER),
+        (key(pygame.K_EQUALS, typed="="), UserCommand.FASTER),
+        (key(pygame.K_KP_PLUS, typed="+"), UserCommand.FASTER),
         (key(pygame.K_SLASH, typed="-"), UserCommand.SLOWER),  # a German keyboard
         (key(pygame.K_UP), None),
         (key(pygame.K_p, down=False), None),

@@ -234,26 +234,23 @@ def test_what_an_aec_env_cannot_go_on_from_is_refused():
 
 
 def test_what_another_version_has_kept_is_refused_before_anything_changes():
-    """A state of another length or type, of other agents, or of other controls."""
+    """A state of another length, or of other agents."""
     env, batch = catch_arena.parallel_env("duel"), catch_arena.VectorArena("duel", 2)
     env.reset(seed=1)
     batch.reset(seed=1)
     before = env.digest(), batch.digest(0), batch.digest(1)
     episode, both, row = env.save(), batch.save(), batch.save_row(0)
-    for change in (lambda memory: memory[:-8], lambda memory: memory.astype(np.float64), lambda _: None):
-        one_arena = episode.arena._replace(memory=change(episode.arena.memory))
-        for call in (
-            lambda one_arena=one_arena: env.restore(dataclasses.replace(episode, arena=one_arena)),
-            lambda change=change: batch.restore(both._replace(memory=change(both.memory))),
-            lambda change=change: batch.restore_row(1, row._replace(memory=change(row.memory))),
-        ):
-            with pytest.raises(ConfigError, match=r"a saved state must be an array of uint8 \(\d+,\), got "):
-                call()
+    shorter = [dataclasses.replace(saved, memory=saved.memory[:-8]) for saved in (episode.arena, both, row)]
+    for call in (
+        lambda: env.restore(dataclasses.replace(episode, arena=shorter[0])),
+        lambda: batch.restore(shorter[1]),
+        lambda: batch.restore_row(1, shorter[2]),
+    ):
+        with pytest.raises(ConfigError, match=r"come from this version of Catch Arena, in which it has \d+ bytes, got"):
+            call()
     renamed = catch_arena.parallel_env("duel", agent_names=["hunter_1", "hunter_0"])
     with pytest.raises(ConfigError, match="saved must come from an env with the agents"):
         renamed.restore(episode)
-    with pytest.raises(ConfigError, match="a saved state must have controls"):
-        batch.restore(both._replace(controls=np.zeros(3, np.int8)))
     assert (env.digest(), batch.digest(0), batch.digest(1)) == before
 
 

@@ -7,7 +7,7 @@ from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, k
 
 from catch_arena.render import hud
 from catch_arena.render.annotations import Annotation, Rival
-from catch_arena.render.event_feed import EventFeed, feed_shapes
+from catch_arena.render.event_feed import feed_shapes, with_items
 from catch_arena.render.shapes import Label
 
 CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, requested=True),), 143_000)
@@ -19,9 +19,8 @@ def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotati
 
 
 def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catches_are_not():
-    feed = EventFeed()
-    feed.record([CONTEST, Annotation("catch", 18_900, 1, 1.0, 1.0), NEAR_MISS, refused(19_100)])
-    assert [(item.seat, item.text, item.other, item.after) for item in feed.items] == [
+    feed = with_items((), [CONTEST, Annotation("catch", 18_900, 1, 1.0, 1.0), NEAR_MISS, refused(19_100)])
+    assert [(item.seat, item.text, item.other, item.after) for item in feed] == [
         (3, "out of reach", None, ""),
         (1, "ahead of", 0, "by 31 cm"),
         (0, "beat", 2, "by 12 mm"),
@@ -29,17 +28,16 @@ def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catch
 
 
 def test_a_tie_is_won_by_lot():
-    feed = EventFeed()
-    feed.record([Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, requested=True),), 143_000)])
-    assert feed.items[0].after == "by lot"
+    tie = Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, requested=True),), 143_000)
+    assert with_items((), [tie])[0].after == "by lot"
 
 
 def test_a_refusal_that_is_repeated_is_counted_and_moves_up():
-    feed = EventFeed()
+    feed = ()
     for time_ms in range(0, 1000, 100):
-        feed.record([refused(time_ms)])
-    feed.record([refused(1000, seat=2), refused(1000, word="already caught"), refused(1100)])
-    assert [(item.seat, item.text, item.times) for item in feed.items] == [
+        feed = with_items(feed, [refused(time_ms)])
+    feed = with_items(feed, [refused(1000, seat=2), refused(1000, word="already caught"), refused(1100)])
+    assert [(item.seat, item.text, item.times) for item in feed] == [
         (3, "out of reach", 11),
         (3, "already caught", 1),
         (2, "out of reach", 1),
@@ -52,22 +50,20 @@ def test_the_feed_fits_its_card(size, hunters):
     plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
     if not plan.feed.width:
         return
-    feed = EventFeed()
-    assert_inside(feed_shapes(plan.feed, info, feed.items, plan.unit), plan.feed)
-    feed.record([CONTEST, NEAR_MISS, *(refused(0, word="no such target") for _ in range(5))] * 3)
-    shapes = feed_shapes(plan.feed, info, feed.items, plan.unit)
+    assert_inside(feed_shapes(plan.feed, info, (), plan.unit), plan.feed)
+    feed = with_items((), [CONTEST, NEAR_MISS, *(refused(0, word="no such target") for _ in range(5))] * 3)
+    shapes = feed_shapes(plan.feed, info, feed, plan.unit)
     assert_inside(shapes, plan.feed)
     assert_texts_apart(shapes)
     rows = {round(label.y) for label in kinds(shapes, Label)}
-    assert len(rows) == min(len(feed.items), round((plan.feed.height - 16 * plan.unit) / (hud.FEED_ROW * plan.unit)))
+    assert len(rows) == min(len(feed), round((plan.feed.height - 16 * plan.unit) / (hud.FEED_ROW * plan.unit)))
     assert len(rows) >= 2
 
 
 def test_a_catch_of_prey_is_in_the_feed_whoever_was_near():
     """With its number, above the contest that it was won in."""
-    feed = EventFeed()
-    feed.record([Annotation("catch", 0, 1, 1.0, 1.0, prey=5), replace(CONTEST, prey=4)])
-    assert [(item.seat, item.text, item.other) for item in feed.items] == [
+    feed = with_items((), [Annotation("catch", 0, 1, 1.0, 1.0, prey=5), replace(CONTEST, prey=4)])
+    assert [(item.seat, item.text, item.other) for item in feed] == [
         (0, "caught", 4),
         (0, "beat", 2),
         (1, "caught", 5),

@@ -5,10 +5,9 @@ import pytest
 from render.videos import decoded
 
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.highlights import KINDS, Highlight
+from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.highlight_video import (
-    HEADINGS,
     caption_shapes,
     render_highlights,
     slow_motion,
@@ -28,7 +27,6 @@ def test_the_caption_says_what_and_why_and_where_it_is_from():
     assert {"CONTEST", HIGHLIGHT.event, "the nearest wins", "m7   1 of 3"} <= set(texts(slow=False))
     assert HIGHLIGHT.reason in texts(slow=False, clauses=True)
     assert any("slow motion" in text for text in texts(slow=True))
-    assert set(HEADINGS) == set(KINDS)
 
 
 def test_time_runs_slowly_about_the_decisive_instant_only():

@@ -5,7 +5,7 @@ import pytest
 from render.videos import decoded
 
 from catch_arena.errors import ConfigError
-from catch_arena.render import hud
+from catch_arena.render import mosaic
 from catch_arena.render.mosaic import fit_grid, render_mosaic
 from catch_arena.render.viewport import GROUND
 
@@ -16,17 +16,24 @@ def matches(play):
     return {f"m{s}": play("duel", seed=s, time_limit_s=float(s)) for s in (1, 2, 3)}
 
 
+@pytest.fixture(autouse=True)
+def small(monkeypatch):
+    """Videos of fewer pixels and frames than usual."""
+    for size in ("LARGEST", "LARGEST_SMALL"):
+        monkeypatch.setattr(mosaic, size, (640, 640))
+    monkeypatch.setattr(mosaic, "MOST_FPS", 10)
+
+
 @pytest.mark.parametrize("ending", [".mp4", ".gif"])
 def test_all_run_at_once_and_the_video_lasts_as_long_as_the_longest(matches, tmp_path, ending):
     seen = []
-    report = render_mosaic(
-        matches, tmp_path / f"grid{ending}", size=(480, 320), fps=10, progress=lambda *done: seen.append(done)
-    )
+    report = render_mosaic(matches, tmp_path / f"grid{ending}", progress=lambda *done: seen.append(done))
     frames = decoded(report.path)
     assert report.frames == len(frames) == 51  # three seconds, the last picture, and two seconds to look at it
     assert seen[:51] == [(k, 51) for k in range(1, 52)]
-    assert frames[0].shape == (320, 480, 3)
-    cells = fit_grid(3, (480, 320), 0.165).cells(3, hud.Rect(0, 0, 480, 320))
+    grid = fit_grid(3, (640, 640), 0.165)
+    assert frames[0].shape == (*report.size[::-1], 3)
+    cells = grid.cells(3)
     for cell, ends in zip(cells, (11, 21, 31), strict=True):
         shown = [
             frame[cell.top + 40 : cell.top + 120, cell.left + 20 : cell.left + 100].astype(int) for frame in frames
@@ -40,17 +47,20 @@ def test_all_run_at_once_and_the_video_lasts_as_long_as_the_longest(matches, tmp
 def test_a_match_that_does_not_play_as_recorded_stops_and_the_others_go_on(matches, play, tmp_path):
     broken = play("duel", seed=9, time_limit_s=3.0)
     broken.digests[5] = b"12345678"
-    report = render_mosaic({"good": matches["m3"], "broken": broken}, tmp_path / "grid.mp4", size=(480, 320), fps=10)
+    report = render_mosaic({"good": matches["m3"], "broken": broken}, tmp_path / "grid.mp4")
     assert len(decoded(report.path)) == 51
 
 
+@pytest.mark.parametrize(("ending", "largest"), [(".mp4", 1280), (".webp", 720)])
 @pytest.mark.parametrize("count", [1, 64])
-def test_from_one_match_to_sixty_four(play, tmp_path, count):
+def test_from_one_match_to_sixty_four(play, tmp_path, monkeypatch, count, ending, largest):
+    monkeypatch.undo()
+    monkeypatch.setattr(mosaic, "MOST_FPS", 2)
     short = play("duel", time_limit_s=0.2)
-    report = render_mosaic({str(k): short for k in range(count)}, tmp_path / "grid.mp4", fps=2)
-    assert max(report.size) <= 1280
+    report = render_mosaic({str(k): short for k in range(count)}, tmp_path / f"grid{ending}")
+    assert 0.8 * largest < max(report.size) <= largest
     assert min(report.size) >= 320
-    assert len(decoded(report.path)) == report.frames
+    assert decoded(report.path)[0].shape[:2] == report.size[::-1]
 
 
 def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
@@ -58,10 +68,10 @@ def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
     foggy = {"view_radius_m": 2.0, "time_limit_s": 0.4}
     matches = {"a": play("duel", names=("ann", "bob"), **foggy), "b": play("duel", names=("bob", "eve"), **foggy)}
     first = {
-        who: decoded(render_mosaic(matches, tmp_path / f"{who}.mp4", size=(640, 400), fps=10, view_of=who).path)[0]
+        who: decoded(render_mosaic(matches, tmp_path / f"{who}.mp4", view_of=who).path)[0]
         for who in (None, "bob", "eve")
     }
-    cells = fit_grid(2, (640, 400), 0.165).cells(2, hud.Rect(0, 0, 640, 400))
+    cells = fit_grid(2, (640, 640), 0.165).cells(2)
 
     def differs(who, cell):
         one, other = (first[which][cell.top :, cell.left :][: cell.height, : cell.width] for which in (who, None))
@@ -74,7 +84,7 @@ def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
 def test_a_view_that_no_match_has_is_refused(matches, tmp_path):
     for who, error in ((0, "view_of needs a match that limits"), ("eve", "unknown hunter 'eve'")):
         with pytest.raises(ConfigError, match=error):
-            render_mosaic(matches, tmp_path / "grid.mp4", size=(480, 320), view_of=who)
+            render_mosaic(matches, tmp_path / "grid.mp4", view_of=who)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -82,8 +92,6 @@ def test_what_cannot_be_is_said(matches, tmp_path):
     match = matches["m1"]
     with pytest.raises(ConfigError, match="1 to 64 matches, got 65"):
         render_mosaic({str(k): match for k in range(65)}, tmp_path / "grid.mp4")
-    with pytest.raises(ConfigError, match="each of 64 arenas at least 72 pixels"):
-        render_mosaic({str(k): match for k in range(64)}, tmp_path / "grid.mp4", size=(320, 320))
     with pytest.raises(ConfigError, match="speed"):
         render_mosaic({"m": match}, tmp_path / "grid.mp4", speed=0.0)
     assert list(tmp_path.iterdir()) == []

@@ -121,7 +121,7 @@ def test_actions_names_and_captures_of_prey_are_compared(hunted):
 def test_matches_with_different_prey_have_only_their_headers_compared(play):
     one, other = (play("duel", max_cycles=3, prey=prey) for prey in (1, 2))
     assert replay_differences(one, other) == [
-        "the agent of prey_1: none in A; 'prey_1' in B",
         "prey: 1 in A; 2 in B",
+        "the agent of prey_1: none in A; 'prey_1' in B",
         "with different numbers of prey, actions and states cannot be compared",
     ]

@@ -108,6 +108,14 @@ def test_dropouts_follow_from_the_seed(fleeing):
         assert (line in found) == hunter.withdrawn
 
 
+def test_steps_after_the_end_of_the_match_are_a_fault(mixed):
+    """They change nothing, so that all digests agree."""
+    longer = mixed.copy()
+    for numbers in (longer.choices, longer.commands, longer.prey_commands, longer.digests, longer.states):
+        numbers.append(numbers[-1])
+    assert verify(longer) == [f"the match ends in step {mixed.steps}, but {mixed.steps + 1} steps are recorded"]
+
+
 def test_an_edited_digest_is_told_from_an_edited_action(mixed):
     """The steps after it agree; the last step has none after it."""
     found = verify(altered(mixed, lambda match: match.digests.__setitem__(12, b"12345678")))

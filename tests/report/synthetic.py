@@ -50,7 +50,7 @@ def tournament(
     plan = round_robin(len(names), hunters(config.hunters), rounds, secret)
     folder.mkdir(parents=True, exist_ok=True)
     with Store.begin(
-        Tournament(config, entrants, plan.parameters, terms or {}, secret.text), folder, resume=True
+        Tournament(config, entrants, plan.parameters, secret.text, terms or {}), folder, resume=True
     ) as store:
         store.plan(plan.stage(0, ()))
         played = []

@@ -3,7 +3,7 @@
 from report.synthetic import tournament
 
 from catch_arena.explanation import explain
-from catch_arena.explanation.highlights import extract_events, find_highlights
+from catch_arena.explanation.highlights import find_highlights
 from catch_arena.report.data import ReportData
 from catch_arena.report.glance import best_moment, figures
 
@@ -13,7 +13,7 @@ def test_the_figures_are_those_of_the_replays(played):
     replays = {match: data.replay(match) for match in data.recorded}
     contests = [contest for replay in replays.values() for contest in explain(replay).contests]
     assert contests
-    found = figures(data, {match: extract_events(replay) for match, replay in replays.items()})
+    found = figures(data, {match: explain(replay) for match, replay in replays.items()})
     closest = min(contest.margin_um for contest in contests if contest.clause == "R5.4")
     assert [(figure.name, figure.value, figure.note) for figure in found] == [
         ("Matches played", "4", ""),
@@ -24,7 +24,7 @@ def test_the_figures_are_those_of_the_replays(played):
 
 def test_the_closest_contest_says_in_how_many_matches_and_gives_way_to_catches_without_replays(played, tmp_path):
     data = ReportData.of(played)
-    events = {match: extract_events(data.replay(match)) for match in data.recorded}
+    events = {match: explain(data.replay(match)) for match in data.recorded}
     few = dict(match for match in events.items() if len(match[1].contests))
     few.pop(max(few))
     assert figures(data, few)[2].note == f"in {len(few)} matches"
@@ -38,7 +38,7 @@ def test_the_closest_contest_says_in_how_many_matches_and_gives_way_to_catches_w
 
 def test_the_best_moment_ends_with_its_match(played):
     data = ReportData.of(played)
-    events = {match: extract_events(data.replay(match)) for match in sorted(data.recorded)}
+    events = {match: explain(data.replay(match)) for match in sorted(data.recorded)}
     moment = best_moment(events)
     best = max(highlight.score for one in events.values() for highlight in find_highlights(one))
     assert moment.highlight.score >= best

@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 
 from catch_arena.explanation import explain
-from catch_arena.explanation.highlights import extract_events
 from catch_arena.report import write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.glance import Moment, best_moment
@@ -24,7 +23,7 @@ def data(played):
 
 @pytest.fixture(scope="module")
 def events(data):
-    return {match: extract_events(data.replay(match)) for match in sorted(data.recorded)}
+    return {match: explain(data.replay(match)) for match in sorted(data.recorded)}
 
 
 @pytest.fixture(scope="module")

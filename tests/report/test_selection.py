@@ -12,7 +12,7 @@ from catch_arena.tournament.store import Tournament
 
 def test_contests_among_team_mates_make_no_match_interesting(monkeypatch):
     monkeypatch.setattr(selection, "bundle_text", str)
-    monkeypatch.setattr(selection, "extract_events", str)
+    monkeypatch.setattr(selection, "explain", str)
     monkeypatch.setattr(ReportData, "replay", lambda _, match: match)
 
     def played(name: str, lost: tuple[int, int], to_mates: tuple[int, int]) -> PlayedMatch:
@@ -23,7 +23,7 @@ def test_contests_among_team_mates_make_no_match_interesting(monkeypatch):
         )
         return PlayedMatch(Match(name, 0, 0, (0, 1)), result, "00")
 
-    tournament = Tournament(scenario("pairs"), enter(["nearest", "patrol"]), {})
+    tournament = Tournament(scenario("pairs"), enter(["nearest", "patrol"]), {}, "0")
     matches = [played("among_mates", (0, 1), (9, 9)), played("between_teams", (1, 2), (0, 0))]
     found = selection.select_matches(ReportData(Path(), tournament, 2, matches, [], True), 10**6)
     assert found["between_teams"].why == "contests"

@@ -44,7 +44,7 @@ def test_the_policy_lets_the_pages_own_scripts_run_and_no_other(tmp_path):
 
 def test_the_served_page_has_it_too_and_stands_in_no_frame(tmp_path):
     tournament(tmp_path, 1)
-    with serve(LiveReport(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path)) as address:
         for path in ("", "state"):
             with urllib.request.urlopen(address + path, timeout=30) as answer:  # noqa: S310 - ours
                 policy = answer.headers["Content-Security-Policy"]

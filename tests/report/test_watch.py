@@ -37,7 +37,7 @@ def refused(address):
 
 def test_the_page_follows_the_tournament(tmp_path):
     tournament(tmp_path, 1, most=0)
-    with serve(LiveReport(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path)) as address:
         assert "No match has been played yet" in fetched(address)
         tournament(tmp_path, 1, most=8)
         assert fetched(f"{address}state") == "8"
@@ -49,7 +49,7 @@ def test_the_page_follows_the_tournament(tmp_path):
 
 def test_the_seed_is_served_when_play_has_ended_and_not_before(tmp_path):
     digits = Secret.of(1).digits
-    with serve(LiveReport(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path)) as address:
         tournament(tmp_path, 1, most=60)  # --until-separated stands like this between two looks
         assert digits not in fetched(address)
         assert "shown when the tournament has ended" in fetched(address)
@@ -58,7 +58,7 @@ def test_the_seed_is_served_when_play_has_ended_and_not_before(tmp_path):
 
 
 def test_any_recorded_match_can_be_fetched_and_nothing_else(played):
-    with serve(LiveReport(played), 0) as address:
+    with serve(LiveReport(played)) as address:
         data = ReportData.of(played)
         match = min(data.recorded)
         fetched(address)
@@ -69,7 +69,7 @@ def test_any_recorded_match_can_be_fetched_and_nothing_else(played):
 
 def test_only_this_machine_is_answered_under_its_own_name(tmp_path):
     tournament(tmp_path, 1, most=4)
-    with serve(LiveReport(tmp_path), 0) as address:
+    with serve(LiveReport(tmp_path)) as address:
         port = urlsplit(address).port
         connection = HTTPConnection("127.0.0.1", port, timeout=30)
         connection.request("GET", "/", headers={"Host": f"evil.example:{port}"})
@@ -83,19 +83,20 @@ def test_only_this_machine_is_answered_under_its_own_name(tmp_path):
 
 def test_a_reader_that_says_nothing_keeps_nobody_waiting(tmp_path):
     tournament(tmp_path, 1, most=4)
-    with serve(LiveReport(tmp_path), 0) as address, socket.create_connection(("127.0.0.1", urlsplit(address).port)):
+    with serve(LiveReport(tmp_path)) as address, socket.create_connection(("127.0.0.1", urlsplit(address).port)):
         assert fetched(f"{address}state") == "4"
 
 
-def test_a_port_that_is_taken_gives_way_to_the_next_or_is_named(tmp_path, monkeypatch):
+def test_a_port_that_is_taken_gives_way_to_the_next_and_without_a_free_one_all_are_named(tmp_path, monkeypatch):
     tournament(tmp_path, 1, most=4)
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        monkeypatch.setattr(watch, "PORT", port)
+        monkeypatch.setattr(watch, "PORTS", range(port, port + 20))
         with serve(LiveReport(tmp_path)) as address:
             assert port < urlsplit(address).port < port + 20
+        monkeypatch.setattr(watch, "PORTS", range(port, port + 1))
         with (
-            pytest.raises(OutputError, match=f"port {port} of 127.0.0.1: cannot be used"),
-            serve(LiveReport(tmp_path), port),
+            pytest.raises(OutputError, match=f"ports {port} to {port} of 127.0.0.1: cannot be used"),
+            serve(LiveReport(tmp_path)),
         ):
             pass

@@ -17,9 +17,9 @@ from catch_arena.tournament.store import Store, Tournament
 
 
 @contextmanager
-def new_store(tournament: Tournament) -> Iterator[Store]:
-    """Return a new store in a temporary folder."""
-    with TemporaryDirectory() as folder, Store.begin(tournament, Path(folder)) as store:
+def new_store(tournament: Tournament, folder: Path | None = None) -> Iterator[Store]:
+    """Return a new store in this folder, or in a temporary one."""
+    with TemporaryDirectory() as temporary, Store.begin(tournament, folder or Path(temporary)) as store:
         yield store
 
 
@@ -33,11 +33,11 @@ def run(
     max_forfeits: int = 0,
     record: Path | None = None,
 ) -> list[PlayedMatch]:
-    """Return every match of a plan, played, in the plan's order; `record` is the folder for replays and logs."""
+    """Return every match of a plan, played, in the plan's order; `record` is the folder of the store and replays."""
     worker = Worker(config, tuple(entrants), record=record is not None, quotas=quotas)
     with (
-        new_store(Tournament(config, tuple(entrants), plan.parameters)) as store,
+        new_store(Tournament(config, tuple(entrants), plan.parameters, "0"), record) as store,
         local_executor(worker, jobs) as executor,
     ):
-        play_plan(store, plan, executor, max_forfeits=max_forfeits, folder=record)
+        play_plan(store, plan, executor, max_forfeits=max_forfeits)
         return list(store.played())

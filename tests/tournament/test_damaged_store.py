@@ -15,7 +15,7 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.export import export, rows
+from catch_arena.tournament.export import export
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import STORE, Store, Tournament
@@ -23,7 +23,7 @@ from catch_arena.tournament.store import STORE, Store, Tournament
 CONFIG = scenario("duel", time_limit_s=1)
 ENTRANTS = enter(["nearest", "idle", "random"])
 PLAN = round_robin(3, hunters(2), 2, seed=4)
-FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, {"recorded": False, "max_forfeits": 10})
+FACTS = Tournament(CONFIG, ENTRANTS, PLAN.parameters, "4", {"recorded": False, "max_forfeits": 10})
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def resume(folder):
         Store.begin(FACTS, folder, resume=True) as store,
         Executor(Worker(CONFIG, ENTRANTS)) as executor,
     ):
-        play_plan(store, PLAN, executor, max_forfeits=10, folder=folder)
+        play_plan(store, PLAN, executor, max_forfeits=10)
         standings(ENTRANTS, list(store.played()))
 
 
@@ -129,13 +129,6 @@ def test_the_line_names_the_file_the_table_and_the_row(whole, tmp_path):
         f"{folder / STORE}: is damaged: table result, row r00001-g000001-s01: "
         "Expected `int`, got `str` - at `$.scores[1]`"
     )
-
-
-def test_matches_whose_agents_seeds_followed_from_their_own_are_read_and_exported(whole, tmp_path):
-    changed(whole, tmp_path / "store", "UPDATE match SET agent_seeds = '[]'")
-    with Store.read(tmp_path / "store") as store:
-        assert {row["agent_seed"] for row in rows(store)} == {None}
-    export_all(tmp_path / "store")
 
 
 @pytest.mark.parametrize("damage", [lambda content: content[:9000], lambda content: content[:4096] + bytes(8192)])

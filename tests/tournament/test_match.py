@@ -1,6 +1,7 @@
 """A match ranks agents, gives them their seeds, and goes on when one of them fails."""
 
 import pytest
+from tournament.played_matches import made_up
 
 from catch_arena import Replay, scenario
 from catch_arena.errors import ConfigError
@@ -87,3 +88,10 @@ def test_what_an_agent_does_to_its_view_changes_nothing():
 def test_a_match_needs_a_policy_for_each_seat():
     with pytest.raises(ConfigError, match="players must be 2"):
         play_match(SHORT, 0, [Plays()], ["a"])
+
+
+def test_parties_of_one_side_share_a_win():
+    """Two of three hunters, and one of two prey."""
+    result = made_up(0, (0, 1, 2, 3, 4), (), ranks=(1, 1, 3, 1, 2)).result
+    shares = [result.win_share(party, slice(3) if party < 3 else slice(3, None)) for party in range(5)]
+    assert shares == [0.5, 0.5, 0.0, 1.0, 0.0]

@@ -40,6 +40,12 @@ def begun(folder):
         store.plan(PLAN.stage(0, ()))
 
 
+def begin(folder, facts=FACTS, *, resume=False):
+    """A tournament that got no further than its beginning."""
+    with Store.begin(facts, folder, resume=resume):
+        pass
+
+
 def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, played):
     strange = dataclasses.replace(
         played[0].result,
@@ -104,10 +110,10 @@ def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, cha
     begun(tmp_path)
     other = dataclasses.replace(FACTS, **change)
     if message is None:
-        Store.begin(other, tmp_path, resume=True).close()
+        begin(tmp_path, other, resume=True)
         return
     with pytest.raises(OtherTournamentError, match="is of another tournament") as raised:
-        Store.begin(other, tmp_path, resume=True)
+        begin(tmp_path, other, resume=True)
     assert raised.value.folder == tmp_path
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)
@@ -116,8 +122,8 @@ def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, cha
 def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, played):
     """From other people on this machine, that is: an agent without namespaces runs as ourselves."""
     assert stat.S_IMODE((tmp_path / STORE).stat().st_mode) == 0o600
-    assert Store.secret_in(tmp_path) == FACTS.secret
-    assert Store.secret_in(tmp_path / "elsewhere") is None
+    assert Store.tournament_in(tmp_path) == FACTS
+    assert Store.tournament_in(tmp_path / "elsewhere") is None
     store.add(played)
     assert not store.ended  # a plan may have another stage
     store.end()
@@ -134,14 +140,14 @@ def test_nothing_is_overwritten_without_a_word(tmp_path):
     with pytest.raises(
         StoreError, match="holds a tournament already, with 0 of 12 matches played: go on with --resume"
     ):
-        Store.begin(FACTS, tmp_path)
+        begin(tmp_path)
 
 
 def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):
     """For example if a cluster did not answer."""
-    Store.begin(FACTS, tmp_path).close()
+    begin(tmp_path)
     other = dataclasses.replace(FACTS, plan=round_robin(3, hunters(2), 3, seed=4).parameters)
-    Store.begin(other, tmp_path).close()
+    begin(tmp_path, other)
     with Store.read(tmp_path) as store:
         assert store.tournament == other
 
@@ -149,24 +155,27 @@ def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_pat
 def test_what_is_not_ours_is_refused_and_left_as_it_was(tmp_path):
     (tmp_path / STORE).write_bytes(b"a shopping list" * 100)
     with pytest.raises(StoreError, match="cannot be used: file is not a database"):
-        Store.begin(FACTS, tmp_path, resume=True)
+        begin(tmp_path, resume=True)
     (tmp_path / STORE).unlink()
     with sqlite3.connect(tmp_path / STORE) as db:
         db.execute("CREATE TABLE birds (name TEXT)")
     db.close()
     before = (tmp_path / STORE).read_bytes()
     with pytest.raises(StoreError, match="is no store of a tournament"):
-        Store.begin(FACTS, tmp_path, resume=True)
+        begin(tmp_path, resume=True)
     assert (tmp_path / STORE).read_bytes() == before
 
 
 def test_a_store_of_another_format_is_refused(tmp_path):
-    Store.begin(FACTS, tmp_path).close()
+    begin(tmp_path)
     with sqlite3.connect(tmp_path / STORE) as db:
         db.execute("PRAGMA user_version = 99")
     db.close()
-    with pytest.raises(StoreError, match="is of format 99, and this version reads format 5"):
-        Store.read(tmp_path)
+    with (
+        pytest.raises(StoreError, match="is of format 99, and this version reads format 5"),
+        Store.read(tmp_path),
+    ):
+        pass
 
 
 def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
@@ -179,7 +188,7 @@ def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
     (tmp_path / f"{STORE}-shm").mkdir()
     with Store.read(tmp_path) as reader:
         assert list(reader.played()) == played
-    assert Store.secret_in(tmp_path) == FACTS.secret
+    assert Store.tournament_in(tmp_path) == FACTS
     assert sorted(path.name for path in tmp_path.iterdir()) == [STORE, f"{STORE}-shm"]
 
 

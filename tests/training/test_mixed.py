@@ -10,7 +10,7 @@ from catch_arena.engine.episode_seeds import batch_seeds
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.layout import prey_columns
 from catch_arena.policy import control_of
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
 from catch_arena.training.mixed import LEARNER, MixedBatch, play_matches
 
@@ -20,7 +20,7 @@ TWO_SIDES = {"hunter": ["intercept", "nearest"], "prey": ["flee"]}
 
 def loaded(players):
     """The same agents, one instance of each, which act for one hunter or prey at a time."""
-    made = {side: [create_policy(resolve_spec(name), side) for name in names] for side, names in players.items()}
+    made = {side: [create_policy(resolve(name).spec, side) for name in names] for side, names in players.items()}
     for one in (one for side in made.values() for one in side):
         one.reset(0)
     return made

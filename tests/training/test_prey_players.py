@@ -7,7 +7,7 @@ import catch_arena
 from catch_arena.errors import AgentError
 from catch_arena.layout import prey_observation_size
 from catch_arena.policy import PreyLimits
-from catch_arena.tournament.agent_spec import resolve_spec
+from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
 from catch_arena.training import LearnerBatch
 
@@ -25,7 +25,7 @@ class Twins:
         ]
         seeds = batch.arena.seeds().tolist()
         self.seen = [env.reset(seed=seed)[0] for env, seed in zip(self.envs, seeds, strict=True)]
-        spec, names = resolve_spec(prey), batch.config.prey_names
+        spec, names = resolve(prey).spec, batch.config.prey_names
         self.prey = [{name: create_policy(spec, "prey") for name in names} for _ in self.envs]
         for one in (one for own in self.prey for one in own.values()):
             one.reset(0)

@@ -11,17 +11,16 @@ from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.adjudicator_calls import DiffersError, UnreadableRuling, describe_request
+from catch_arena.conformance.adjudicator_calls import DiffersError, NoRuling, describe_request
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, Strictness, compare
 from catch_arena.conformance.report import Report
-from catch_arena.conformance.results import Failure, LeftOut, Result
+from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.verdicts import Ruling, Verdict
 
-_NOT_BY_SERVICE: Final = LeftOut("cannot be asked of a service", "cannot be asked of a service")
 _SETTLE_S: Final = (0.15, 1.0)
 """Time for which a position is published before the request [s]: in the first play of a case, and in the second."""
 _FITS_S: Final = 30.0
@@ -64,7 +63,7 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     """Play a case. A wrong answer counts only if it comes twice."""
     if not isinstance(case, ArbiterCase) or not (_fits_own(case) if node.publishes_list else fits_a_service(case)):
-        return Result(case, None, 0.0, _NOT_BY_SERVICE)
+        return Result(case, None, 0.0, "cannot be asked of a service")
     start = time.perf_counter()
     failure: Failure | None = None
     for settle_s in _SETTLE_S:
@@ -75,7 +74,7 @@ def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
 
 
 def _is_silence(failure: Failure | None) -> bool:
-    return failure is not None and any(isinstance(one, UnreadableRuling) for one in failure.differences)
+    return failure is not None and any(isinstance(one, NoRuling) for one in failure.differences)
 
 
 def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | None:
@@ -86,13 +85,8 @@ def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | 
         targets = {_sent(token, one): place for one, place in arguments["targets"].items()}
         success = node.request_catch(arguments["hunters"][0], targets, _sent(token, name), settle_s)
         if success is None:
-            silence = UnreadableRuling(
-                describe_request(1, expected),
-                "an answer",
-                f"none within {ANSWER_S:g} s",
-                "no answer comes",
-                "Every request gets exactly one verdict (R5.2).",
-            )
+            none_s = f"none within {ANSWER_S:g} s"
+            silence = NoRuling(describe_request(1, expected), "an answer", none_s, "no answer comes")
             return Failure(case, "", (silence,))
         ruling = Ruling(Verdict.GRANTED if success else REFUSED, 0, name)
         try:

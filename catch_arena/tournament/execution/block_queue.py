@@ -75,17 +75,14 @@ def play_blocks(
                 ) from None
         return one.matches is not None
 
-    def has_room(block: Block) -> bool:
-        return (
-            sum(one.matches is None for one in queue) < executor.max_pending
-            and len(queue) < executor.max_pending + _MOST_HELD
-            and streaks.may_begin(block, [one.block for one in queue])
-        )
-
     waiting = iter(blocks)
     block = next(waiting, None)
     while block is not None or queue:
-        while block is not None and has_room(block):
+        while (
+            block is not None
+            and sum(one.matches is None for one in queue) < executor.max_pending
+            and len(queue) < executor.max_pending + _MOST_HELD
+        ):
             queue.append(one := _QueuedBlock(block))
             begin(one)
             block = next(waiting, None)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count
-from pathlib import Path
 from typing import Final
 
 from catch_arena.files import prepare_folder, write_whole
@@ -27,13 +26,13 @@ def play_plan(
     executor: Executor,
     *,
     max_forfeits: int = 0,
-    folder: Path | None = None,
     on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None,
     on_planned: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Play the matches of a plan that are not in the store yet, stage by stage, to the end of the plan.
 
-    A stage is written to the store before it is played. A block is written when it and all earlier blocks have ended.
+    A stage is written to the store before it is played. A block is written when it and all earlier blocks have ended;
+    agents' logs, and replays if the executor's worker makes them, are written to the store's folder.
     After an interruption, the same call continues from there; no process is left.
 
     Args:
@@ -41,7 +40,6 @@ def play_plan(
         plan: the matches to play.
         executor: plays the matches.
         max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
-        folder: folder for agents' logs, and for replays if the executor's worker makes them; None to write neither.
         on_results: called with the matches that were played before, and then with the matches of each block.
         on_planned: called with the number of planned matches, after each block of the plan.
 
@@ -52,8 +50,6 @@ def play_plan(
         StoreError: for results that cannot be written.
     """
     streaks = ForfeitStreaks(max_forfeits)
-    if folder is not None:
-        _remove_replays(store, folder / REPLAYS)
     before = list(store.played())
     streaks.add(before)
     on_results(before)
@@ -72,39 +68,26 @@ def play_plan(
             store.end()
             return
         planned += stage
-        play_waiting(store, executor, streaks, folder, on_results)
+        play_waiting(store, executor, streaks, on_results)
 
 
 def play_waiting(
     store: Store,
     executor: Executor,
     streaks: ForfeitStreaks,
-    folder: Path | None,
     on_results: Callable[[Sequence[PlayedMatch]], None],
 ) -> None:
     """Play the blocks that are planned and not played; the arguments and errors are those of `play_plan`."""
-    tournament = store.tournament
+    tournament, folder = store.tournament, store.path.parent
     parties = Parties.of(tournament.config)
 
     def store_block(recorded: Sequence[RecordedMatch]) -> None:
         for one, replay in recorded:  # files first, so that every match in the store has its files
-            if folder is not None:
-                if replay:
-                    write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
-                add_to_logs(folder / LOGS, tournament.entrants, parties, one)
+            if replay:
+                write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
+            add_to_logs(folder / LOGS, tournament.entrants, parties, one)
         played = [one for one, _ in recorded]
         store.add(played)
         on_results(played)
 
     play_blocks(store.waiting(), executor, streaks, store_block)
-
-
-def _remove_replays(store: Store, folder: Path) -> None:
-    """Remove the replays of matches that are still to be played, which show the places of their targets.
-
-    They exist if the program was killed after writing a block's replays, and before storing the block.
-    """
-    there = {path.stem: path for path in folder.glob("*.replay")}
-    for match in (match for block in store.waiting() for match in block if there):
-        if (path := there.get(match.id)) is not None:
-            path.unlink(missing_ok=True)

@@ -105,11 +105,11 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
             finally:
                 os._exit(1)
         code = _exit_code(child)
-        if not (_end_all_others() if namespaced else _end_descendants()) or code == _ERROR_SENT:
+        if not _end_descendants() or code == _ERROR_SENT:
             return
         os.chdir("/")
         for place in writable:
-            _remove(place, kept)
+            _remove_all_except(kept, place)
         os.write(out, protocol.line(ended=code))
 
 
@@ -244,29 +244,14 @@ def _exit_code(child: int) -> int:
             return os.waitstatus_to_exitcode(status)
 
 
-def _end_all_others() -> bool:
-    """End all other processes in these namespaces; return False if some do not end in time."""
-    deadline = time.monotonic() + _CLEAN_S
-    while time.monotonic() < deadline:
-        try:
-            os.kill(-1, signal.SIGKILL)
-        except ProcessLookupError:
-            return True
-        with suppress(ChildProcessError):
-            os.waitpid(-1, os.WNOHANG)
-        time.sleep(0.0005)
-    return False
-
-
 def _end_descendants() -> bool:
     """End all descendants of this process that the system lists; return False if some do not end in time."""
-    children = Path(f"/proc/self/task/{os.getpid()}/children")
     deadline = time.monotonic() + _CLEAN_S
     while time.monotonic() < deadline:
-        try:
-            pids = children.read_text().split()
-        except OSError:
-            return True
+        pids: list[str] = []
+        for children in Path("/proc/self/task").glob("*/children"):
+            with suppress(OSError):  # the thread has ended
+                pids += children.read_text().split()
         if not pids:
             return True
         for pid in pids:  # their own children become this process's
@@ -290,17 +275,11 @@ def _contents_of(folder: Path) -> Iterator[Path]:
             yield from _contents_of(entry)
 
 
-def _remove(folder: Path, kept: Collection[Path]) -> None:
-    """Remove all files and folders except `kept`; if that fails the program ends, and the next one has new folders."""
-    for entry in list(os.scandir(folder)):
-        path = Path(entry.path)
-        if path in kept:
-            if entry.is_dir(follow_symlinks=False) and not path.is_mount():
-                _remove(path, kept)
-        elif entry.is_dir(follow_symlinks=False):
-            shutil.rmtree(path)
-        else:
-            path.unlink()
+def _remove_all_except(kept: Collection[Path], folder: Path) -> None:
+    """Empty a folder, except for `kept`; if that fails the program ends, and the next one has new folders."""
+    for path in reversed([*_contents_of(folder)]):  # a folder comes after its contents
+        if path not in kept:
+            path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
 def _report(error: AgentError, out: int) -> None:

@@ -16,7 +16,7 @@ from catch_arena.policy import AnyLimits, Policy, PreyPolicy
 from catch_arena.text import one_line, shortened
 from catch_arena.tournament.entrants import Entrant, Inspection
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, exit_reason
+from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
 from catch_arena.tournament.players import Fault, Move, Observation, Players
 
 _POLL_S: Final = 0.1
@@ -77,7 +77,7 @@ class IsolatedPlayers(Players):
                 faults[seat] = reply.fault
             elif self._entrants[seat].side == "prey":  # prey cannot choose its control (R12.2)
                 continue
-            elif (control := _control_of(reply)) != self.controls[seat]:
+            elif (control := reply.fields.get("control", "target")) != self.controls[seat]:
                 why = f"says that its control is {shortened(control)}, and said {self.controls[seat]!r} before"
                 faults[seat] = Fault("FORFEIT_INIT", why)
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
@@ -111,7 +111,7 @@ class IsolatedPlayers(Players):
         self.drop(0)
         if reply.fault is not None:
             return Inspection(fault=reply.fault.reason, log=log)
-        control, sources = _control_of(reply), reply.fields.get("sources")
+        control, sources = reply.fields.get("control", "target"), reply.fields.get("sources")
         try:
             require_choice("control", control if isinstance(control, str) else shortened(control), get_args(Control))
         except ConfigError as error:
@@ -179,7 +179,7 @@ class IsolatedPlayers(Players):
                         poll.unregister(file)
                 elif (received := process.read()) is not None:
                     poll.unregister(file)
-                    reply = _parse(received, now - sent_at[seat])
+                    reply = _parse(doing, received, now - sent_at[seat])
                     in_time = now <= due.pop(seat) or reply.fault is not None
                     replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
             for seat in [seat for seat, end in due.items() if now > end]:
@@ -187,11 +187,9 @@ class IsolatedPlayers(Players):
                 poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
                 replies[seat] = _Reply({}, now - sent_at[seat], late)
         for seat, reply in replies.items():
-            if "ended" in reply.fields:  # our program reports the end of the process that it forked for the match
-                replies[seat] = _Reply({}, reply.seconds, _crash(doing, exit_reason(reply.fields["ended"])))
-            elif reply.fault is ENDED:
+            if reply.fault is ENDED:
                 self._end_of_process(seat)
-                replies[seat] = _Reply({}, reply.seconds, _crash(doing, ENDED.reason))
+                replies[seat] = _Reply({}, reply.seconds, Fault("FORFEIT_CRASH", f"{doing}: {ENDED.reason}"))
         return replies
 
     def _end_of_process(self, seat: int) -> None:
@@ -207,7 +205,7 @@ class IsolatedPlayers(Players):
             raise MatchFailedError(f"the process of {self._entrants[seat].name} could not start: {last}")
 
 
-def _parse(received: bytes | Fault, seconds: float) -> _Reply:
+def _parse(doing: str, received: bytes | Fault, seconds: float) -> _Reply:
     """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
     if isinstance(received, Fault):
         return _Reply({}, seconds, received)
@@ -216,20 +214,13 @@ def _parse(received: bytes | Fault, seconds: float) -> _Reply:
     except (ValueError, RecursionError):
         fields = None
     if not isinstance(fields, dict):
-        text = repr(received[:80].decode(errors="replace"))
-        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {text}"))
+        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}"))
+    if "ended" in fields:  # our program reports the end of the process that it forked for the match
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {exit_reason(fields['ended'])}"))
     if "error" in fields:
         why = fields["error"]
         return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why))))
     return _Reply(fields, seconds)
-
-
-def _crash(doing: str, cause: str) -> Fault:
-    return Fault("FORFEIT_CRASH", f"{doing}: {cause}")
-
-
-def _control_of(greeting: _Reply) -> Any:
-    return greeting.fields.get("control", "target")
 
 
 @contextmanager

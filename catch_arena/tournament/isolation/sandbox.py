@@ -11,7 +11,6 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final
 
 import catch_arena
@@ -112,8 +111,8 @@ class AgentProcess:
             self._folder = None if self._namespaced else tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
             folder = str(TEMPORARY) if self._folder is None else self._folder.name
             settings = {"spec": spec, "quotas": quotas.numbers(), "folder": folder, "into": into, "out": out}
-            words = [sys.executable, "-c", _MAIN, json.dumps(settings | {"namespaced": self._namespaced}), _package()]
-            words += module_folders()
+            words = [sys.executable, "-c", _MAIN, json.dumps(settings | {"namespaced": self._namespaced})]
+            words += [str(Path(catch_arena.__file__).parents[1]), *module_folders()]
             if self._namespaced:
                 words = [*bubblewrap_command(visible_paths(spec), quotas.file_mib << 20), *words]
             self._process = subprocess.Popen(  # noqa: S603 - our own program
@@ -172,9 +171,9 @@ class AgentProcess:
             self._unread = self._unread.removeprefix(protocol.STARTED)
         line, end, rest = self._unread.partition(b"\n")
         if rest:
-            return Fault("FORFEIT_ILLEGAL", f"said more than one line: {_excerpt(self._unread)}")
+            return Fault("FORFEIT_ILLEGAL", f"said more than one line: {excerpt(self._unread)}")
         if len(self._unread) > self._max_line_bytes:
-            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {self._max_line_bytes} bytes: {_excerpt(line)}")
+            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {self._max_line_bytes} bytes: {excerpt(line)}")
         if not end:
             return None
         self._unread = b""
@@ -238,21 +237,20 @@ class Sandbox:
     """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
     Args:
-        quotas: quotas of each agent; None for the default quotas.
+        quotas: quotas of each agent.
 
     Raises:
         ConfigError: for a level that this machine does not have.
     """
 
-    def __init__(self, quotas: Quotas | None = None) -> None:
-        quotas = quotas or Quotas()
+    def __init__(self, quotas: Quotas) -> None:
         self.quotas = replace(quotas, isolation=available_level(quotas.isolation))
         self._processes: dict[tuple[str, str], AgentProcess] = {}
 
     def __enter__(self) -> "Sandbox":
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def start(self, entrant: Entrant) -> AgentProcess:
@@ -300,9 +298,6 @@ def exit_reason(code: Any) -> str:
     return "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
 
 
-def _package() -> str:
-    return str(Path(catch_arena.__file__).parents[1])
-
-
-def _excerpt(content: bytes) -> str:
+def excerpt(content: bytes) -> str:
+    """Return the beginning of an agent's line as text in quotes."""
     return repr(content[:80].decode(errors="replace"))

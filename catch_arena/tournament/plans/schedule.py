@@ -53,9 +53,6 @@ class FixedPlan:
     size: int
     blocks: Callable[[], Iterator[Block]] = field(repr=False)
 
-    def __len__(self) -> int:
-        return self.size
-
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 

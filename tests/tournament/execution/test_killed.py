@@ -119,7 +119,7 @@ config = scenario("duel")
 plan = round_robin(2, Parties.of(config), 9, 0)
 entrants = enter(["mine.py", "mine.py"])
 with (
-    Store.begin(Tournament(config, entrants, plan.parameters), Path()) as store,
+    Store.begin(Tournament(config, entrants, plan.parameters, "0"), Path()) as store,
     local_executor(Worker(config, entrants, quotas=quotas), 2) as executor,
 ):
     play_plan(store, plan, executor)

@@ -36,7 +36,7 @@ def test_one_process_or_two_give_the_same_results_and_replays(tmp_path):
     assert played[0] == played[1]
     assert [one.match for one in played[0]] == list(plan)
     assert one == two
-    assert len(one) == len(plan)
+    assert len(one) == plan.size
     for match in plan:
         replay = Replay.load(tmp_path / "1" / REPLAYS / f"{match.id}.replay")
         assert replay.names == tuple(entrants[place].name for place in match.seating)

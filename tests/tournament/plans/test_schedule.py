@@ -1,7 +1,6 @@
 """Plans seat all agents equally often in every seat, use one seed for each block, and follow from one number."""
 
 from collections import Counter
-from dataclasses import replace
 from math import comb
 
 import pytest
@@ -49,9 +48,6 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
 def test_matches_are_counted_in_each_round_for_people():
     titles = [match.title(4) for match in round_robin(5, hunters(4), 2, 9)]
     assert titles == [f"round {turn}, match {number}" for turn in (1, 2) for number in range(1, 21)]
-    first = next(iter(round_robin(5, hunters(4), 1, 9)))
-    assert replace(first, id="r00012-g000003-s01-b").title(4) == "round 12, match 10b"
-    assert replace(first, id="m00003").title(4) == "match m00003"
 
 
 def test_a_plan_follows_from_its_seed_and_a_longer_one_begins_with_the_shorter():
