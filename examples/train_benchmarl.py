@@ -1,6 +1,5 @@
 """BenchMARL: IPPO over the parallel env; where there is prey, hunters and prey learn against each other."""
 
-import argparse
 import tempfile
 from typing import Any
 
@@ -30,26 +29,22 @@ class CatchArenaTask(PettingZooClass):
         return self.make().config.control == "target"
 
 
-parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("--scenarios", default="tag,pack,partners", help="scenarios to learn in, one by one")
-parser.add_argument("--iterations", type=int, default=3, help="number of rollouts in each of them")
-parser.add_argument("--cycles", type=int, default=60, help="number of steps in a match")
-settings = parser.parse_args()
+ROLLOUTS, CYCLES = 3, 60  # in each scenario, and steps in a match: enough to try it, not to learn much
 experiment = ExperimentConfig.get_from_yaml()
 experiment.loggers = []
 experiment.evaluation = False
 experiment.create_json = False
-experiment.max_n_iters = settings.iterations
+experiment.max_n_iters = ROLLOUTS
 experiment.max_n_frames = None
-experiment.on_policy_collected_frames_per_batch = 6 * settings.cycles
+experiment.on_policy_collected_frames_per_batch = 6 * CYCLES
 experiment.on_policy_n_envs_per_worker = 2
-experiment.on_policy_minibatch_size = 2 * settings.cycles
+experiment.on_policy_minibatch_size = 2 * CYCLES
 experiment.on_policy_n_minibatch_iters = 2
-for scenario in settings.scenarios.split(","):
+for scenario in ("tag", "pack", "partners"):
     with tempfile.TemporaryDirectory() as folder:
         experiment.save_folder = folder
         run = Experiment(
-            task=CatchArenaTask(scenario.upper(), {"scenario": scenario, "max_cycles": settings.cycles}),
+            task=CatchArenaTask(scenario.upper(), {"scenario": scenario, "max_cycles": CYCLES}),
             algorithm_config=IppoConfig.get_from_yaml(),
             model_config=MlpConfig.get_from_yaml(),
             critic_model_config=MlpConfig.get_from_yaml(),

@@ -1,6 +1,8 @@
 """Draw the README's pictures: a moment, and ten seconds, of a match between four shipped agents."""
 
 import argparse
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -9,9 +11,6 @@ import cv2
 from catch_arena import Replay
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import render_replay, rendered_frames, renderer_for
-from catch_arena.scenarios import scenario
-from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match_loop import play_match
 
 DOCS = Path(__file__).parent.parent / "docs"
 AGENTS = ["patrol", "contested_by_time", "contested", "nearest"]
@@ -38,18 +37,13 @@ def main() -> None:
 
 def recorded() -> Replay:
     """Return the replay of the match."""
-    entrants = enter(AGENTS)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "match.replay")
-        play_match(
-            scenario("standard"),
-            SEED,
-            [one.create() for one in entrants],
-            [one.name for one in entrants],
-            title="A match",
-            record=path,
-        )
-        return Replay.load(path)
+        command = [Path(sys.executable).with_name("catch-arena"), "match", *AGENTS, "--seed", str(SEED), "-o", path]
+        subprocess.run(command, check=True)
+        replay = Replay.load(path)
+    replay.title = "A match"
+    return replay
 
 
 if __name__ == "__main__":

@@ -326,9 +326,7 @@ class LearnerBatch:
         if self.opponents is not None:
             self._seat(self.opponents, arenas)
         if self._prey is not None:
-            numbers, seats = np.zeros((2, len(arenas), self.config.prey), np.int64)
-            seats[:] = np.arange(self.config.prey)
-            self._prey.seat(arenas, seats, numbers, self._rng)
+            self._prey.seat(arenas, None, np.zeros((len(arenas), self.config.prey), np.int64), self._rng)
         self._has_begun = True
 
     def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:

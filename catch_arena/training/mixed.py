@@ -69,8 +69,7 @@ class MixedBatch:
         """Give the agents of these arenas (n,) their players, by number or LEARNER: (n, N)."""
         self.seated[arenas] = numbers
         for side, players in self.players.items():
-            own = numbers[:, self.agents(side)]
-            players.seat(arenas, np.indices(own.shape)[1], own, self._rng)
+            players.seat(arenas, None, numbers[:, self.agents(side)], self._rng)
         controls = ["velocity", *(player.control for player in self.players["hunter"].pool)]
         codes = np.array([CONTROLS[control] for control in controls], np.int8)
         self.arena.set_controls(codes[numbers[:, : self.config.hunters] + 1], arenas)

@@ -184,12 +184,17 @@ class Players:
                 player.call("reset", int(rng.integers(_SEED_LIMIT)))
 
     def seat(
-        self, arenas: NDArray[np.int64], seats: NDArray[np.int64], numbers: NDArray[np.int64], rng: np.random.Generator
+        self,
+        arenas: NDArray[np.int64],
+        seats: NDArray[np.int64] | None,
+        numbers: NDArray[np.int64],
+        rng: np.random.Generator,
     ) -> None:
-        """Give seats (n, S) of the arenas (n,) to agents by their numbers (n, S); -1 and the other seats are learners'.
+        """Give seats (n, S) of the arenas (n,), or all seats, to agents by number (n, S); -1 and others are learners'.
 
         Agents that have only `act` begin an episode there.
         """
+        seats = np.indices(numbers.shape)[1] if seats is None else seats
         self._seated[arenas] = -1
         self._seated[arenas[:, None], seats] = numbers
         if all(player.in_batches for player in self.pool):

@@ -41,13 +41,12 @@ BEGIN, END = "<!-- made by make bench -->", "<!-- made until here -->"
 
 def parse() -> argparse.Namespace:
     """Read the command line."""
-    groups = ["peers", *dict.fromkeys(row.group for row in ours.rows(quick=False).values())]
+    groups = ["peers", *dict.fromkeys(row.group for row in ours.rows().values())]
     parser = argparse.ArgumentParser(prog="bench", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--only", nargs="+", choices=groups, metavar="ROWS", help=f"some of {', '.join(groups)}; without it, all")
     add("--rounds", type=int, default=10, help="turns of each row (%(default)s)")
     add("--seconds", type=float, default=0.25, help="CPU-seconds of a turn (%(default)s)")
-    add("--quick", action="store_true", help="use tiny sizes, only to check that the benchmark runs")
     add("--against", metavar="REF", help="measure that commit and the current version in turn, and no peers")
     add("--pufferlib", type=Path, metavar="FOLDER", help="PufferLib's unpacked source package, a peer")
     add("--json", type=Path, metavar="FILE", help="write the figures to this file")
@@ -58,14 +57,12 @@ def parse() -> argparse.Namespace:
         parser.error("--against measures no peers and writes no page; leave out --only peers and --page")
     if args.rounds < 1 or not args.seconds > 0:
         parser.error(f"--rounds must be at least 1 and --seconds positive, got {args.rounds} and {args.seconds}")
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0" and not args.quick:
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") != "0":
         parser.error("the benchmark needs compiled code: unset NUMBA_DISABLE_JIT")
     if args.page and not (args.page.is_file() and BEGIN in (text := args.page.read_text()) and END in text):
         parser.error(f"--page must be a page that has the marks {BEGIN} and {END}, got {args.page}")
     if args.json:
         args.json.parent.mkdir(parents=True, exist_ok=True)
-    if args.quick:
-        args.rounds, args.seconds = 2, 0.01
     return args
 
 
@@ -75,15 +72,14 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
     Raises:
         UnmeasurableError: nothing can be measured.
     """
-    every = ours.rows(quick=args.quick)
     compared = {ours.ONE_ARENA, ours.BATCH, ours.LARGE} if "peers" in args.only else set()
-    own = {name: row for name, row in every.items() if row.group in args.only or name in compared}
+    own = {name: row for name, row in ours.rows().items() if row.group in args.only or name in compared}
     with ExitStack() as stack:
         work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bench-")))
         sides: dict[str, tuple[Side, Mapping[str, Row]]] = {}
 
         def start(name: str, title: str, root: Path | None, rows: Mapping[str, Row]) -> None:
-            side = Side(title, root, work / name, quick=args.quick, pufferlib=args.pufferlib)
+            side = Side(title, root, work / name, args.pufferlib)
             stack.callback(side.end)
             sides[name] = side, rows
 
@@ -95,7 +91,7 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
             versions = f"Before: the commit {commit[:12]}. Now: {versions}"
         start("now", "the current version", ROOT, own)
         if "peers" in args.only:
-            start("peers", "it", None, peers.rows(quick=args.quick, pufferlib=args.pufferlib))
+            start("peers", "it", None, peers.rows(args.pufferlib))
         skipped = play(list(sides.values()), args.rounds, args.seconds)
     if not any(side.rows for side, _ in sides.values()):
         raise UnmeasurableError(next(iter(skipped.values())))
@@ -161,8 +157,6 @@ def main() -> None:
     except UnmeasurableError as error:
         sys.exit(f"bench: {error}")
     text = written(figures)
-    if args.quick:
-        text = f"Measured with `--quick`: all sizes are tiny, and the figures mean nothing.\n\n{text}"
     print(text)
     if args.json:
         args.json.write_text(json.dumps(figures, indent=2) + "\n")

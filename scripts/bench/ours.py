@@ -41,13 +41,13 @@ print((taken() - before) / {envs})
 _AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
 
 
-def rows(*, quick: bool) -> dict[str, Row]:
-    """Return all rows by name; `quick` has tiny sizes."""
-    few, small, large, at_once = (2, 3, 33, 128) if quick else (32, 1024, 16384, 65536)
+def rows() -> dict[str, Row]:
+    """Return all rows by name."""
+    large, at_once = 16384, 65536
     step, arena = "ns per agent-step", "us per step"
     return {
-        "batch of 32": Row("batch", step, partial(batch, few)),
-        BATCH: Row("batch", step, partial(batch, small)),
+        "batch of 32": Row("batch", step, partial(batch, 32)),
+        BATCH: Row("batch", step, partial(batch, 1024)),
         LARGE: Row("batch", step, partial(batch, large)),
         f"{LARGE}, two threads": Row("threads", step, partial(batch, large, threads=2)),
         f"{LARGE}, velocity control": Row("controls", step, partial(batch, large, control="velocity")),
@@ -58,8 +58,8 @@ def rows(*, quick: bool) -> dict[str, Row]:
         f"{ONE_ARENA}, masks read": Row("one-arena", arena, partial(one_arena, "target", masks_read=True)),
         "one arena, velocity control": Row("one-arena", arena, partial(one_arena, "velocity")),
         "one arena, full control": Row("one-arena", arena, partial(one_arena, "full")),
-        "LearnerBatch, nearest": Row("learners", step, partial(learners, few if quick else 256, "nearest")),
-        "LearnerBatch, patrol": Row("learners", step, partial(learners, few if quick else 256, "patrol")),
+        "LearnerBatch, nearest": Row("learners", step, partial(learners, 256, "nearest")),
+        "LearnerBatch, patrol": Row("learners", step, partial(learners, 256, "patrol")),
         "reset of one arena": Row("resets", "us per reset", reset),
         "reset of a batch of 16,384": Row("resets", "us per reset", partial(reset, large)),
         "env.render()": Row("render", "ms per frame", render),

@@ -23,9 +23,9 @@ _FLOATS = 16
 """Numbers in an agent's observation in each of the simple_tags."""
 
 
-def rows(*, quick: bool, pufferlib: Path | None) -> dict[str, Row]:
+def rows(pufferlib: Path | None) -> dict[str, Row]:
     """Return all peers by name; `pufferlib` is PufferLib's unpacked source package."""
-    small, large, scan = (4, 8, 2) if quick else (1024, 16384, 16)
+    small, large, scan = 1024, 16384, 16
     made: dict[str, Callable[[], Subject]] = {
         "mpe2 simple_tag_v3": mpe2_simple_tag,
         "VMAS simple_tag": partial(vmas_simple_tag, 1),

@@ -27,17 +27,16 @@ class Side:
         title: name in error messages.
         root: folder that holds the version's package; None for the peers.
         cache: folder for compiled code, which is kept from row to row.
-        quick: whether all sizes are tiny.
         pufferlib: PufferLib's unpacked source package, if there is one.
     """
 
-    def __init__(self, title: str, root: Path | None, cache: Path, *, quick: bool, pufferlib: Path | None) -> None:
+    def __init__(self, title: str, root: Path | None, cache: Path, pufferlib: Path | None) -> None:
         self.title = title
         self.rows: dict[str, dict[str, Any]] = {}
         """Rows by name: agents, envs and floats; "cpu" and "wall" have the times of a step [s], one for each round."""
         context = multiprocessing.get_context("spawn")
         self._pipe, end = context.Pipe()
-        self._process = context.Process(target=_serve, args=(end, root, cache, quick, pufferlib), daemon=True)
+        self._process = context.Process(target=_serve, args=(end, root, cache, pufferlib), daemon=True)
         self._process.start()
         end.close()
 
@@ -70,7 +69,7 @@ class Side:
         self._process.kill()
 
 
-def _serve(pipe: Connection, root: Path | None, cache: Path, quick: bool, pufferlib: Path | None) -> None:
+def _serve(pipe: Connection, root: Path | None, cache: Path, pufferlib: Path | None) -> None:
     """Answer requests until the pipe is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the main process ends this one after Ctrl-C
     os.dup2(2, 1)  # prints of a peer must not stand among the tables
@@ -84,7 +83,7 @@ def _serve(pipe: Connection, root: Path | None, cache: Path, quick: bool, puffer
         verb, name, seconds = pipe.recv()
         try:
             if verb == "make":
-                made[name] = _rows(root, quick, pufferlib)[name].make()
+                made[name] = _rows(root, pufferlib)[name].make()
                 pipe.send(_warm_up(made[name], seconds, root))
             else:
                 pipe.send(_turn(made[name], seconds))
@@ -92,15 +91,15 @@ def _serve(pipe: Connection, root: Path | None, cache: Path, quick: bool, puffer
             pipe.send(RuntimeError(f"{type(error).__name__}: {error}"))
 
 
-def _rows(root: Path | None, quick: bool, pufferlib: Path | None) -> dict[str, Row]:
+def _rows(root: Path | None, pufferlib: Path | None) -> dict[str, Row]:
     """Return the rows of this process; they are imported here, after the version's folder is on the path."""
     if root:
         import ours
 
-        return ours.rows(quick=quick)
+        return ours.rows()
     import peers
 
-    return peers.rows(quick=quick, pufferlib=pufferlib)
+    return peers.rows(pufferlib)
 
 
 def _warm_up(subject: Subject, seconds: float, root: Path | None) -> dict[str, int]:
