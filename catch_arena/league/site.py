@@ -16,7 +16,7 @@ from catch_arena.errors import ReplayError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.league.entries import SITE, Entry
 from catch_arena.league.moments import Part, best_and_worst, best_moment
-from catch_arena.league.records import RatingThen, Version
+from catch_arena.league.store import RatingThen, Version
 from catch_arena.league.update import League
 from catch_arena.player import css, element_script, page_file
 from catch_arena.player.page_template import page_policy, page_style, page_template

@@ -17,7 +17,7 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries, with_own_names
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
 from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
-from catch_arena.league.records import LeagueStore, RatingThen, Version
+from catch_arena.league.store import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
 from catch_arena.tournament.agent_logs import log_file

@@ -18,7 +18,7 @@ from catch_arena.errors import StoreError
 from catch_arena.league import update
 from catch_arena.league.entries import shipped_entries
 from catch_arena.league.matchmaking import Evidence, next_blocks
-from catch_arena.league.records import LeagueStore, RatingThen
+from catch_arena.league.store import LeagueStore, RatingThen
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.store import Store, only_one_plays_in
 

@@ -14,7 +14,7 @@ from catch_arena.tournament.grading import _HINTS
 from catch_arena.tournament.grading_spec import read_spec
 
 BAD = Path(__file__).parent / "isolation" / "bad"
-DOCS = Path(__file__).parents[2] / "docs" / "howto" / "grading.md"
+DOCS = Path(__file__).parents[2] / "docs"
 SEED = "seed = 'c0ffee00c0ffee00c0ffee00c0ffee00'"
 SPEC = f"""
 title = "Exercise 1"
@@ -206,16 +206,6 @@ def test_an_opponents_file_stands_beside_the_spec(grade):
     assert result.exit_code == 0, result.output
 
 
-def test_the_example_in_the_docs_runs(grade):
-    (spec,) = re.findall(r"```toml file=exercise.toml\n(.*?)```", DOCS.read_text(), re.DOTALL)
-    short = spec.replace("hunters = 1", "hunters = 1, time_limit_s = 5")
-    short = short.replace('"duel"', '"duel"\nsettings = { time_limit_s = 5 }')
-    assert short.count("time_limit_s") == 2
-    Path("hidden_seed.txt").write_text("00112233445566778899aabbccddeeff\n")
-    assert read_spec_text(spec).secret.digits == "00112233445566778899aabbccddeeff"
-    assert re.search(r"nearest has \d+ of \d+ points", grade("nearest", spec=short).output)
-
-
 def read_spec_text(text):
     Path("read.toml").write_text(text)
     return read_spec(Path("read.toml"))
@@ -306,4 +296,4 @@ def test_what_hints_point_at_is_there():
     pointers = re.findall(r"`catch-arena docs (\w+)`(?:, ([^:]+):)?", " ".join(_HINTS.values()))
     assert ("isolation", "Limits") in pointers
     for page, heading in pointers:
-        assert f"# {heading}" in next(DOCS.parents[1].rglob(f"{page}.md")).read_text()
+        assert f"# {heading}" in next(DOCS.rglob(f"{page}.md")).read_text()

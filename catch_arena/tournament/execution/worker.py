@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from io import BytesIO
-from types import MappingProxyType
 from typing import Final
 
 from catch_arena.config import ArenaConfig
@@ -39,9 +38,7 @@ class Worker:
         """Sandbox of its agents, one per process; agents wait in it for the next match. None if all are trusted."""
         return None if self.quotas is None else _sandbox(self.quotas)
 
-    def play_block(
-        self, matches: Iterable[Match], excluded: Mapping[int, Fault] = MappingProxyType({})
-    ) -> list[RecordedMatch]:
+    def play_block(self, matches: Iterable[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
         """Play one match after the other.
 
         Args:

@@ -18,12 +18,10 @@ END: Final = b'{"end":true}\n'
 PART: Final = 65536
 """Number of bytes that are read from a pipe at a time."""
 
-_encoded: Final = json.JSONEncoder(separators=(",", ":")).encode
-
 
 def line(**message: Any) -> bytes:
     """Return a message as one line."""
-    return _encoded(message).encode() + b"\n"
+    return json.dumps(message, separators=(",", ":")).encode() + b"\n"
 
 
 def hello_line(side: Side) -> bytes:
