@@ -116,8 +116,9 @@ def test_max_cycles_is_obeyed():
     assert all(truncations.values())
 
 
-def test_rendering_passes_pettingzoos_test():
-    """Frames under rgb_array in both APIs."""
+def test_rendering_passes_pettingzoos_test(monkeypatch):
+    """Frames under rgb_array, and a window on a display that SDL makes up."""
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     render_test(lambda render_mode: catch_arena.env(render_mode=render_mode, max_cycles=5))
 
 
