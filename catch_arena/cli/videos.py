@@ -243,15 +243,17 @@ def highlights(
     """
     from catch_arena.explanation import explain
     from catch_arena.explanation.formatting import seconds
-    from catch_arena.explanation.highlights import find_highlights, select_highlights, win_rates, win_records
+    from catch_arena.explanation.highlights import find_highlights, select_highlights, win_rates
     from catch_arena.render.highlight_video import render_highlights
 
     drawn = picture.arguments()
     if output is not None and not listing:
         output_file(output, *VIDEO, force=force)
     matches, _ = _from_replays(folder, explain)
-    known = win_records(matches.values())
-    found = {str(path): find_highlights(match, win_rates(known, match)) for path, match in matches.items()}
+    rates = win_rates(matches.values())
+    found = {
+        str(path): find_highlights(match, known) for (path, match), known in zip(matches.items(), rates, strict=True)
+    }
     selected = select_highlights(found, count)
     if not selected:
         raise ReplayError(

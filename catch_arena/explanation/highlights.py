@@ -4,10 +4,11 @@ They follow from the facts of `explain`. `SCORES` has the rule of each kind, and
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Final, Literal, NamedTuple
+from typing import Final, Literal
 
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import metres, seconds, short_length
@@ -80,35 +81,26 @@ def find_highlights(match: Explanation, rates: Mapping[str, float] | None = None
     return sorted(found, key=lambda highlight: (highlight.decisive_ms, KINDS.index(highlight.kind)))
 
 
-class WinRecord(NamedTuple):
-    """Number of matches played and won by an entrant in a folder; a shared win counts as a fraction."""
-
-    played: int = 0
-    won: float = 0.0
-
-
-def win_records(matches: Iterable[Explanation]) -> dict[str, WinRecord]:
-    """Return the win records of all entrants."""
-    found: dict[str, WinRecord] = {}
+def win_rates(matches: Iterable[Explanation]) -> list[dict[str, float]]:
+    """Return for each match the share of its other matches that each entrant won, without entrants with too few of
+    them; a shared win counts as a fraction.
+    """
+    shares: list[list[tuple[str, float]]] = []
+    by_entrant: dict[str, list[float]] = defaultdict(list)
     for match in matches:
         scores = list(match.contenders.values())
-        best = max(scores)
-        for name, score in zip(match.entrants, scores, strict=True):
-            old = found.get(name, WinRecord())
-            found[name] = WinRecord(old.played + 1, old.won + (score == best) / scores.count(best))
-    return found
-
-
-def win_rates(known: Mapping[str, WinRecord], match: Explanation) -> dict[str, float]:
-    """Return the share of its other matches that each entrant of a match won, without entrants with too few of them."""
-    in_match = win_records([match])
-    elsewhere = {
-        name: WinRecord(known[name].played - record.played, known[name].won - record.won)
-        for name, record in in_match.items()
-    }
-    return {
-        name: record.won / record.played for name, record in elsewhere.items() if record.played >= LEAST_OTHER_MATCHES
-    }
+        won = [(score == max(scores)) / scores.count(max(scores)) for score in scores]
+        shares.append(list(zip(match.entrants, won, strict=True)))
+        for name, share in shares[-1]:
+            by_entrant[name].append(share)
+    rates: list[dict[str, float]] = [{} for _ in shares]
+    for own, found in zip(shares, rates, strict=True):
+        for name in dict(own):
+            here = [share for entrant, share in own if entrant == name]
+            others = len(by_entrant[name]) - len(here)
+            if others >= LEAST_OTHER_MATCHES:
+                found[name] = (sum(by_entrant[name]) - sum(here)) / others
+    return rates
 
 
 def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> list[tuple[str, Highlight]]:

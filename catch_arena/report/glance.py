@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from catch_arena.explanation.formatting import exact_length
-from catch_arena.explanation.highlights import Highlight, find_highlights, select_highlights, win_rates, win_records
+from catch_arena.explanation.highlights import Highlight, find_highlights, select_highlights, win_rates
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.report.charts import number
 from catch_arena.report.data import ReportData
@@ -51,8 +51,10 @@ def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[F
 
 def best_moment(explanations: Mapping[str, Explanation]) -> Moment | None:
     """Return the best highlight of some matches; None if they have none."""
-    records = win_records(explanations.values())
-    found = {match: find_highlights(one, win_rates(records, one)) for match, one in explanations.items()}
+    rates = win_rates(explanations.values())
+    found = {
+        match: find_highlights(one, known) for (match, one), known in zip(explanations.items(), rates, strict=True)
+    }
     for match, highlight in select_highlights(found, 1):
         return Moment(match, highlight, min(highlight.end_ms, explanations[match].duration_ms))
     return None
