@@ -91,8 +91,7 @@ class MatchRenderer:
     @property
     def leader(self) -> int | None:
         """Contender that alone has the most catches in the step that was entered last; None for a tie."""
-        contender, _ = timeline.lead(self._scores)
-        return contender if contender >= 0 else None
+        return timeline.lead(self._scores)[0]
 
     def reset(self, time_ms: float = 0.0) -> None:
         """Begin a new match, without trails or annotations."""
@@ -145,7 +144,7 @@ class MatchRenderer:
         }
         self._record_standings(after, began_ms)
         catchers = [
-            self.info.contender_by_seat[annotation.seat] for annotation in annotations if annotation.kind == "catch"
+            self.info.config.team_by_seat[annotation.seat] for annotation in annotations if annotation.kind == "catch"
         ]
         self._timeline.record(began_ms, catchers, self._scores)
 
