@@ -8,7 +8,7 @@ from typing import Any, Final
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import OutputError
 from catch_arena.live import overlays
-from catch_arena.live.user_input import InputState, UserCommand, user_command
+from catch_arena.live.user_input import HumanPolicy, UserCommand, user_command
 from catch_arena.render import hud
 from catch_arena.render.captions import panel_shapes
 from catch_arena.render.match_info import MatchInfo
@@ -49,7 +49,7 @@ class MatchWindow:
         info: names, colours and settings of the match.
         seed: the match's seed, which the window shows.
         size: (width, height) of the window [pixels].
-        inputs: state of the keys of the person in `seat`.
+        person: the person, who gets the window's events.
         seat: the person's seat, None without a person.
         save: called with the replay so far; returns a text that says where it is.
     """
@@ -59,12 +59,12 @@ class MatchWindow:
         info: MatchInfo,
         seed: int,
         size: tuple[int, int],
-        inputs: InputState,
+        person: HumanPolicy,
         seat: int | None,
         save: Callable[[Replay], str],
     ) -> None:
         self._info, self._seed = info, seed
-        self._inputs, self._seat, self._save = inputs, seat, save
+        self._person, self._seat, self._save = person, seat, save
         self._screen = Screen(f"Catch Arena: {info.title}", size)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
@@ -165,7 +165,7 @@ class MatchWindow:
         """Handle the events since the last call and return them."""
         events = list(pygame.event.get())
         for event in events:
-            self._inputs.handle(event)
+            self._person.handle(event)
             if event.type == pygame.JOYDEVICEADDED:
                 self._pads.append(pygame.joystick.Joystick(event.device_index))
             command = user_command(event)
