@@ -15,7 +15,6 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
 from catch_arena.render.shapes import Shape
-from catch_arena.render.viewport import Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
 from catch_arena.replay.motion import StepMotion, step_motion
@@ -254,21 +253,17 @@ class MatchWindow:
             place, since_ms = poses.targets[target.number], target.spawned_ms
         if not (0 <= time_ms - since_ms < _POINTED_MS or self._paused):
             return []
-        return overlays.seat_pointer(self._viewport, place[:2], self._info.color(self._seat))
+        return overlays.seat_pointer(self._renderer.viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)
-        return overlays.keys_overlay(self._viewport, rows, below)
+        return overlays.keys_overlay(self._renderer.viewport, rows, below)
 
     def _note_shapes(self) -> list[Shape]:
         return self._line(self._note) if time.monotonic() < self._note_until_s else []
 
     def _line(self, text: str) -> list[Shape]:
-        return panel_shapes(self._viewport, hud.DIM, text, at_top=False)
-
-    @property
-    def _viewport(self) -> Viewport:
-        return Viewport(self._renderer.arena.width, self._renderer.arena.height, self._info.config.side_m)
+        return panel_shapes(self._renderer.viewport, hud.DIM, text, at_top=False)
 
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))

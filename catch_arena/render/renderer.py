@@ -89,6 +89,11 @@ class MatchRenderer:
         return self._plan.arena
 
     @property
+    def viewport(self) -> Viewport:
+        """Place of the arena's square in that area."""
+        return self._ground.viewport
+
+    @property
     def leader(self) -> int | None:
         """Contender that alone has the most catches in the step that was entered last; None for a tie."""
         return timeline.lead(self._scores)[0]
@@ -161,7 +166,7 @@ class MatchRenderer:
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
             scene.arena_shapes(
-                self._ground.viewport,
+                self.viewport,
                 self.info,
                 hunters=world.hunters,
                 poses=poses,
@@ -175,7 +180,7 @@ class MatchRenderer:
         )
         caption = self._commentary.caption
         if caption is not None:
-            self._arena.draw(caption_shapes(self._ground.viewport, self.info, caption, self._caption_kind, time_ms))
+            self._arena.draw(caption_shapes(self.viewport, self.info, caption, self._caption_kind, time_ms))
         self._draw_around(time_ms, min(time_ms, world.time_ms))
         return self.pixels
 
