@@ -8,14 +8,13 @@ from typing import Any, Final
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import OutputError
 from catch_arena.live import overlays
-from catch_arena.live.user_input import InputState, UserCommand, user_command
+from catch_arena.live.user_input import HumanPolicy, UserCommand, user_command
 from catch_arena.render import hud
 from catch_arena.render.captions import panel_shapes
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.renderer import LARGEST, SMALLEST, MatchRenderer
 from catch_arena.render.shapes import Shape
-from catch_arena.render.viewport import Viewport
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
 from catch_arena.replay.motion import StepMotion, step_motion
@@ -49,7 +48,7 @@ class MatchWindow:
         info: names, colours and settings of the match.
         seed: the match's seed, which the window shows.
         size: (width, height) of the window [pixels].
-        inputs: state of the keys of the person in `seat`.
+        person: the person, who gets the window's events.
         seat: the person's seat, None without a person.
         save: called with the replay so far; returns a text that says where it is.
     """
@@ -59,12 +58,12 @@ class MatchWindow:
         info: MatchInfo,
         seed: int,
         size: tuple[int, int],
-        inputs: InputState,
+        person: HumanPolicy,
         seat: int | None,
         save: Callable[[Replay], str],
     ) -> None:
         self._info, self._seed = info, seed
-        self._inputs, self._seat, self._save = inputs, seat, save
+        self._person, self._seat, self._save = person, seat, save
         self._screen = Screen(f"Catch Arena: {info.title}", size)
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
@@ -165,7 +164,7 @@ class MatchWindow:
         """Handle the events since the last call and return them."""
         events = list(pygame.event.get())
         for event in events:
-            self._inputs.handle(event)
+            self._person.handle(event)
             if event.type == pygame.JOYDEVICEADDED:
                 self._pads.append(pygame.joystick.Joystick(event.device_index))
             command = user_command(event)
@@ -254,21 +253,17 @@ class MatchWindow:
             place, since_ms = poses.targets[target.number], target.spawned_ms
         if not (0 <= time_ms - since_ms < _POINTED_MS or self._paused):
             return []
-        return overlays.seat_pointer(self._viewport, place[:2], self._info.color(self._seat))
+        return overlays.seat_pointer(self._renderer.viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)
-        return overlays.keys_overlay(self._viewport, rows, below)
+        return overlays.keys_overlay(self._renderer.viewport, rows, below)
 
     def _note_shapes(self) -> list[Shape]:
         return self._line(self._note) if time.monotonic() < self._note_until_s else []
 
     def _line(self, text: str) -> list[Shape]:
-        return panel_shapes(self._viewport, hud.DIM, text, at_top=False)
-
-    @property
-    def _viewport(self) -> Viewport:
-        return Viewport(self._renderer.arena.width, self._renderer.arena.height, self._info.config.side_m)
+        return panel_shapes(self._renderer.viewport, hud.DIM, text, at_top=False)
 
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))

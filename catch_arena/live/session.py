@@ -5,12 +5,12 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
-from typing import ClassVar, Final, NamedTuple
+from typing import Final, NamedTuple
 
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import ArenaConfig
 from catch_arena.live.match_window import MatchWindow, RestartRequested
-from catch_arena.live.user_input import InputState
-from catch_arena.policy import AnyLimits, PreyView, View
+from catch_arena.live.user_input import HumanPolicy
+from catch_arena.policy import AnyLimits
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
@@ -24,25 +24,6 @@ from catch_arena.tournament.players import Fault, Move, Observation, Players
 
 _FIRST_WAIT_S: Final = 0.05
 """Time within which most agents have answered, so that the window need not be drawn [s]."""
-
-
-class HumanPolicy:
-    """Policy of a person who drives a hunter or prey; for a hunter the nearest target in reach is requested (R4.4)."""
-
-    control: ClassVar[Control] = "velocity"
-
-    def __init__(self, inputs: InputState) -> None:
-        self._inputs = inputs
-
-    def reset(self, seed: int) -> None:
-        """Release all keys that were held in the match before."""
-        del seed
-        self._inputs.release_all()
-
-    def act(self, view: View | PreyView) -> tuple[float, float]:
-        """Return the person's command, linear and angular in [-1, 1]."""
-        del view
-        return self._inputs.velocity_command()
 
 
 class ThreadedPlayers(Players):
@@ -135,13 +116,13 @@ def show_match(
         OutputError: if there is no display.
         MatchFailedError: if isolated agents could not be held.
     """
-    inputs = InputState()
+    person = HumanPolicy()
     info = MatchInfo.of(config, lineup.names, title)
-    window = MatchWindow(info, seed, size, inputs, lineup.person, save)
+    window = MatchWindow(info, seed, size, person, lineup.person, save)
     try:
         with sandbox_for(quotas) as sandbox:
             while True:
-                with suppress(RestartRequested), _players(lineup, inputs, sandbox, window) as players:
+                with suppress(RestartRequested), _players(lineup, person, sandbox, window) as players:
                     result = play_match(
                         config,
                         seed,
@@ -162,9 +143,9 @@ def show_match(
 
 
 @contextmanager
-def _players(lineup: Lineup, inputs: InputState, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
+def _players(lineup: Lineup, person: HumanPolicy, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
     """Start fresh players for one match, and stop them after it."""
-    seated = {seat: entrant or HumanPolicy(inputs) for seat, entrant in enumerate(lineup.entrants)}
+    seated = {seat: entrant or person for seat, entrant in enumerate(lineup.entrants)}
     with start_players(seated, sandbox) as players:
         yield players if sandbox is None else ThreadedPlayers(players, sandbox, window.wait)
 

@@ -1,8 +1,10 @@
 """Input of a person from keys and a gamepad: velocity commands for an agent, and commands for the window."""
 
 from enum import Enum, auto
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
+from catch_arena.config import Control
+from catch_arena.policy import PreyView, View
 from catch_arena.render.optional_imports import pygame
 
 _AHEAD: Final = {pygame.K_UP, pygame.K_w, pygame.K_KP8}
@@ -66,14 +68,23 @@ def user_command(event: Any) -> UserCommand | None:
     return _TYPED.get(getattr(event, "unicode", "")) or _COMMANDS.get(event.key)
 
 
-class InputState:
-    """State of the keys and the gamepad's stick that a person holds, as a velocity command."""
+class HumanPolicy:
+    """Policy of a person who drives a hunter or prey by the keys and the gamepad's stick that it holds.
+
+    For a hunter the nearest target in reach is requested (R4.4).
+    """
+
+    control: ClassVar[Control] = "velocity"
 
     def __init__(self) -> None:
-        self.release_all()
+        self._release_all()
 
-    def release_all(self) -> None:
-        """Forget all keys and sticks that are held."""
+    def reset(self, seed: int) -> None:
+        """Release all keys that were held in the match before."""
+        del seed
+        self._release_all()
+
+    def _release_all(self) -> None:
         self._held: set[int] = set()
         self._tapped: set[int] = set()
         self._stick = [0.0, 0.0]
@@ -96,10 +107,11 @@ class InputState:
         elif event.type in {pygame.JOYBUTTONDOWN, pygame.JOYBUTTONUP} and event.button == _GO_BUTTON:
             self._go = event.type == pygame.JOYBUTTONDOWN
         elif event.type in {pygame.WINDOWFOCUSLOST, pygame.JOYDEVICEREMOVED}:
-            self.release_all()
+            self._release_all()
 
-    def velocity_command(self) -> tuple[float, float]:
+    def act(self, view: View | PreyView) -> tuple[float, float]:
         """Return the next step's command, linear and angular in [-1, 1]; a key that was tapped counts for one step."""
+        del view
         down = self._held | self._tapped
         self._tapped = set()
         forward = _sign(bool(down & _AHEAD) or self._go or self._hat[1] > 0, bool(down & _BACK) or self._hat[1] < 0)

@@ -75,7 +75,7 @@ class Commentary:
 
     def __init__(self, info: MatchInfo) -> None:
         self._info = info
-        self._leader = -1
+        self._leader: int | None = None
         self.caption: Caption | None = None
         """Latest caption: of a step's contest, else of a catch of prey, else of a new leader."""
 
@@ -84,8 +84,8 @@ class Commentary:
         contests = [annotation for annotation in annotations if annotation.lens is not None]
         captions = [caption_of(annotation, self._info) for annotation in (*contests, *annotations)]
         leader, _ = lead(scores)
-        if leader >= 0 and leader != self._leader:
-            if self._leader >= 0:  # the first leader of a match is no news
+        if leader is not None and leader != self._leader:
+            if self._leader is not None:  # the first leader of a match is no news
                 name = _shortened(self._info.contenders[leader].name)
                 captions.append(
                     Caption(time_ms, self._info.contenders[leader].seats[0], f"{name} takes the lead", "R6.1")

@@ -32,10 +32,11 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     unit = min(width, height) / 720.0
     middle, room = width / 2.0, 0.88 * width
     big, size, small = (hud.font_size(pixels * unit, 11) for pixels in (54, 30, 24))
-    rows = [(info.label(agent), info.color(agent), False) for agent in range(info.config.hunters)]
+    rows = [(info.label(agent), info.color(agent)) for agent in range(info.config.hunters)]
     if info.has_teams:
-        rows = [(_members(info, contender), contender.color, False) for contender in info.contenders]
-    rows += [(info.label(agent), info.color(agent), True) for agent in range(info.config.hunters, len(info.names))]
+        rows = [(_members(info, contender), contender.color) for contender in info.contenders]
+    prey = range(info.config.hunters, len(info.names))
+    rows += [(f"{info.label(agent)}, prey", info.color(agent)) for agent in prey]
     left_out = len(rows) - _MOST_ROWS if len(rows) > _MOST_ROWS + 1 else 0
     rows = rows[: len(rows) - left_out]
     line, left_out_room = 1.6 * size, 1.6 * size * bool(left_out)
@@ -47,10 +48,10 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     for row, text in enumerate(goal(info)):
         below = top + 0.95 * big + (1.5 + 1.3 * row) * small
         shapes.append(Label(middle, below, text, small, hud.DIM, 600, "center", max_width=room))
-    y, texts = top + 2.3 * big + 2.8 * small, [f"{name}, prey" if hunted else name for name, _, hunted in rows]
-    widest = min(room - 1.4 * size, max(text_width(text, size, 700) for text in texts))
+    y = top + 2.3 * big + 2.8 * small
+    widest = min(room - 1.4 * size, max(text_width(text, size, 700) for text, _ in rows))
     start = middle - 0.5 * (widest + 1.4 * size) + 0.6 * size
-    for text, (_, color, _) in zip(texts, rows, strict=True):
+    for text, color in rows:
         shapes += [
             Turtle(start, y, 0.0, 1.7 * size, color),
             Label(start + 1.4 * size, y, text, size, WHITE, 700, max_width=widest),
@@ -127,7 +128,7 @@ def result(info: MatchInfo, scores: Sequence[int]) -> str:
     if len(scores) == 1:
         return f"{info.contenders[0].name}: {scores[0]} {'catch' if scores[0] == 1 else 'catches'}"
     winner, margin = lead(scores)
-    if winner >= 0:
+    if winner is not None:
         return f"{info.contenders[winner].name} wins by {margin}"
     first = [info.contenders[index].name for index, score in enumerate(scores) if score == max(scores)]
     return f"{' and '.join(first)} share the first place" if len(first) == 2 else f"{len(first)} share the first place"

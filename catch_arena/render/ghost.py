@@ -27,7 +27,7 @@ def with_ghost(
         answer: the answer.
         words: whether to show the sentence.
     """
-    viewport = Viewport(renderer.arena.width, renderer.arena.height, renderer.info.config.side_m)
+    viewport = renderer.viewport
     color, track = renderer.info.color(answer.seat), ghost_track(answer)
     at_top = is_low(track, viewport.side_m)
     for pixels, time_ms in zip(pictures, times_ms, strict=True):

@@ -64,7 +64,6 @@ class MatchInfo:
     """Colours by agent."""
     rings: tuple[int, ...]
     """Number of arcs of each hunter's circle, by seat; it distinguishes the seats of one agent."""
-    contender_by_seat: tuple[int, ...]
 
     @classmethod
     def of(
@@ -101,7 +100,6 @@ class MatchInfo:
             _contenders(config, hunters, numbers),
             (*_hunter_colors(numbers), *(TARGET,) * config.prey),
             tuple(hunters[:seat].count(name) + 1 for seat, name in enumerate(hunters)),
-            config.team_by_seat,
         )
 
     @classmethod
@@ -137,7 +135,7 @@ class MatchInfo:
     def called(self, agent: int) -> str:
         """Return the name shown for an agent: a prey's own name, or the name of a hunter's contender."""
         hunts = agent < self.config.hunters
-        return self.contenders[self.contender_by_seat[agent]].name if hunts else self.names[agent]
+        return self.contenders[self.config.team_by_seat[agent]].name if hunts else self.names[agent]
 
     def prey(self, name: str) -> int:
         """Return the number of the agent that PettingZoo calls `prey_{index}`."""

@@ -89,10 +89,14 @@ class MatchRenderer:
         return self._plan.arena
 
     @property
+    def viewport(self) -> Viewport:
+        """Place of the arena's square in that area."""
+        return self._ground.viewport
+
+    @property
     def leader(self) -> int | None:
         """Contender that alone has the most catches in the step that was entered last; None for a tie."""
-        contender, _ = timeline.lead(self._scores)
-        return contender if contender >= 0 else None
+        return timeline.lead(self._scores)[0]
 
     def reset(self, time_ms: float = 0.0) -> None:
         """Begin a new match, without trails or annotations."""
@@ -145,7 +149,7 @@ class MatchRenderer:
         }
         self._record_standings(after, began_ms)
         catchers = [
-            self.info.contender_by_seat[annotation.seat] for annotation in annotations if annotation.kind == "catch"
+            self.info.config.team_by_seat[annotation.seat] for annotation in annotations if annotation.kind == "catch"
         ]
         self._timeline.record(began_ms, catchers, self._scores)
 
@@ -162,7 +166,7 @@ class MatchRenderer:
         self._arena.pixels[:] = self._ground.pixels
         self._arena.draw(
             scene.arena_shapes(
-                self._ground.viewport,
+                self.viewport,
                 self.info,
                 hunters=world.hunters,
                 poses=poses,
@@ -176,7 +180,7 @@ class MatchRenderer:
         )
         caption = self._commentary.caption
         if caption is not None:
-            self._arena.draw(caption_shapes(self._ground.viewport, self.info, caption, self._caption_kind, time_ms))
+            self._arena.draw(caption_shapes(self.viewport, self.info, caption, self._caption_kind, time_ms))
         self._draw_around(time_ms, min(time_ms, world.time_ms))
         return self.pixels
 

@@ -66,7 +66,7 @@ def _between(area: Rect, contenders: Sequence[Contender], scores: Sequence[int],
         return []
     shapes: list[Shape] = [Label(middle, area.top + 0.4 * area.height, "catches", small, DIM, 500, "center")]
     leader, margin = lead(scores)
-    if leader >= 0:
+    if leader is not None:
         lead_text = f" +{margin}"
         name_room = room - text_width(lead_text, size, 700)
         text = (

@@ -60,14 +60,11 @@ def truncated(text: str, size: int, weight: int, max_width: float) -> str:
     text = printable(text)
     if text_width(text, size, weight) <= max_width:
         return text
-    short, long = 0, len(text)
-    while short < long:  # binary search for the longest beginning that fits
-        middle = (short + long + 1) // 2
-        if text_width(text[:middle].rstrip() + ELLIPSIS, size, weight) <= max_width:
-            short = middle
-        else:
-            long = middle - 1
-    return text[:short].rstrip() + ELLIPSIS if short else ""
+    for length in range(len(text) - 1, 0, -1):
+        shown = text[:length].rstrip() + ELLIPSIS
+        if text_width(shown, size, weight) <= max_width:
+            return shown
+    return ""
 
 
 def wrapped(text: str, size: int, weight: int, max_width: float) -> list[str]:

@@ -52,11 +52,11 @@ class Timeline:
         self.catches += len(catchers)
 
 
-def lead(scores: Sequence[int]) -> tuple[int, int]:
-    """Return the leader and its lead over the next, or (-1, 0) for a tie. A single contender leads by its score."""
+def lead(scores: Sequence[int]) -> tuple[int | None, int]:
+    """Return the leader and its lead over the next, or (None, 0) for a tie. A single contender leads by its score."""
     best = max(scores, default=0)
     if list(scores).count(best) != 1 or best == 0:
-        return -1, 0
+        return None, 0
     return list(scores).index(best), best - max((score for score in scores if score != best), default=0)
 
 
@@ -124,7 +124,7 @@ class _Chart:
         """Return the title, the leader with its lead, and the number of catches."""
         left, right = self.area.left + 16 * self.unit, self.left + self.width
         catches = "1 catch" if self.timeline.catches == 1 else f"{self.timeline.catches} catches"
-        leader, margin = lead(self.timeline.scores[-1]) if self.timeline.scores else (-1, 0)
+        leader, margin = lead(self.timeline.scores[-1]) if self.timeline.scores else (None, 0)
         title = "Catches" if self.alone else "Catches and lead"
         room = right - left - text_width(catches, self.text, 500) - self.text
         shapes: list[Shape] = [
@@ -134,7 +134,7 @@ class _Chart:
         lead_text = f"  +{margin}"
         used = text_width(title, self.text, 500) + self.text
         name_room = room - used - text_width(lead_text, self.text, 700)
-        if leader >= 0 and not self.alone and name_room > 3 * self.text:
+        if leader is not None and not self.alone and name_room > 3 * self.text:
             name, color = self.info.contenders[leader].name, self.colors[leader]
             width = text_width(truncated(name, self.text, 700, name_room), self.text, 700)
             shapes += [
@@ -166,7 +166,7 @@ class _Chart:
         """Return the area under the leader's line, down to the second's; no shapes for a tie."""
         leader, margin = lead(scores)
         left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
-        if leader < 0 or right <= left:
+        if leader is None or right <= left:
             return []
         top = self.y(over_average(scores)[leader])
         return [Box(left, top, right - left, margin * self.pixels, mix(self.colors[leader], CARD, 0.7))]

@@ -176,15 +176,15 @@ def viewed_seats(replays: Iterable[Replay], hunter: int | str | None) -> list[in
         ConfigError: if no match can show the view: it has no such hunter, or its hunters see everything as it is.
     """
     seats: list[int | None] = []
-    fault: ConfigError | None = None
+    faults = []
     for replay in replays:
         try:
             seats.append(None if hunter is None else _viewed_seat(replay, hunter))
         except ConfigError as error:
             seats.append(None)
-            fault = fault or error
-    if fault is not None and not any(seat is not None for seat in seats):
-        raise fault
+            faults.append(error)
+    if faults and len(faults) == len(seats):
+        raise faults[0]
     return seats
 
 

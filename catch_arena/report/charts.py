@@ -69,7 +69,7 @@ def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool)
     lines = {side: headline(table, ended=ended) for side, table in tables.items()}
     if len(set(lines.values())) == 1:
         return lines["hunter"]
-    return "A" + "; ".join(f"as {side}: {line}" for side, line in lines.items())[1:]
+    return "As " + "; as ".join(f"{side}: {line}" for side, line in lines.items())
 
 
 def headline(table: Sequence[Standing], *, ended: bool) -> str:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from catch_arena.live.user_input import InputState, UserCommand, user_command
+from catch_arena.live.user_input import HumanPolicy, UserCommand, user_command
 from catch_arena.render.optional_imports import pygame
 
 
@@ -10,11 +10,11 @@ def key(code: int, *, down: bool = True, mod: int = 0, typed: str = ""):
     return pygame.event.Event(pygame.KEYDOWN if down else pygame.KEYUP, key=code, mod=mod, unicode=typed)
 
 
-def held(*codes: int) -> InputState:
-    inputs = InputState()
+def held(*codes: int) -> HumanPolicy:
+    person = HumanPolicy()
     for code in codes:
-        inputs.handle(key(code))
-    return inputs
+        person.handle(key(code))
+    return person
 
 
 @pytest.mark.parametrize(
@@ -33,46 +33,46 @@ def held(*codes: int) -> InputState:
     ],
 )
 def test_turtlesims_keys_drive_and_so_do_wasd(codes, linear, turn):
-    inputs = held(*codes)
-    commands = [inputs.velocity_command() for _ in range(5)]
+    person = held(*codes)
+    commands = [person.act(None) for _ in range(5)]
     assert {command[0] for command in commands} == {linear}
     assert commands[-1][1] == turn
 
 
 def test_a_turn_grows_while_its_key_is_held_and_begins_anew_the_other_way():
-    inputs = held(pygame.K_LEFT)
-    turns = [inputs.velocity_command()[1] for _ in range(4)]
+    person = held(pygame.K_LEFT)
+    turns = [person.act(None)[1] for _ in range(4)]
     assert turns == sorted(turns)
     assert 0 < turns[0] < turns[1] < turns[2] == turns[3] == 1
-    inputs.handle(key(pygame.K_LEFT, down=False))
-    inputs.handle(key(pygame.K_RIGHT))
-    assert inputs.velocity_command()[1] == -turns[0]
+    person.handle(key(pygame.K_LEFT, down=False))
+    person.handle(key(pygame.K_RIGHT))
+    assert person.act(None)[1] == -turns[0]
 
 
 def test_a_tap_between_two_steps_counts_for_one():
-    inputs = held(pygame.K_UP)
-    inputs.handle(key(pygame.K_UP, down=False))
-    assert [inputs.velocity_command()[0] for _ in range(3)] == [1, 0, 0]
+    person = held(pygame.K_UP)
+    person.handle(key(pygame.K_UP, down=False))
+    assert [person.act(None)[0] for _ in range(3)] == [1, 0, 0]
 
 
 def test_what_was_held_is_let_go_with_the_window():
-    inputs = held(pygame.K_UP)
-    inputs.handle(pygame.event.Event(pygame.WINDOWFOCUSLOST))
-    assert inputs.velocity_command() == (0, 0)
+    person = held(pygame.K_UP)
+    person.handle(pygame.event.Event(pygame.WINDOWFOCUSLOST))
+    assert person.act(None) == (0, 0)
 
 
 def test_ctrl_s_saves_and_does_not_drive():
     event = key(pygame.K_s, mod=pygame.KMOD_LCTRL)
     assert user_command(event) is UserCommand.SAVE
-    inputs = InputState()
-    inputs.handle(event)
-    assert inputs.velocity_command() == (0, 0)
+    person = HumanPolicy()
+    person.handle(event)
+    assert person.act(None) == (0, 0)
 
 
 def test_no_key_that_drives_asks_the_window_for_anything():
     """One key, one meaning, whether the match is paused or not."""
     codes = {value for name, value in vars(pygame).items() if name.startswith("K_")}
-    driving = [code for code in codes if any(held(code).velocity_command())]
+    driving = [code for code in codes if any(held(code).act(None))]
     assert len(driving) == 13  # arrows, WASD, and the keypad's 8 4 6 2 5
     assert not any(user_command(key(code, typed=pygame.key.name(code))) for code in driving)
     assert user_command(key(pygame.K_q, typed="q")) is None  # between W and A
@@ -105,23 +105,23 @@ def test_what_the_window_is_asked_for(event, command):
 
 
 def test_a_stick_drives_in_proportion_and_its_dead_zone_is_no_command():
-    inputs = InputState()
+    person = HumanPolicy()
     for axis, value in ((0, -0.6), (1, -1.0)):
-        inputs.handle(pygame.event.Event(pygame.JOYAXISMOTION, axis=axis, value=value))
-    linear, angular = inputs.velocity_command()
+        person.handle(pygame.event.Event(pygame.JOYAXISMOTION, axis=axis, value=value))
+    linear, angular = person.act(None)
     assert linear == 1.0
     assert 0.4 < angular < 0.6  # to the left
     for axis in (0, 1):
-        inputs.handle(pygame.event.Event(pygame.JOYAXISMOTION, axis=axis, value=0.1))
-    assert inputs.velocity_command() == (0, 0)
+        person.handle(pygame.event.Event(pygame.JOYAXISMOTION, axis=axis, value=0.1))
+    assert person.act(None) == (0, 0)
 
 
 def test_a_pads_cross_and_button_drive_too():
-    inputs = InputState()
-    inputs.handle(pygame.event.Event(pygame.JOYBUTTONDOWN, button=0))
-    inputs.handle(pygame.event.Event(pygame.JOYHATMOTION, value=(1, 0)))
-    assert inputs.velocity_command()[0] == 1
-    assert inputs.velocity_command()[1] < 0
-    inputs.handle(pygame.event.Event(pygame.JOYBUTTONUP, button=0))
-    inputs.handle(pygame.event.Event(pygame.JOYHATMOTION, value=(0, 0)))
-    assert inputs.velocity_command() == (0, 0)
+    person = HumanPolicy()
+    person.handle(pygame.event.Event(pygame.JOYBUTTONDOWN, button=0))
+    person.handle(pygame.event.Event(pygame.JOYHATMOTION, value=(1, 0)))
+    assert person.act(None)[0] == 1
+    assert person.act(None)[1] < 0
+    person.handle(pygame.event.Event(pygame.JOYBUTTONUP, button=0))
+    person.handle(pygame.event.Event(pygame.JOYHATMOTION, value=(0, 0)))
+    assert person.act(None) == (0, 0)

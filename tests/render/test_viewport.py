@@ -58,7 +58,6 @@ def test_a_team_is_called_as_its_only_agent_or_by_its_colour():
     info = MatchInfo.of(config, ("a", "a", "b", "c", "d", "d"))
     assert [contender.name for contender in info.contenders] == ["a", "mint", "d"]
     assert [contender.name for contender in MatchInfo.of(config, ("a",) * 6).contenders] == ["amber", "mint", "purple"]
-    assert MatchInfo.of(config).contender_by_seat == (0, 0, 1, 1, 2, 2)
     many = MatchInfo.of(ArenaConfig(hunters=64, teams=tuple((seat,) for seat in range(64))), ("a",) * 64)
     assert [many.contenders[team].name for team in (0, 8, 16)] == ["amber", "light amber", "dark amber"]
 
