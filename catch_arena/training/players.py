@@ -138,6 +138,7 @@ class Players:
     """
 
     saved_attributes: ClassVar[tuple[str, ...]] = ("pool", "_seated", "_instances")
+    """Names of the attributes that `save` copies."""
 
     def __init__(self, config: ArenaConfig, num_envs: int, side: Side, role: str, agents: Iterable[object]) -> None:
         self._side, self._role, self._ranks = side, role, config.targets_seen
