@@ -212,7 +212,7 @@ class Engine:
     def _observe(self, arenas: Sequence[int] | NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
         """Begin episodes, and write the observations and masks of the chunks that contain these arenas."""
         thread, playing = 0, False
-        for chunk in np.unique(np.asarray(arenas) // LANES):
+        for chunk in sorted(set((np.asarray(arenas) // LANES).tolist())):
             self._run_tick(thread, chunk, chunk + 1, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
             resets = _NO_RESETS  # all episodes have begun
 
