@@ -6,22 +6,18 @@ arbiter judges them again.
 """
 
 from bisect import bisect_left
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from io import BytesIO
 from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from msgspec import Meta
 
-from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
-from catch_arena.core.random import kill_service_down
 from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import NUMBER, pack_columns, pack_json, read_columns, read_json, read_number
 from catch_arena.replay.states import USED_UP, QuantisedState, parts_of
 from catch_arena.text import printable
-from catch_arena.verdicts import Ruling, Verdict
-from catch_arena.world import World
 
 MOST_REQUESTS: Final = 1 << 16
 """Largest number of named requests in a match, shared equally by the hunters; a node can send thousands per second."""
@@ -31,10 +27,6 @@ _LONGEST_NAME: Final = 256
 """Number of characters kept of a name, one more than R5.2 allows: a longer name stays too long."""
 _LONGEST_SHOWN: Final = 60
 _LONGEST_TABLE: Final = 1 << 24
-_FOR_A_RANK: Final = frozenset(
-    {Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.WAITING_FOR_PARTNER}
-)
-"""Verdicts on targets in reach. Those are always in view (R7.5), so they have a rank."""
 
 
 class NamedRequest(NamedTuple):
@@ -75,54 +67,6 @@ def requests_of_step(requests: Sequence[NamedRequest], step: int) -> Sequence[Na
     """Return the requests of one step, in their order."""
     first, end = (bisect_left(requests, bound, key=lambda request: request.step) for bound in (step, step + 1))
     return requests[first:end]
-
-
-def judge_again(
-    config: ArenaConfig,
-    seed: int,
-    requests: Sequence[NamedRequest],
-    caught: Collection[str],
-    before: World,
-    after: World,
-) -> list[Ruling]:
-    """Return the rulings on the requests of one step.
-
-    Args:
-        config: the arena's settings.
-        seed: the match's seed.
-        requests: the named requests of the step.
-        caught: the requested names of targets that were caught earlier.
-        before: the state on which the requests are judged (R5.1).
-        after: the state after the step; its rulings are on the requests by rank, which came first.
-
-    Raises:
-        ReplayError: for a request that could have been granted: it would have a rank, and would have changed the
-            state.
-    """
-    ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings]
-    with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
-        kill_service_up = not kill_service_down(np.uint64(seed), before.step, config.faults.kill_down)
-    rulings = arbitrate(
-        hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
-        targets={target.name: (target.x, target.y) for target in before.targets},
-        requests=[*ranked, *((request.seat, request.name) for request in requests)],
-        reach_m=config.reaches,
-        policy=config.policy,
-        seed=seed,
-        step=before.step,
-        caught=caught,
-        inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
-        kill_service_up=kill_service_up,
-        teams=config.teams,
-        hunters_per_catch=config.hunters_per_catch,
-    )[len(ranked) :]
-    for ruling in rulings:
-        if ruling.verdict in _FOR_A_RANK:
-            raise ReplayError(
-                f"step {before.step + 1}: hunter_{ruling.hunter} cannot have asked for "
-                f"{describe_name(str(ruling.target))} by name alone: it was in reach, so the arena would have answered"
-            )
-    return rulings
 
 
 def describe_name(name: str | None) -> str:

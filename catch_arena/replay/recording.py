@@ -6,22 +6,27 @@ from dataclasses import dataclass, field, fields
 from html import escape
 from io import BytesIO
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
+from catch_arena.core.random import kill_service_down
 from catch_arena.engine import Engine
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
-from catch_arena.replay.named_requests import NamedRequest, describe_name, has_appeared, judge_again, requests_of_step
+from catch_arena.replay.named_requests import NamedRequest, describe_name, has_appeared, requests_of_step
 from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
 from catch_arena.replay.states import QuantisedState, quantise
 from catch_arena.text import with_type
-from catch_arena.verdicts import Ruling
+from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
+
+_FOR_A_RANK: Final = (Verdict.GRANTED, Verdict.LOST_CONTEST, Verdict.KILL_FAILED, Verdict.WAITING_FOR_PARTNER)
+"""Verdicts on targets in reach. Those are always in view (R7.5), so they have a rank."""
 
 
 @dataclass(slots=True, eq=False)
@@ -172,12 +177,34 @@ class Replay(EqualByBits):
         requests = requests_of_step(self.named_requests, before.step)
         if not requests:
             return []
-        gone = {request.name for request in requests if request.name is not None} - {
-            target.name for target in before.targets
-        }
-        states = self.states[: before.step + 1]
-        caught = {name for name in gone if has_appeared(name, states, self.config)}
-        return judge_again(self.config, self.seed, requests, caught, before, after)
+        config, step = self.config, before.step
+        alive = {target.name: (target.x, target.y) for target in before.targets}
+        gone = {request.name for request in requests if request.name is not None} - alive.keys()
+        ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings]
+        with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
+            kill_service_up = not kill_service_down(np.uint64(self.seed), step, config.faults.kill_down)
+        rulings = arbitrate(
+            hunters=[(hunter.x, hunter.y) for hunter in before.hunters],
+            targets=alive,
+            requests=[*ranked, *((request.seat, request.name) for request in requests)],
+            reach_m=config.reaches,
+            policy=config.policy,
+            seed=self.seed,
+            step=step,
+            caught={name for name in gone if has_appeared(name, self.states[: step + 1], config)},
+            inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
+            kill_service_up=kill_service_up,
+            teams=config.teams,
+            hunters_per_catch=config.hunters_per_catch,
+        )[len(ranked) :]
+        for ruling in rulings:
+            if ruling.verdict in _FOR_A_RANK:
+                name = describe_name(str(ruling.target))
+                raise ReplayError(
+                    f"step {step + 1}: hunter_{ruling.hunter} cannot have asked for {name} by name alone: "
+                    f"it was in reach, so the arena would have answered"
+                )
+        return rulings
 
     def _repr_html_(self) -> str:
         """Return the HTML for notebooks: a player of the match, if `catch_arena.player` was imported."""
