@@ -166,6 +166,9 @@ def _end_descendants() -> None:
                 with suppress(OSError):  # the process has just ended
                     os.kill(pid, number)
             time.sleep(_PAUSE_S)
+    with suppress(OSError):  # no child is left
+        while os.waitpid(-1, os.WNOHANG)[0]:  # after this process the system may take a moment to collect them
+            pass
 
 
 def _flush() -> bool:
