@@ -285,7 +285,7 @@ def nested() -> list[Any]:
     ],
 )
 def test_the_report_on_a_hostile_answer_is_text_and_xml(arbiter: Any):
-    report = run_conformance(arbiter, only=["basics", "reach"], limit_s=None)
+    report = run_conformance(arbiter, only=["basics"], limit_s=None)
     assert report.failures
     for text in (str(report), report.in_full()):
         assert all(letter.isprintable() or letter == "\n" for letter in text)
