@@ -48,7 +48,7 @@ train: $(VENV)/ready-dev $(VENV)/ready-torch ## run short trainings (torch: 3 GB
 hostile: $(VENV)/ready-dev ## run agents that attack the tournament, its results and each other
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
 
-nightly: long laws interpreted boundscheck numba coverage mutate compat pythons ## run all tests that take long, among them compat, pythons, and ros on each Python
+nightly: long laws boundscheck numba coverage mutate compat pythons ## run all tests that take long, among them compat, pythons, and ros on each Python
 	$(BIN)/python scripts/ros_nodes.py --all
 
 long: $(VENV)/ready-dev ## run the tests that are marked nightly
@@ -58,7 +58,7 @@ laws: $(VENV)/ready-dev ## run the property tests at length, with a million step
 	CATCH_ARENA_LONG=1 $(BIN)/pytest $(SPREAD) tests/properties tests/replay/test_format.py
 
 # Tests of many blocks of arenas are marked `large`. Without the compiler they take too long, and one block has all code.
-interpreted: $(VENV)/ready-dev ## run the tests of the rules without the compiler
+interpreted: $(VENV)/ready-dev ## run the tests of the rules without the compiler, as coverage does too
 	NUMBA_DISABLE_JIT=1 $(BIN)/pytest $(SPREAD) -m 'not large' $(RULES)
 
 numba: $(VENV)/ready-dev ## run the tests of the rules, compiled in Numba's own way
