@@ -14,6 +14,7 @@ from catch_arena.tournament.store import Store
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
 Format = Literal["jsonl", "csv", "parquet"]
+_MOST_MB = 1000
 
 
 @main.command()
@@ -23,8 +24,7 @@ def report(
     output: Annotated[Path | None, output_option("HTML file to write.", "DIR/report.html")] = None,
     force: Force = False,
     budget: Annotated[
-        float | None,
-        typer.Option(metavar="MB", min=0, max=1000, help="Maximum size of the replays in the page.", show_default="1"),
+        float | None, typer.Option(metavar="MB", help="Maximum size of the replays in the page.", show_default="1")
     ] = None,
     match: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A recorded match to include in the page; may be repeated.")
@@ -38,6 +38,8 @@ def report(
     ] = False,
 ) -> None:
     """Write a report: one HTML file with the standings, charts, and replays to watch."""
+    if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
+        raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if watch:
         if budget is not None or match or output is not None:
             raise ConfigError("--budget, --match and --output must be left out with --watch, which shows every replay")

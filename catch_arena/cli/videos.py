@@ -162,7 +162,7 @@ def clip(
     replay: Recorded,
     *,
     at: Annotated[float, typer.Option(metavar="SECONDS", help="Time in the match that is in the middle of the clip.")],
-    seconds: Annotated[float, typer.Option(metavar="SECONDS", min=0.1, help="Length of the clip.")] = 8.0,
+    seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the clip.")] = 8.0,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the replay")] = None,
     force: Force = False,
     film: Film,
@@ -175,6 +175,8 @@ def clip(
     whole_s = recorded.duration_ms / 1000.0
     if not 0.0 <= at <= whole_s:
         raise ConfigError(f"at must be a time in the match, from 0 to {whole_s:g} s, got {at:g}")
+    if not seconds > 0.0:
+        raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
     drawn = film.arguments()

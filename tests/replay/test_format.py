@@ -379,7 +379,7 @@ def rebuilt(replay: Replay, folder: Path, change) -> bytes:
 )
 @pytest.mark.filterwarnings("ignore:invalid value encountered in cast:RuntimeWarning")  # a NaN is made on purpose
 def test_actions_that_cannot_be_are_refused(mixed, tmp_path, change, reason):
-    """NaN, ranks that nobody sees, commands beyond the limits."""
+    """NaN, ranks beyond the view, commands beyond the limits."""
     assert reason in refusal(rebuilt(mixed, tmp_path, change), tmp_path)
 
 
